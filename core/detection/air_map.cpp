@@ -9,10 +9,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kBeam = 16;             // units of a count
-constexpr int kMostMemory = 1000;     // beams; counts are 16 bits
-constexpr double kMostCells = 1e9;    // of a map
-constexpr double kMostAxis = 4096.0;  // cells along an axis
+constexpr int kBeam = 16;             // counts per beam
+constexpr int kMostMemory = 1000;     // memory limit in beams; counts are 16 bits
+constexpr double kMostCells = 1e9;    // most cells of a map
+constexpr double kMostAxis = 4096.0;  // most cells along an axis
 
 int bits_of_axis(double size_m, double edge_m) {
   const auto cells = static_cast<unsigned>(std::clamp(std::ceil(size_m / edge_m), 1.0, kMostAxis));
@@ -79,7 +79,7 @@ void AirMap::follow(const Vector3& center_m) {
   min_cell_ = min_cell;
 }
 
-// Layers that leave lie, by their indices, where those that enter will.
+// Layers that enter reuse the indices of those that leave, so these are reset.
 void AirMap::forget_layers(int axis, int first, int count) {
   for (int layer = first; layer < first + count; ++layer) {
     Cell low = Cell::Zero(), high = mask_;
@@ -92,12 +92,12 @@ void AirMap::forget_layers(int axis, int first, int count) {
   }
 }
 
-// Amanatides and Woo 1987, from where the ray enters the box to where it leaves it.
+// Ray traversal by Amanatides and Woo 1987, clipped to the box.
 void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   const Eigen::Array3d from = from_m.array() * cells_per_m_, way = to_m.array() * cells_per_m_ - from;
   const Eigen::Array3d low = min_cell_.array().cast<double>(), high = low + mask_.array().cast<double>() + 1.0;
   if (!from.allFinite() || !way.allFinite()) return;
-  constexpr double kInside = 1e-6;  // of a voxel: rounding leads no step out of the box
+  constexpr double kInside = 1e-6;  // margin in voxels: rounding never steps out of the box
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double low_at = low[axis] + kInside - from[axis], high_at = high[axis] - kInside - from[axis];
@@ -111,7 +111,7 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   }
   if (!(enter < leave)) return;
 
-  // Each axis has bits of its own in the index. A step carries from one of them to the next, and wraps.
+  // Each axis has its own bits in the index. A step carries within them and wraps.
   std::size_t field[3], field_step[3];
   const std::size_t field_mask[3] = {field_mask_[0], field_mask_[1], field_mask_[2]};
   double next[3], per_cell[3];
@@ -121,7 +121,7 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
     const std::size_t mask = field_mask[axis], one = mask & (~mask + 1);
     field[axis] =
         fields_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(static_cast<int>(cell) & mask_[axis])];
-    field_step[axis] = forward ? ~mask + one : ~one + 1;  // bits between carry what comes, or lend
+    field_step[axis] = forward ? ~mask + one : ~one + 1;  // carries or borrows pass through the bits of other axes
     per_cell[axis] = still ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
     next[axis] = still ? per_cell[axis] : ((forward ? cell + 1.0 : cell) - from[axis]) / way[axis];
   }

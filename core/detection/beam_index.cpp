@@ -11,13 +11,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kBeamReach_sigma = 2.5;  // beams farther from a target's place than this do not meet it
-constexpr double kAround_rad = 0.1;       // the density of beams is counted so far around
-constexpr double kEnoughShots = 1000.0;   // more say nothing more
-constexpr double kNearest_m = 0.2;        // no target is nearer to the sensor
-constexpr double kLogistic = 1.702;       // slope of the logistic curve that is within 0.01 of the normal distribution
+constexpr double kBeamReach_sigma = 2.5;  // beams farther from a target than this do not hit it
+constexpr double kAround_rad = 0.1;       // radius within which the density of beams is measured
+constexpr double kEnoughShots = 1000.0;   // more shots do not refine the probability
+constexpr double kNearest_m = 0.2;        // least range of a target
+constexpr double kLogistic = 1.702;       // slope of the logistic curve within 0.01 of the normal distribution
 
-// Grows with the azimuth like an angle, from 0 to 4, and costs no arc tangent.
+// Pseudo-angle: grows monotonically with the azimuth from 0 to 4, without an arc tangent.
 double turn_of(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (sum == 0.0) return 0.0;
@@ -29,7 +29,7 @@ int bin_in(double value, double whole, int count) {
   return std::clamp(static_cast<int>(value / whole * count), 0, count - 1);
 }
 
-// Probability that a beam did not end before a surface of uncertain distance.
+// Probability that a beam did not end before a surface of uncertain range.
 double share_that_came_so_far(double range_m, double surface_m, double sigma_m) {
   if (range_m <= 0.0) return 1.0;
   const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, 1e-6);
@@ -81,7 +81,7 @@ void BeamIndex::assign(const LocalCloud& cloud) {
   for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
   beams_.resize(unsorted_.size());
   for (std::size_t i = 0; i < unsorted_.size(); ++i) beams_[starts_[bin_of_[i]]++] = unsorted_[i];
-  for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // back to where bins begin
+  for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // restores the begin of each bin
   starts_[0] = 0;
 }
 
@@ -113,14 +113,14 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
       std::min(1.0, (kBeamReach_sigma * std::sqrt(0.5 * width_sq) + target.radius_m + moves_m) / range_m);
   const double reach_rad = std::max(elementary::asin(reach), kAround_rad);
 
-  // The bins of a cone: rows by height, columns by azimuth.
+  // Bins of a cone: rows by height, columns by azimuth.
   const double elevation = elementary::asin(std::clamp(d.z(), -1.0, 1.0)), pole = 0.5 * std::numbers::pi;
   const double low_z = elevation - reach_rad <= -pole ? -1.0 : elementary::sin(elevation - reach_rad);
   const double high_z = elevation + reach_rad >= pole ? 1.0 : elementary::sin(elevation + reach_rad);
   const int first_row = bin_in(low_z + 1.0, 2.0, kRows), last_row = bin_in(high_z + 1.0, 2.0, kRows);
   const double flat = std::sqrt(d.x() * d.x() + d.y() * d.y()), sine = elementary::sin(std::min(reach_rad, pole));
   int first_turn = 0, num_turn = kTurn;
-  if (sine < 0.7 * flat) {  // the cone is not about a pole
+  if (sine < 0.7 * flat) {  // the cone does not contain a pole
     const double s = sine / flat, c = std::sqrt(1.0 - s * s);
     const int last_turn = bin_in(turn_of(c * d.x() - s * d.y(), c * d.y() + s * d.x()), 4.0, kTurn);
     first_turn = bin_in(turn_of(c * d.x() + s * d.y(), c * d.y() - s * d.x()), 4.0, kTurn);

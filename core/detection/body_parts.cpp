@@ -21,7 +21,7 @@ void BodyParts::begin_sweep() {
   std::erase_if(pairs_, [](const Pair& pair) { return pair.silent_sweeps > kRememberedSweeps; });
 }
 
-// The means of the returns are compared to the returns of the same sweep, so the noise of the pose cancels.
+// The means are compared with returns of the same sweep, so pose noise cancels.
 bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, std::uint32_t id_b,
                       std::span<const Vector3> b_local_m) {
   auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const Pair& other) { return other.is_of(id_a, id_b); });
@@ -30,7 +30,7 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
     pair = pairs_.insert(pairs_.end(), {std::min(id_a, id_b), std::max(id_a, id_b)});
   }
   pair->silent_sweeps = 0;
-  if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and nothing between them
+  if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and no return between them
   const Vector3 from_m = mean_of(a_local_m), way_m = mean_of(b_local_m) - from_m;
   const double in_middle = elementary::log(kMiddleOfOne / kMiddleOfTwo);
   const double beside = elementary::log((1.0 - kMiddleOfOne) / (1.0 - kMiddleOfTwo));

@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-// Not constant, unlike other tables: what optional rooms add is not known here.
+// Not constant, unlike other tables: optional libraries register here.
 std::map<std::string, MakeClusterer, std::less<>>& clusterers() {
   static std::map<std::string, MakeClusterer, std::less<>> table = {
       {"swiftlet", []() -> std::unique_ptr<Clusterer> { return std::make_unique<EuclideanClusters>(); }}};

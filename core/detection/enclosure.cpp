@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-// At the border of the search, which counts as a way out?
+// True at the border of the search, where a cell counts as open air.
 bool at_border(const Cell& offset, const SearchShape& shape, double edge_m) {
   if (shape.octahedron) return offset.cwiseAbs().sum() >= shape.radius_steps - 1;
   return edge_m * edge_m * offset.squaredNorm() >= shape.radius_m * shape.radius_m;
@@ -48,7 +48,7 @@ bool EnclosureSearch::leads_out(const VoxelMap& map, const Cell& start, const Se
   const std::size_t box = static_cast<std::size_t>(width) * width * width;
   if (seen_.size() < box) seen_.assign(box, flood_ = 0);
   ++flood_;
-  const auto see = [&](const Cell& offset) {  // false: has been seen already
+  const auto see = [&](const Cell& offset) {  // false: visited before
     const Cell at = offset.array() + half;
     std::uint32_t& mark = seen_[(static_cast<std::size_t>(at.z()) * width + at.y()) * width + at.x()];
     const bool is_new = mark != flood_;

@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// Edge of a cell in tolerances: a bit less than 1 / sqrt(3), so that any two points of one cell are near each other.
-// Points of cells that are three or more apart along an axis are not.
+// Edge of a cell, as a share of the tolerance: slightly less than 1 / sqrt(3), so that any two points of a cell are
+// near each other. Points of cells three or more apart along an axis are not near.
 constexpr double kCellEdge = 0.577;
 constexpr int kReach = 2;
-// Boxes farther apart than the tolerance times the root of this hold no near points, whatever the rounding.
+// Factor of the squared tolerance beyond which two boxes hold no near points, despite rounding.
 constexpr float kWide = 1.0001F;
 
 constexpr int kAxisBits = 21;
@@ -22,14 +22,14 @@ constexpr std::int64_t kHalfAxis = std::int64_t{1} << (kAxisBits - 1);
 constexpr std::int64_t kRow = std::int64_t{1} << kAxisBits;  // one step along y in a key
 constexpr std::int64_t kLayer = kRow << kAxisBits;           // and along z
 
-/// Number of the point's cell along one axis, or -1 when it is out of reach.
+/// Index of the point's cell along one axis, or -1 when it is out of range.
 std::int64_t axis_cell(float coordinate_m, double cells_per_m) {
   const double cell = std::floor(static_cast<double>(coordinate_m) * cells_per_m);
   if (!(std::abs(cell) < static_cast<double>(kHalfAxis - kReach))) return -1;  // catches NaN too
   return static_cast<std::int64_t>(cell) + kHalfAxis;
 }
 
-/// Stable sort by key, digit by digit; digits that are the same everywhere cost nothing but their histogram.
+/// Stable radix sort by key; digits that are equal everywhere cost only their histogram.
 template <class Keyed>
 void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch) {
   constexpr int kDigitBits = 9, kDigits = 3 * kAxisBits / kDigitBits;
@@ -90,8 +90,8 @@ void EuclideanClusters::fill_cells(std::span<const Eigen::Vector3f> points, doub
   }
 }
 
-// Cells come in order of their keys, so the cells that can be near lie in windows that only move forward: one for
-// each row of cells within reach. Half of the rows do, because nearness is mutual.
+// Cells are sorted by key, so cells that can be near lie in windows that only move forward: one for each row of cells
+// within reach. Half of the rows suffice, because nearness is symmetric.
 void EuclideanClusters::join_cells(std::span<const Eigen::Vector3f> points, float tolerance_m) {
   parents_.resize(cells_.size());
   for (std::uint32_t i = 0; i < parents_.size(); ++i) parents_[i] = i;
@@ -158,7 +158,7 @@ void EuclideanClusters::collect(std::size_t num_points) {
   }
   for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
   members_.resize(starts_.back());
-  labels_.assign(starts_.begin(), starts_.end());  // where the next member of each goes
+  labels_.assign(starts_.begin(), starts_.end());  // index of the next member of each cluster
   for (std::size_t i = 0; i < num_points; ++i) {
     if (cell_of_[i] != kNone) members_[labels_[cell_of_[i]]++] = static_cast<std::uint32_t>(i);
   }

@@ -13,25 +13,28 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kTarget = 0.5;           // what exists with this probability is taken for a target
-constexpr double kLeastExistence = 1e-7;  // what exists with less is forgotten
-constexpr double kGate = 16.0;            // squared statistical distance: 0.999 of three dimensions
-constexpr double kGateMost_m = 8.0;       // no gate is wider
-constexpr double kReach_sigma = 2.5;      // of Sigma_w: background so near may have returned a beam
-constexpr double kRateMemory = 0.95;      // of what is known of a target's returns, from sweep to sweep
-constexpr double kPriorShots = 20.0;      // beams that the expected share of returns is worth
-constexpr double kLeastDetection = 0.02;  // what returned a beam can be seen
-constexpr double kSameSide = 0.1;         // of the variance of a single return: all see the same side of a target
-constexpr double kSilentTarget = 0.1;     // silence may come of what hides a target: it exists with at least this
-constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no target yet
-constexpr double kSizeMemory = 0.998;     // of the size of a body, from sweep to sweep
+constexpr double kTarget = 0.5;           // existence probability from which a hypothesis counts as a target
+constexpr double kLeastExistence = 1e-7;  // existence probability below which a hypothesis is dropped
+constexpr double kGate = 16.0;            // gate of the squared Mahalanobis distance: 0.999 in three dimensions
+constexpr double kGateMost_m = 8.0;       // largest Euclidean gate
+// standard deviations of the attitude within which nearby background may have caused a return
+constexpr double kReach_sigma = 2.5;
+constexpr double kRateMemory = 0.95;      // factor of the weight of past returns in a target's return rate, per sweep
+constexpr double kPriorShots = 20.0;      // weight of the expected share of returns, in beams
+constexpr double kLeastDetection = 0.02;  // least probability of detection of something that returned a beam
+// correlated share of the variance of a single return: all returns come from the same side
+constexpr double kSameSide = 0.1;
+// least existence probability of a former target, which may be silent because it is hidden
+constexpr double kSilentTarget = 0.1;
+constexpr double kUnlikelyLost = 2.0;     // factor of sigma_lost_m for hypotheses that are no targets yet
+constexpr double kSizeMemory = 0.998;     // factor by which the size of a body may shrink per sweep
 constexpr double kSmallest_m = 0.04;      // size of a body whose returns all lie in one place
-constexpr double kMostSize = 1.5;         // times body_m
-constexpr std::size_t kLeastToDoubt = 6;  // returns of a body in a sweep
-constexpr double kNeverSmall = 1e-12;     // prior of a size that nobody asks about
+constexpr double kMostSize = 1.5;         // largest size of a body, as a multiple of body_m
+constexpr std::size_t kLeastToDoubt = 6;  // fewest returns in a sweep that can split a body
+constexpr double kNeverSmall = 1e-12;     // lower bound of the prior of a small object; keeps its log odds finite
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
-constexpr double kMostVoxels = 1000.0;  // of a reach around a point; beyond every map
+constexpr double kMostVoxels = 1000.0;  // largest search radius in voxels; exceeds every map
 
 Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   MeasurementNoise noise;
@@ -41,7 +44,7 @@ Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   return noise.Sigma_w();
 }
 
-// White acceleration of a spectral density q.
+// Constant velocity with white acceleration of spectral density q.
 void predict_state(Hypothesis& h, double dt_s, double q) {
   h.mean.head<3>() += dt_s * h.mean.tail<3>();
   Matrix6 F = Matrix6::Identity();
@@ -116,7 +119,7 @@ void Hypotheses::predict() {
   for (const Hypothesis& h : hypotheses_) exposures_.push_back(exposure_of(h));
 }
 
-// What lies where the background returns beams is background, and goes there at once.
+// Returns where background is expected become background at once; the others are candidates.
 void Hypotheses::find_candidates(const LocalCloud& cloud) {
   candidates_.clear();
   const double limit = config_.background_share;
@@ -138,7 +141,7 @@ void Hypotheses::find_candidates(const LocalCloud& cloud) {
   }
 }
 
-// Each return goes to the nearest target, so that two that fly side by side stay two.
+// Each return goes to the nearest target, so that targets flying side by side stay apart.
 void Hypotheses::take_returns_of_targets(const LocalCloud& cloud) {
   gate_information_.clear();
   spread_.clear();
@@ -171,7 +174,7 @@ void Hypotheses::take_returns_of_targets(const LocalCloud& cloud) {
   }
 }
 
-// What is left is clustered. Each hypothesis takes the cluster that is likeliest its own, the likelier one first.
+// Clusters the remaining candidates. Each hypothesis takes its most likely cluster, the more likely hypotheses first.
 void Hypotheses::take_clusters(const LocalCloud& cloud) {
   loose_m_.clear();
   loose_.clear();
@@ -264,7 +267,7 @@ void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
   h.existence = existence_after(h.existence, h.sight.weigh(h.rate.none(exposure.shots)));
 }
 
-// Of a large body each part begins a hypothesis of its own. Those that are one by their returns are joined.
+// Each part of a large body begins a hypothesis of its own. Joins those whose returns show a single body.
 void Hypotheses::join_parts(const LocalCloud& cloud) {
   parts_.begin_sweep();
   for (std::size_t k = 0; k < hypotheses_.size(); ++k) doubt_body(k);
@@ -289,7 +292,7 @@ void Hypotheses::places_of(std::size_t k, std::vector<Vector3>& places_local_m) 
   for (const std::uint32_t c : returns_of_[k]) places_local_m.push_back(candidates_[c].p_local_m.cast<double>());
 }
 
-// Two targets that were both seen, and may be one body. No other one is nearer to both.
+// True for two targets seen in this sweep that may be one body: no other target is nearer to both.
 bool Hypotheses::are_neighbors(std::size_t i, std::size_t j) const {
   const auto apart_m = [&](std::size_t k, std::size_t l) {
     return (hypotheses_[k].p_local_m() - hypotheses_[l].p_local_m()).norm();
@@ -305,8 +308,8 @@ bool Hypotheses::are_neighbors(std::size_t i, std::size_t j) const {
   return true;
 }
 
-// Is a large body two, after all? Then there is air between its halves, and it is taken for one of usual size. The
-// other one begins anew.
+// Splits a large body when the air between its halves shows two: it returns to the usual size, and the other part
+// begins a new hypothesis.
 void Hypotheses::doubt_body(std::size_t k) {
   Hypothesis& h = hypotheses_[k];
   if (!(h.size_m > 0.0) || returns_of_[k].size() < kLeastToDoubt) return;
@@ -329,7 +332,7 @@ void Hypotheses::doubt_body(std::size_t k) {
   parts_.forget(h.id);
 }
 
-// The older one stays, with the mean of both states and what lies between them.
+// Keeps the older hypothesis, with the mean of both states and the spread between them.
 void Hypotheses::join(const LocalCloud& cloud, std::size_t stays, std::size_t goes) {
   Hypothesis &h = hypotheses_[stays], &other = hypotheses_[goes];
   const Vector6 way = other.mean - h.mean;
@@ -346,7 +349,7 @@ void Hypotheses::join(const LocalCloud& cloud, std::size_t stays, std::size_t go
   keep(h, measurement_of(cloud, returns_of_[stays], h.size_m));
 }
 
-// A cluster in free air that is nobody's may be a new target. All other candidates become background.
+// An unassigned cluster in free air may be a new target. All other candidates become background.
 void Hypotheses::begin(const LocalCloud& cloud) {
   born_.clear();
   for (int cluster = 0; cluster < clusters_.size(); ++cluster) {
@@ -393,11 +396,11 @@ void Hypotheses::begin(const LocalCloud& cloud) {
   hypotheses_.insert(hypotheses_.end(), born_.begin(), born_.end());
 }
 
-// Is it one that was seen before? Each of those that nothing was seen of in this sweep may be here, by its existence
-// and its predicted place. The likeliest of them is weighed against all others and against strangers. Within the gate,
-// its state goes on.
+// Associates a new hypothesis with a former target. Each former target without returns in this sweep may be here, by
+// its existence and predicted position. The most likely one is weighed against all others and against strangers. Within
+// the gate, the new hypothesis continues its state.
 double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
-  /// How one of them meets the measurement.
+  /// Match of one former target with the measurement.
   struct Meeting {
     const Hypothesis* of = nullptr;
     Vector3 off_m;
@@ -434,7 +437,7 @@ double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
   return sum_per_m3;
 }
 
-// An heir that has become a target goes on with the identity, unless the other was seen meanwhile.
+// A new hypothesis that has become a target takes the identity of its former target, unless that was seen meanwhile.
 void Hypotheses::inherit() {
   for (Hypothesis& heir : hypotheses_) {
     if (heir.existence < kTarget) continue;
@@ -457,7 +460,7 @@ void Hypotheses::inherit() {
   }
 }
 
-// Of two that have become the same, the likelier one stays.
+// Removes duplicates: of two hypotheses at one place, the more likely one stays.
 void Hypotheses::merge() {
   std::sort(hypotheses_.begin(), hypotheses_.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.existence != b.existence ? a.existence > b.existence : a.id < b.id;
@@ -495,7 +498,7 @@ void Hypotheses::forget() {
   hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(most), hypotheses_.end());
 }
 
-// A target must not be taken for background because its own returns of the sweeps before lie beside it.
+// Delays learning, so that a target is not taken for background because of its own returns of earlier sweeps.
 void Hypotheses::wait(const Candidate& candidate, std::uint32_t hypothesis) {
   if (num_pending_ == kMostPending) learn_oldest();
   pending_[(first_pending_ + num_pending_++) % kMostPending] = {beams_.middle(), candidate.p_local_m, hypothesis};
@@ -506,7 +509,7 @@ void Hypotheses::learn(TimeNs t) {
   while (num_pending_ > 0 && pending_[first_pending_].t <= before) learn_oldest();
 }
 
-// What turned out to be no target is background, by the probability that it is none.
+// Adds a return to the background by the probability that its hypothesis is no target.
 void Hypotheses::learn_oldest() {
   const Pending& p = pending_[first_pending_];
   const auto h = std::find_if(hypotheses_.begin(), hypotheses_.end(),
@@ -516,8 +519,8 @@ void Hypotheses::learn_oldest() {
   --num_pending_;
 }
 
-// Every n-th beam, other ones in the next sweep. A return may lie nearer by the noise of its pose. A beam that came
-// back from nowhere may have been lost where its neighbors were returned.
+// Clears the air along every n-th beam, alternating between sweeps. A ray ends one voxel before its return, for the
+// noise of the pose; a ray without return ends before the nearest return around it.
 void Hypotheses::clear_air(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const BeamTable& table = *scan.beams;
@@ -569,7 +572,7 @@ void Hypotheses::keep(Hypothesis& h, const Measurement& m) {
   h.reflectivity = m.reflectivity;
 }
 
-/// Variance of single returns, by axis. Over a bar they are spread with 0.29 of its length.
+/// Variance of single returns per axis. On a bar, returns spread with 0.29 of its length.
 double Hypotheses::sampling_sq(double size_m) const {
   const double sigma_m = std::max(config_.target.sigma_sampling_m, 0.25 * size_m);
   return sigma_m * sigma_m;
@@ -582,7 +585,7 @@ Matrix3 Hypotheses::pose_covariance(const Vector3& p_local_m) const {
   return point_covariance(p_lidar_m / range_m, range_m, beams_.R_local_lidar(), Sigma_w_);
 }
 
-/// Voxels that something other than a target returns a beam in, by volume. Amid free air that is little background.
+/// Density of voxels in which something other than a target returns a beam. Free air has little background.
 double Hypotheses::clutter_density_per_m3(const Measurement& m, double beams_per_sr) const {
   const double edge_m = air_.voxel_m();
   const double range_sq = std::max((m.p_local_m - beams_.p_local_lidar_m()).squaredNorm(), edge_m * edge_m);

@@ -35,7 +35,7 @@ void SeparateBackground::look_around(const Cell& size, double distance) {
   if (size == size_ && distance == distance_) return;
   size_ = size;
   distance_ = distance;
-  edge_ = distance * distance >= 3.0 ? 2 : 1;  // the diagonal of a block of two
+  edge_ = distance * distance >= 3.0 ? 2 : 1;  // the diagonal of a block of two cells
   reach_ = static_cast<int>(std::floor((distance + edge_ - 1) / edge_));
   blocks_size_ = (size.array() + edge_ - 1) / edge_ + 2 * reach_;
   numbers_.assign(blocks_size_.cast<std::ptrdiff_t>().prod(), 0);
@@ -63,7 +63,7 @@ void SeparateBackground::look_around(const Cell& size, double distance) {
   }
 }
 
-// In the order of numbers_.
+// Blocks in the order of numbers_.
 void SeparateBackground::collect(const VoxelMap& map) {
   for (const Block& block : blocks_) numbers_[block.at] = 0;
   blocks_.clear();
@@ -98,7 +98,7 @@ void SeparateBackground::collect(const VoxelMap& map) {
   }
 }
 
-// Afterwards the parent of each block is the first one of its cluster.
+// Joins blocks; afterwards the parent of each block is the first one of its cluster.
 void SeparateBackground::join() {
   parents_.resize(blocks_.size());
   for (std::uint32_t i = 0; i < parents_.size(); ++i) {

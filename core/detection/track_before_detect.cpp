@@ -19,7 +19,7 @@ class TrackBeforeDetect : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // What ends comes before what begins; what takes no time does both.
+    // Ends come before begins; a step of zero latency does both.
     end(input.t, output);
     begin(input.t);
     end(input.t, output);

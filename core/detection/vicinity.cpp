@@ -6,14 +6,14 @@
 namespace swiftlet {
 
 void Vicinity::begin(const VoxelGrid& box, double distance_m) {
-  edge_m_ = 1.0001 * std::max(distance_m, box.edge_m);  // whatever the rounding
+  edge_m_ = 1.0001 * std::max(distance_m, box.edge_m);  // margin for rounding
   origin_m_ = box.edge_m * box.min_cell.cast<double>() - Vector3::Constant(edge_m_);
   size_ = (box.edge_m / edge_m_ * box.size.cast<double>()).array().ceil().cast<int>() + 3;
   words_per_row_ = (size_.x() + 63) / 64;
   bits_.assign(static_cast<std::size_t>(size_.y()) * size_.z() * words_per_row_, 0);
 }
 
-// Positive for what is in the box, so that towards 0 is down.
+// Coordinates in the box are positive, so truncation rounds down.
 Cell Vicinity::cell_of(const Eigen::Vector3f& p_m) const {
   return ((p_m.cast<double>() - origin_m_) / edge_m_).cast<int>();
 }

@@ -34,7 +34,7 @@ class VofodDetector : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // What ends comes before what begins; what takes no time does both.
+    // Ends come before begins; a step of zero latency does both.
     end_classification(input.t, output);
     begin_classification(input.t);
     end_classification(input.t, output);
@@ -88,7 +88,7 @@ class VofodDetector : public Detector {
     ++classifications_in_separation_;
   }
 
-  // Rays wait for at least one classification, whose points they must not outweigh.
+  // Ray casting takes effect only after at least one classification, so that rays do not outweigh its points.
   void end_raycasting(TimeNs t) {
     if (!raycasting_.due(t) || classifications_in_raycasting_ == 0) return;
     raycasting_.stop();
@@ -116,12 +116,12 @@ class VofodDetector : public Detector {
   TimeNs next_separation_ = 0;
   Cloud waiting_, classified_;
   int classifications_in_raycasting_ = 0, classifications_in_separation_ = 0;
-  std::vector<Detection> newest_;  // for pictures
+  std::vector<Detection> newest_;  // shown in overlays
   std::uint64_t num_sweeps_ = 0, num_sweeps_passed_over_ = 0;
   std::vector<Counter> prior_counters_;
 };
 
-// Voxels by their confidence, the last scan by class, its detections, and why they are some: the air around them.
+// Voxels by confidence, the last scan by class, its detections, and the free air around them that supports them.
 void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
   const VoxelMap& map = stages_.map();
   const auto begin = [&](const char* name, Overlay::Kind kind, float size_m, std::vector<Overlay::Key> legend) {
@@ -138,7 +138,7 @@ void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
     return map.grid().center_m(map.grid().cell(i)).cast<float>();
   };
 
-  // Translucent: points of the background lie in them.
+  // Translucent, because background points lie inside.
   Overlay tentative = begin("voxels.tentative", Overlay::Kind::kCubes, 0.8F * edge,
                             {{"voxel: tentative occupied", {0.95F, 0.6F, 0.1F, 0.4F}}});
   Overlay confident = begin("voxels.confident", Overlay::Kind::kCubes, 0.8F * edge,

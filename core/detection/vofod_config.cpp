@@ -9,7 +9,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kMaxWindowCells = 2e9;   // voxels of the window are numbered in 32 bits
-constexpr double kWindowMargin_m = 10.0;  // how far the sensor may move in a sweep
+constexpr double kWindowMargin_m = 10.0;  // largest motion of the sensor during a sweep
 constexpr double kMaxReach_voxels = 50.0;
 
 }  // namespace

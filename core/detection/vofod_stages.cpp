@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The released code's map of confidence looks so many voxels beyond a cluster's box.
+// Margin in voxels around a cluster's box in which the released code computes the confidence.
 constexpr int kConfidenceMargin = 2;
 
 MeasurementNoise noise_of(const VofodConfig& config) {
@@ -66,7 +66,7 @@ void VofodStages::classify_then_update(const LocalCloud& cloud, std::vector<Dete
   }
 }
 
-// The released code: points first, those of detections like other unknown ones, then rules B and C.
+// The released code: updates by points first, with detections like other unknown ones, then rules B and C.
 void VofodStages::update_then_classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
   put_aside();
   for (int i = 0; i < clusters_.size(); ++i) {
@@ -83,7 +83,7 @@ void VofodStages::take_samples(const LocalCloud& cloud) {
   if (config_.choices.clustering == VofodChoices::Clustering::kVoxels) samples_.thin_to_voxels(map_.grid());
 }
 
-// Rule A for every cluster before any of them changes the map.
+// Applies rule A to every cluster before any cluster changes the map.
 void VofodStages::find_background() {
   set_background_aside();
   clusters_.compute(samples_.at_local_m, config_.cluster_distance_m);
@@ -93,8 +93,8 @@ void VofodStages::find_background() {
   }
 }
 
-// Most points are near background by themselves, and it does not matter which of their clusters they are in: by rule A
-// it is background. Only those that lie near a point that is not have to be clustered with it.
+// Most points are near background themselves; rule A makes any cluster with them background, so they need no
+// clustering. Only those close to a point that is not near background are clustered with it.
 void VofodStages::set_background_aside() {
   const std::size_t count = samples_.at_local_m.size();
   near_background_.resize(count);
@@ -166,7 +166,7 @@ SearchShape VofodStages::search_shape(const ClusterShape& shape) const {
   return reach;
 }
 
-// The released code's two conditions, the first of which stays true once it was.
+// The released code's two conditions; the first stays true once met.
 bool VofodStages::is_sufficient() {
   if (config_.choices.sufficiency == VofodChoices::Sufficiency::kNone) return true;
   const Cell size = map_.grid().size;
@@ -185,12 +185,12 @@ void VofodStages::put(Members members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], samples_.weight_of(i), g);
 }
 
-// To exactly g, as eq. (17) does with detections.
+// Sets voxels exactly to g, as eq. (17) does for detections.
 void VofodStages::set(Members members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, g);
 }
 
-// What is too large to fly begins the background, or fills it up.
+// Clusters too large to fly begin or extend the background.
 void VofodStages::set_large() {
   for_each_cluster(ClusterClass::kTooLarge, [&](Members members) { set(members, config_.map.g_occupied); });
 }
@@ -219,7 +219,7 @@ Detection VofodStages::make_detection(const LocalCloud& cloud, Members members, 
   return d;
 }
 
-// A voxel stands for all of its points.
+// A voxel represents all of its points.
 double VofodStages::reflectivity(const LocalCloud& cloud, Members members) const {
   float greatest = 0.0F;
   if (config_.choices.clustering == VofodChoices::Clustering::kPoints) {
@@ -234,9 +234,9 @@ double VofodStages::reflectivity(const LocalCloud& cloud, Members members) const
   return greatest;
 }
 
-// How free the surroundings of the cluster that rule B was asked of are: exp(-sum(1 - G / g_free) / voxels) over its
-// box and a margin, its own voxels counting as free. The paper does not say; this is the released code's, which counts
-// voxels, so that an object near by with many points in each is not surer than one far away.
+// Free share of the surroundings of the cluster last searched by rule B: exp(-sum(1 - G / g_free) / voxels) over its
+// box and a margin, with its own voxels as free. Unspecified in the paper; the released code counts voxels, so that a
+// near object with many points per voxel is not more certain than a far one.
 double VofodStages::confidence() const {
   const VoxelGrid& grid = map_.grid();
   Cell first = starts_.front(), last = starts_.front();
@@ -272,7 +272,7 @@ Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, co
 void VofodStages::cast_rays(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const BeamTable& beams = *scan.beams;
-  double beam_offset_m = 0.0;  // beams start a little off the sensor's origin
+  double beam_offset_m = 0.0;  // offset of the beams from the sensor's origin
   for (const Eigen::Vector3f& origin : beams.origins_lidar) {
     if (origin.allFinite()) beam_offset_m = std::max(beam_offset_m, static_cast<double>(origin.norm()));
   }
@@ -331,7 +331,7 @@ void VofodStages::find_separate() {
   }
 }
 
-// Every voxel within d_sep of a center, once.
+// Appends every voxel within d_sep of a center, once.
 void VofodStages::append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells) {
   const int reach = static_cast<int>(config_.separate_distance_m / config_.map.voxel_m);
   const double reach_sq = elementary::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
