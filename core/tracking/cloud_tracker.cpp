@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// Mean of the points, or the center of the box around them, and the diagonal of that box.
+/// Mean of the points, center of the box around them, and the box's diagonal.
 struct Extent {
   Vector3 centroid_m = Vector3::Zero(), box_center_m = Vector3::Zero();
   double diagonal_m = 0.0;
@@ -31,12 +31,12 @@ Extent extent_of(std::span<const std::uint32_t> members, std::span<const Eigen::
   return extent;
 }
 
-/// Where a belief expects its target shortly before or after the time for which it holds.
+/// Predicted position of a target shortly before or after the time of its belief.
 Vector3 position_at(const MotionBelief& belief, TimeNs t_belief, TimeNs t) {
   return belief.position() + belief.velocity() * to_seconds(t - t_belief);
 }
 
-/// -2 log of the density of a difference, but for a constant.
+/// -2 log of the density of a difference, up to a constant.
 double statistical_distance(const Vector3& d, const Matrix3& S) {
   const Eigen::LLT<Matrix3> llt(S);
   const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
@@ -177,7 +177,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
   const double sigma_m = config_.measurement.sigma_initial_m;
   Matrix3 covariance = sigma_m * sigma_m * Matrix3::Identity();
   if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW && buffer_.size() > 0) {
-    // Seen from where the sensor was at the time, or as near to that time as the buffer reaches.
+    // Seen from the sensor's pose at that time, or the nearest pose in the buffer.
     std::size_t i = buffer_.size() - 1;
     while (i > 0 && buffer_[i].stamp() > detection.t) --i;
     covariance = position_covariance(detection.position_m, buffer_[i].T_local_lidar());
@@ -189,8 +189,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
   return target;
 }
 
-/// Counts a detection that was carried to the newest cloud for the track that it belongs to, or makes a new track of
-/// it.
+/// Assigns a detection, propagated to the newest cloud, to its track, or begins a new track.
 void CloudTracker::associate(Target target) {
   Target* similar = nullptr;
   double least_m = std::numeric_limits<double>::infinity();
@@ -228,7 +227,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
       target.t = predicted_[i].t;
       continue;
     }
-    // The cluster was measured at its own time within the sweep.
+    // The time of the cluster is its own within the sweep.
     const Candidate& candidate = candidates_[chosen_[i]];
     const TimeNs t = std::max(target.t, candidate.t);
     filter_->predict(target.state, to_seconds(t - target.t));
@@ -240,7 +239,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
   }
 }
 
-/// Clusters of the points around all predictions that are neither background nor too large.
+/// Finds clusters around all predictions that are neither background nor too large.
 void CloudTracker::find_candidates(std::span<const Target> targets, const BufferedCloud& cloud,
                                    const BackgroundQuery* background) {
   selected_.clear();
@@ -289,7 +288,7 @@ bool CloudTracker::is_background(const Vector3& position_local_m, double size_m,
   return around_.size() > members.size();  // all members are among them
 }
 
-/// For each target the candidate on which it is corrected, or -1.
+/// Assigns to each target the candidate that corrects it, or -1.
 void CloudTracker::assign(std::span<const Target> targets) {
   const bool exclusive = config_.assignment == CloudTrackerConfig::Assignment::kExclusive;
   const std::size_t num = candidates_.size();
@@ -325,8 +324,8 @@ void CloudTracker::assign(std::span<const Target> targets) {
   }
 }
 
-/// Of two tracks that have become the same, the surer one stays (released code; not in the paper). The radii are
-/// bounded, or the growing one of a target behind a tree would swallow its neighbor.
+/// Merges duplicate tracks: the more certain one stays (released code; not in the paper). The radii are bounded, so
+/// that the growing uncertainty of a target behind a tree does not swallow its neighbor.
 void CloudTracker::merge() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     for (std::size_t j = i + 1; j < targets_.size();) {

@@ -12,13 +12,13 @@
 namespace swiftlet {
 namespace {
 
-// Below this, a turn is a straight line to within rounding, and its closed form would divide by zero.
+// Rotation below which a turn counts as a straight line; its closed form would divide by zero.
 constexpr double kLeastTurn_rad = 1e-4;
-// Direction and turn of something slower are noise; faster turns than this are too.
+// Speed below which direction and turn rate are noise, and the largest plausible turn rate.
 constexpr double kLeastSpeed_mps = 0.5;
 constexpr double kGreatestRate_radps = 4.0;
 
-constexpr double kLeastProbability = 1e-6;  // of a mode, so that it can come back
+constexpr double kLeastProbability = 1e-6;  // least probability of a mode; keeps it able to recover
 
 /// [[aI, bI, cI], [0, dI, eI], [0, fI, gI]] on position, velocity, acceleration; the first column is always (I, 0, 0).
 Matrix9 transition(double position_velocity, double position_acceleration, double velocity_velocity,
@@ -34,8 +34,8 @@ Matrix9 transition(double position_velocity, double position_acceleration, doubl
   return A;
 }
 
-/// A P A^T. Coefficient by coefficient: Eigen's product of large matrices, which it takes for 9 x 9 already, would cost
-/// more and want threads.
+/// A P A^T, coefficient by coefficient: Eigen's product for large matrices, used from 9 x 9 on, costs more and may
+/// start threads.
 Matrix9 transformed(const Matrix9& A, const Matrix9& P) {
   const Matrix9 AP = A.lazyProduct(P);
   return AP.lazyProduct(A.transpose());
@@ -111,7 +111,7 @@ class ImmFilter : public MotionFilter {
   static constexpr int kModes = 3;
   static_assert(kModes <= MotionState::kMaxModes);
 
-  // A mode is left at a constant rate, for any of the others alike: its chain has a closed form.
+  // Modes switch at a constant rate, to any other mode alike: the chain has a closed form.
   void mix(MotionState& state, double dt_s) const {
     const double leave_rate = 1.0 / config_.mean_sojourn_s * kModes / (kModes - 1);
     const double stay = 1.0 / kModes + (1.0 - 1.0 / kModes) * elementary::exp(-leave_rate * dt_s);
@@ -214,7 +214,7 @@ Matrix9 constant_acceleration_transition(double dt_s) {
   return transition(dt_s, 0.5 * dt_s * dt_s, 1.0, dt_s, 0.0, 1.0);
 }
 
-// Velocity and acceleration turn at the rate w: a' = -w^2 v.
+// Velocity and acceleration rotate at the rate w: a' = -w^2 v.
 Matrix9 coordinated_turn_transition(double dt_s, double rate_radps) {
   const double w = rate_radps, angle = w * dt_s;
   if (std::abs(angle) < kLeastTurn_rad) return constant_acceleration_transition(dt_s);
@@ -232,14 +232,13 @@ double turn_rate_radps(const Vector9& mean) {
 double correct_belief(MotionBelief& belief, const Vector3& z_local_m, const Matrix3& Z) {
   const Matrix3 S = belief.position_covariance() + Z;
   const Eigen::LLT<Matrix3> llt(S);
-  if (llt.info() != Eigen::Success)
-    return -std::numeric_limits<double>::max();  // a belief that is no Gaussian any more
+  if (llt.info() != Eigen::Success) return -std::numeric_limits<double>::max();  // the belief is no longer Gaussian
   const Vector3 innovation = z_local_m - belief.position();
   // K = P H^T S^-1, of the shape (9 x 3).
   const Eigen::Matrix<double, 9, 3> PHt = belief.covariance.leftCols<3>();
   const Eigen::Matrix<double, 9, 3> K = llt.solve(PHt.transpose()).transpose();
   belief.mean += K * innovation;
-  // Joseph's form stays positive whatever the rounding.
+  // Joseph form: stays positive despite rounding.
   Matrix9 I_KH = Matrix9::Identity();
   I_KH.leftCols<3>() -= K;
   const Matrix9 P = transformed(I_KH, belief.covariance) + (K * Z).lazyProduct(K.transpose());

@@ -32,7 +32,7 @@ void add_line(Overlay& lines, const Eigen::Vector3f& a, const Eigen::Vector3f& b
   lines.colors.push_back(color);
 }
 
-/// Along the acceleration for as long as the speed does not turn round: a parabola far ahead is fiction.
+/// Predicted position: accelerated for at most 0.5 s, then at constant velocity.
 Vector3 ahead(const Track& track, double dt_s) {
   const double accelerated_s = std::min(dt_s, 0.5);
   const Vector3 v = track.velocity_mps + track.acceleration_mps2 * accelerated_s;
@@ -40,7 +40,7 @@ Vector3 ahead(const Track& track, double dt_s) {
          0.5 * track.acceleration_mps2 * accelerated_s * accelerated_s + v * (dt_s - accelerated_s);
 }
 
-/// The ellipsoid of `kSigmas` standard deviations, by its cuts through the planes of its axes.
+/// Ellipsoid of `kSigmas` standard deviations, as its sections in the planes of its axes.
 void add_ellipsoid(Overlay& lines, const Track& track) {
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(track.covariance.topLeftCorner<3, 3>());
   if (solver.info() != Eigen::Success) return;
@@ -92,7 +92,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
     lines.legend.push_back({"track " + std::to_string(track.id), color});
     balls.positions.push_back(track.position_m.cast<float>());
     balls.colors.push_back(color);
-    // Ahead in dashes.
+    // Prediction as dashes.
     for (double t = 0.0; t < kAhead_s; t += 2.0 * kAheadStep_s)
       add_line(lines, ahead(track, t).cast<float>(), ahead(track, t + kAheadStep_s).cast<float>(), color);
     add_ellipsoid(ellipses, track);

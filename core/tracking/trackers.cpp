@@ -29,7 +29,7 @@ class CloudTrackerModule : public Tracker {
   void append_counters(std::vector<Counter>& counters) const override { tracker_.append_counters(counters); }
 
  private:
-  std::string sensor_;  // from the first cloud on, when none is configured
+  std::string sensor_;  // sensor of the first cloud when none is configured
   CloudTracker tracker_;
 };
 
@@ -42,7 +42,7 @@ class DetectorTracks : public Tracker {
   }
 };
 
-/// A filter for each neighbor whose sensor tells its place.
+/// A filter for each neighbor whose position a sensor reports.
 class GroundTruthTracker : public Tracker {
  public:
   explicit GroundTruthTracker(const GroundTruthTrackerConfig& config)
@@ -74,7 +74,7 @@ class GroundTruthTracker : public Tracker {
     Vector3 measured_m = Vector3::Zero();  // the newest sample
     Matrix3 measured_covariance = Matrix3::Identity();
   };
-  // An ideal sensor's covariance is none; the filter needs one.
+  // Lower bound of the measurement sigma; an ideal sensor reports none.
   static constexpr double kLeastSigma_m = 1e-3;
 
   void take_in(const NeighborSample& sample, const Pose& T_local_body) {
@@ -113,7 +113,7 @@ class GroundTruthTracker : public Tracker {
 
   GroundTruthTrackerConfig config_;
   std::unique_ptr<MotionFilter> filter_;
-  std::vector<Target> targets_;  // by id
+  std::vector<Target> targets_;  // ordered by id
 };
 
 }  // namespace
