@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// A point for each return, or for each beam; finish(point, beam) fills in what is not the place.
+/// A point for each return, or for each beam; finish(point, beam) fills the fields beside the position.
 template <class Point, class Finish>
 pcl::PointCloud<Point> cloud_of(const Scan& scan, PclLayout layout, const Finish& finish) {
   ENSURE(scan.range_m.size() == static_cast<std::size_t>(scan.size()), scan.range_m.size(), scan.size());
@@ -32,7 +32,7 @@ pcl::PointCloud<Point> cloud_of(const Scan& scan, PclLayout layout, const Finish
     cloud.height = scan.rows();
   }
   cloud.header.frame_id = scan.sensor;
-  cloud.header.stamp = static_cast<std::uint64_t>(scan.stamp / 1000);  // microseconds, as PCL counts
+  cloud.header.stamp = static_cast<std::uint64_t>(scan.stamp / 1000);  // microseconds, as in PCL
   return cloud;
 }
 

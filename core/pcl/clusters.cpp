@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instantiated here: a program that needs clusters loads libpcl_common, not the eight libraries behind
+// Instantiated here, so that a program with clusters loads libpcl_common only, not the eight libraries behind
 // libpcl_segmentation.
 #define PCL_NO_PRECOMPILE
 #include "swiftlet/core/pcl/clusters.hpp"
@@ -25,7 +25,7 @@ class PclClusterer : public Clusterer {
     for (std::uint32_t i = 0; i < points_m.size(); ++i) {
       if (points_m[i].allFinite()) finite_.push_back(static_cast<int>(i));
     }
-    if (finite_.empty()) return;  // PCL's tree refuses to be empty
+    if (finite_.empty()) return;  // PCL's tree rejects empty clouds
     const auto cloud = to_pcl(points_m).makeShared();
     const auto indices = std::make_shared<pcl::Indices>(finite_);
     const auto tree = std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>(false);

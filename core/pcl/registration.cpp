@@ -12,7 +12,7 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-// Fewer points than this determine no pose.
+// Fewest points that determine a pose.
 constexpr std::size_t kLeastPoints = 6;
 
 Cloud::Ptr finite_cloud(std::span<const Eigen::Vector3f> points_m) {
@@ -23,7 +23,7 @@ Cloud::Ptr finite_cloud(std::span<const Eigen::Vector3f> points_m) {
   return cloud;
 }
 
-/// PCL's pose is single-precision: its rotation is made one again.
+/// Normalizes the rotation of PCL's single-precision pose.
 Pose pose_of(const Eigen::Matrix4f& matrix) {
   const Eigen::Matrix4d m = matrix.cast<double>();
   return make_pose(m.topRightCorner<3, 1>(), Eigen::Quaterniond(Matrix3(m.topLeftCorner<3, 3>())).normalized());
