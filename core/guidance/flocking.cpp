@@ -283,7 +283,7 @@ void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
   v.field("least_persistence", least_persistence, "[-] least persistence of a path that is followed",
           Range::probability());
-  v.object("neighbors", neighbors, "where the neighbors are known from");
+  v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "obstacles");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
@@ -301,7 +301,7 @@ void MezeyConfig::visit(ConfigVisitor& v) {
   v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
   v.field("body_radius_m", body_radius_m, "[m] size in which neighbors are seen", Range::positive());
   v.field("retina_pixels", retina_pixels, "[-] number of pixels of the projection field", Range::between(8, 100000));
-  v.object("neighbors", neighbors, "where the neighbors are known from");
+  v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "obstacles");
 }
 

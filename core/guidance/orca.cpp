@@ -169,7 +169,7 @@ void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
   v.field("planar", planar, "[-] at the goal's height, avoiding level");
-  v.object("neighbors", neighbors, "where the neighbors are known from");
+  v.object("neighbors", neighbors, "source of the neighbors");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

@@ -44,7 +44,7 @@ constexpr double kSameHeight_m = 0.3;  // evades upwards unless the neighbor is 
 constexpr double kWatch_s = 3.0;
 // Time for which the vehicle keeps its own pledge, beyond two samples and lost ones.
 constexpr double kPledged_s = 1.0;
-constexpr double kLookAround = 2.0;  // waiting time before the start, in longest sample intervals
+constexpr double kLookAround = 2.0;      // waiting time before the start, in longest sample intervals
 constexpr double kSeldom_s = 0.5;        // shorter sample intervals do not delay the start
 constexpr double kAims_m = 1.0;          // distance of the goal on a straight part of the detour, in view
 constexpr double kUnseen_m = 0.2;        // same out of view: up or down
@@ -697,7 +697,7 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
   v.object("separation", separation, "braking planes, pledges and evasion beyond the cells of the document");
-  v.object("neighbors", neighbors, "where the neighbors are known from");
+  v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "obstacles");
   // With a map the vehicle keeps clear of what is at its goal, and reports it (settle_s).
   if (variant != Variant::k2d && !lidar.enabled) v.destinations("goal_m", goal_m);

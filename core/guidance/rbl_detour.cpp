@@ -275,7 +275,8 @@ void RblDetourConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
           Range::between(0.0, 1000.0));
-  v.field("retry_after_s", retry_after_s, "[s] from one search without a path to the next", Range::non_negative());
+  v.field("retry_after_s", retry_after_s, "[s] delay after a search without a path before the next one",
+          Range::non_negative());
   v.field("retries", retries, "[-] further searches without a path before the mission has failed",
           Range::between(0, 1e6));
   v.object("planner", planner, "limits and search of the path");

@@ -11,20 +11,20 @@ namespace swiftlet {
 namespace {
 
 constexpr double kOverRelaxation = 1.6;
-constexpr int kCheckEvery = 10;      // iterations
-constexpr int kWallRounds = 2;       // of projections onto the walls of a step, one after the other
-constexpr double kUnbalanced = 4.0;  // residuals that differ by more change rho
+constexpr int kCheckEvery = 10;      // iterations between checks of the residuals
+constexpr int kWallRounds = 2;       // rounds of successive projections onto the walls of a step
+constexpr double kUnbalanced = 4.0;  // ratio of the residuals beyond which rho changes
 constexpr double kGreatestChange = 10.0;
-constexpr double kGreatestRho = 1e8;  // and its inverse is the least
-constexpr double kFirstRho = 5.0;     // as a share of the costs' scale
-// Of each block's rho. With these, 80 iterations end within 0.5 % of the least cost and 1 % of the limits.
+constexpr double kGreatestRho = 1e8;  // upper bound of rho; its inverse is the lower one
+constexpr double kFirstRho = 5.0;     // first rho in relation to the scale of the cost
+// Weight of each block's rho. With these, 80 iterations end within 0.5 % of the least cost and 1 % of the limits.
 constexpr double kBlockWeight[] = {0.3, 1.0, 4.0, 0.1};
 
 Eigen::Map<const Vector3> along(const std::array<double, 3>& per_unit) {
   return Eigen::Map<const Vector3>(per_unit.data());
 }
 
-/// Onto a disc of radius 1 in the plane and an interval of 1 along the vertical.
+/// Projects onto a disc of radius 1 in the plane and an interval of 1 along the vertical.
 void project_to_unit(auto&& row) {
   const double length_sq = row[0] * row[0] + row[1] * row[1];
   if (length_sq > 1.0) {
@@ -35,7 +35,7 @@ void project_to_unit(auto&& row) {
   row[2] = std::clamp(row[2], -1.0, 1.0);
 }
 
-/// Exact for one wall or walls at right angles, and near it for others.
+/// Projection onto the walls; exact for one wall or walls at right angles, approximate for others.
 Vector3 projected_to_walls(Vector3 p_m, const ChaseAim& aim) {
   for (int round = 0; round < kWallRounds; ++round) {
     for (int i = 0; i < aim.num_walls; ++i) {
@@ -50,10 +50,11 @@ Vector3 projected_to_walls(Vector3 p_m, const ChaseAim& aim) {
 }  // namespace
 
 void ChaseMpcConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] of the solver, at most", Range::between(1, 100000));
-  v.field("tolerance", tolerance, "[-] it stops when limits are kept to this share of them", Range::positive());
-  v.field("jerk_weight", jerk_weight, "[m^2] what full jerk costs, as a squared distance", Range::positive());
-  v.field("wall_weight", wall_weight, "[1/m^2] of a squared distance beyond a wall", Range::positive());
+  v.field("iterations", iterations, "[-] largest number of iterations of the solver", Range::between(1, 100000));
+  v.field("tolerance", tolerance, "[-] violation of the limits, as a share of them, at which the solver stops",
+          Range::positive());
+  v.field("jerk_weight", jerk_weight, "[m^2] cost of full jerk, as a squared distance", Range::positive());
+  v.field("wall_weight", wall_weight, "[1/m^2] weight of squared distances beyond a wall", Range::positive());
 }
 
 ChaseMpc::ChaseMpc(const ChaseMpcConfig& config, const MotionLimits& limits, int num_steps)
@@ -92,7 +93,7 @@ void ChaseMpc::solve(const PointState& start, std::span<const ChaseAim> aims, do
     project(aims);
     if (used % kCheckEvery != 0) continue;
     if (primal_ < config_.tolerance && dual_ < config_.tolerance) break;
-    // Ever more rarely: only with a rho that stays does the method converge.
+    // At growing intervals: the method converges only with constant rho.
     if (used < next_change) continue;
     next_change *= 2;
     if (change_rho()) factor();
@@ -100,7 +101,7 @@ void ChaseMpc::solve(const PointState& start, std::span<const ChaseAim> aims, do
   residual_ = primal_;
   warm_ = true;
 
-  // What is flown keeps the jerk's limit to the last bit.
+  // The projected jerks keep their limit exactly.
   states_[0] = start;
   for (int k = 0; k < num_steps_; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -126,14 +127,14 @@ void ChaseMpc::set_up(const PointState& start, std::span<const ChaseAim> aims, d
   step_s_ = h;
   for (int k = 0; k < n; ++k) {
     for (int i = 0; i <= k; ++i) {
-      const double j = k - i;  // whole steps between
+      const double j = k - i;  // whole steps in between
       position_of_(k, i) = h * h * h / 6.0 * (1.0 + 3.0 * j + 3.0 * j * j);
       velocity_of_(k, i) = 0.5 * h * h * (2.0 * j + 1.0);
       acceleration_of_(k, i) = h;
     }
   }
 
-  // Without any jerk, and what is missing to the aim then.
+  // Motion without jerk, and its deviation from the aim.
   has_walls_ = false;
   Columns missing_p(n, 3), missing_v(n, 3);
   Column weight(n), velocity_weight(n);
@@ -211,7 +212,7 @@ void ChaseMpc::update_jerks() {
   if (has_walls_) blocks_[kPosition].value += blocks_[kPosition].free;
 }
 
-// The products with position_of_, velocity_of_ and acceleration_of_, as sums of sums.
+// Products with position_of_, velocity_of_ and acceleration_of_, as cumulative sums.
 void ChaseMpc::respond(Columns& position, Columns& velocity, Columns& acceleration) const {
   const double h = step_s_;
   std::array<double, 3> p{}, v{}, a{};
@@ -229,7 +230,7 @@ void ChaseMpc::respond(Columns& position, Columns& velocity, Columns& accelerati
   }
 }
 
-// And those with their transposes, backward in time.
+// Products with their transposes, backward in time.
 void ChaseMpc::add_adjoint(const Columns& of_position, const Columns& of_velocity, const Columns& of_acceleration,
                            Columns& sum) const {
   const double h = step_s_;
@@ -271,7 +272,7 @@ void ChaseMpc::project(std::span<const ChaseAim> aims) {
   }
 }
 
-/// Keeps both residuals of one size; the multipliers are per rho.
+/// Changes rho to balance the residuals; the multipliers are scaled by 1 / rho.
 bool ChaseMpc::change_rho() {
   double multiplier = 0.0;
   for (const Block& block : blocks_) multiplier = std::max(multiplier, block.multiplier.cwiseAbs().maxCoeff());

@@ -7,11 +7,11 @@
 namespace swiftlet {
 namespace {
 
-// A plan that is a little slower than the limits is one that the reference governor follows as it is.
+// Plans use slightly less than the limits, so that the reference governor follows them unchanged.
 constexpr double kShareOfLimits = 0.985;
-constexpr double kStepGrain_s = 0.0125;   // so that successive plans have steps of one length, mostly
-constexpr double kBeyondMeeting = 1.3;    // the horizon, by the time to go
-constexpr double kMeetingGrain_s = 0.05;  // of the time to go
+constexpr double kStepGrain_s = 0.0125;   // grain of the step length, so that successive plans mostly have equal steps
+constexpr double kBeyondMeeting = 1.3;    // horizon in multiples of the time to go
+constexpr double kMeetingGrain_s = 0.05;  // resolution of the time to go
 constexpr double kCrossingGrain_s = 0.025;
 
 MotionLimits slower(MotionLimits limits) {
@@ -23,7 +23,8 @@ MotionLimits slower(MotionLimits limits) {
   return limits;
 }
 
-/// How far a velocity can be left behind within a time: full acceleration, once full jerk has built it up.
+/// Displacement from the motion at constant velocity that is reached within a time, with full acceleration after its
+/// build-up at full jerk.
 double way_by_m(double t_s, double acceleration, double jerk) {
   const double pushed_s = std::max(0.0, t_s - 0.5 * acceleration / jerk);
   return 0.5 * acceleration * pushed_s * pushed_s;
@@ -54,14 +55,14 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
     const PointState then = target.at(t_s);
     ChaseAim& aim = aims_[static_cast<std::size_t>(k)];
     aim.p_m = then.p_m - to_target_local_m;
-    // A disc catches what goes through it: it stays on its side until the target is amid it.
+    // A disc catches what passes through it: it stays on its side until the target is within its radius.
     const double above_m = crossing ? config_.crossing_mps * (*crossing - t_s) : config_.hold_m;
     aim.p_m.z() += side * std::clamp(above_m, -config_.through_m, config_.hold_m);
     aim.v_mps = then.v_mps;
     const bool meets = t_s >= meeting_s && t_s < meeting_s + std::max(config_.meeting_s, 1.01 * step_s);
     aim.weight = t_s < meeting_s ? config_.weight_before : meets ? 1.0 : config_.weight_after;
     aim.velocity_weight = meets ? config_.velocity_weight : 0.0;
-    // Walls matter where the vehicle will be: on its last plan, else on the straight way.
+    // Walls are needed where the vehicle will be: on its last plan, else on the straight line.
     const Vector3 there =
         planned_ && t_s + since_last_s < n * last_step_s
             ? mpc_.at(t_s + since_last_s).p_m
@@ -72,8 +73,8 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
   planned_ = true;
 }
 
-/// When the disc shall go through the target's height: while the target is amid the disc, in the plane, as the last
-/// plan flies on. Nothing: it will not be.
+/// Time at which the disc crosses the target's height: while the target is within its radius in the plane, if the last
+/// plan is flown on. Empty: the target is never within reach.
 std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, const Vector3& to_target_m,
                                                double since_last_s) {
   amid_for_s_ = planned_ ? amid_for_s_ + since_last_s : 0.0;
@@ -94,8 +95,8 @@ std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, c
   return *enters_s + std::min(0.5 * (leaves_s - *enters_s), config_.crossing_delay_s);
 }
 
-/// A bound: speed along the whole way and acceleration from the present velocity must both suffice. Beyond the longest
-/// horizon the speed alone tells.
+/// Lower bound: speed along the whole path and acceleration from the present velocity must both suffice. Beyond the
+/// longest horizon only the speed counts.
 double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction& target,
                                   const Vector3& to_target_m) const {
   const int steps = static_cast<int>(config_.horizon_max_s / kMeetingGrain_s);

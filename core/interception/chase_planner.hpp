@@ -10,24 +10,24 @@
 
 namespace swiftlet {
 
-/// Plans how the vehicle comes to where the target will be. Local frame.
+/// Plans the motion of the vehicle to the predicted target. Local frame.
 class ChasePlanner {
  public:
-  /// @param reach_m  they meet when the target is this near to the middle of the net, in the plane
+  /// @param reach_m  horizontal distance of the target from the net's center within which they meet
   ChasePlanner(const ChasePlanConfig& config, const MotionLimits& limits, double reach_m);
 
-  /// @param to_target_local_m  from where the vehicle shall be to where the target is then
+  /// @param to_target_local_m  displacement from the vehicle's goal to the target at that time
   /// @param side               1: the net comes from above the target, -1: from below; 0: from anywhere
-  /// @param since_last_s       how long ago the last plan was made
+  /// @param since_last_s       time since the last plan
   void plan(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m, double side,
             const Surroundings& surroundings, double since_last_s);
-  /// The next plan has nothing to do with the last one.
+  /// Discards the last plan: the next one starts cold.
   void forget();
-  /// Some time after the plan was made.
+  /// State of the plan at a time after it was made.
   PointState at(double t_s) const { return mpc_.at(t_s); }
   double horizon_s() const { return mpc_.num_steps() * mpc_.step_s(); }
   double time_to_go_s() const { return time_to_go_s_; }
-  /// How soon they can meet at the earliest, as far as speed and acceleration tell.
+  /// Lower bound of the time to the meeting, by speed and acceleration.
   double least_time_s(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m) const;
 
  private:
@@ -40,7 +40,7 @@ class ChasePlanner {
   ChaseMpc mpc_;
   std::array<ChaseAim, ChaseMpc::kMaxSteps> aims_;
   double time_to_go_s_ = 0.0;
-  double amid_for_s_ = 0.0;  // the target has been amid the net, in the plane
+  double amid_for_s_ = 0.0;  // time for which the target has been within reach in the plane
   bool planned_ = false;
 };
 

@@ -12,15 +12,19 @@ namespace {
 
 using Word = ChaseReport::Word;
 
-constexpr double kSilent_s = 1.0;                                         // an older report says nothing
-constexpr double kShortest_s = 0.01, kLongest_s = 10.0;                   // between places that somebody means
-constexpr double kLatest_s = 1e4, kFarthest_m = 1e6, kFastest_mps = 1e3;  // that somebody means
-constexpr double kSay_s = 0.1;                                            // from report to report
-constexpr double kLeadHold_s = 0.3;                                       // who leads is overtaken by more than this
-constexpr double kSeenAt_m = 2.5, kIs_m = 1.0;  // a track this near to a fellow is of it; also that of the target
-constexpr double kLeaderShare = 0.5;            // of the clearance is what a leader keeps from those who yield
+constexpr double kSilent_s = 1.0;  // age beyond which a report is ignored
+// Plausible interval between path points in a report; reports with other intervals are rejected.
+constexpr double kShortest_s = 0.01, kLongest_s = 10.0;
+// Bounds of plausible times, coordinates and velocities in a report.
+constexpr double kLatest_s = 1e4, kFarthest_m = 1e6, kFastest_mps = 1e3;
+constexpr double kSay_s = 0.1;       // period of reports
+constexpr double kLeadHold_s = 0.3;  // advantage in arrival time that another interceptor needs to take the lead
+// Distance between a report and a track up to which the track is that interceptor, for any track and for the own
+// target's.
+constexpr double kSeenAt_m = 2.5, kIs_m = 1.0;
+constexpr double kLeaderShare = 0.5;  // share of the clearance that a leader keeps from yielding interceptors
 
-/// A radio brings whatever anybody sends.
+/// Rejects implausible reports, since a radio may deliver anything.
 bool makes_sense(const ChaseReport& report) {
   const auto is_near = [](const auto& p_m) { return p_m.cwiseAbs().maxCoeff() < kFarthest_m; };
   return !report.places.empty() && report.interval_s >= kShortest_s && report.interval_s <= kLongest_s &&
@@ -108,7 +112,7 @@ void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
   for (std::size_t i = 0; i < fellows_.size(); ++i) {
     const Fellow& fellow = fellows_[i].fellow;
     if (!fellows_[i].fresh || !fellow.same_target || !fellow.chases()) continue;
-    // Who leads has come nearer since it said so; who yields has not.
+    // A leader has come nearer since its report, a yielding interceptor has not.
     const bool led = fellow.word == Word::kLeads;
     const double its_s = rank_s(fellow.arrival_s - (led ? to_seconds(now - fellow.t) : 0.0), led);
     const auto id = static_cast<VehicleId>(i);

@@ -6,9 +6,10 @@
 namespace swiftlet {
 
 void GeofenceConfig::visit(ConfigVisitor& v) {
-  v.field("min_m", min_m, "[m] least corner, world; its height keeps vehicle and net off the ground");
-  v.field("max_m", max_m, "[m] greatest corner");
-  v.field("patience_s", patience_s, "[s] a target that stays outside for longer is given up", Range::non_negative());
+  v.field("min_m", min_m, "[m] lowest corner, world; its height keeps vehicle and net off the ground");
+  v.field("max_m", max_m, "[m] highest corner, world");
+  v.field("patience_s", patience_s, "[s] time outside the fence after which a target is given up",
+          Range::non_negative());
   v.check((max_m.array() > min_m.array()).all(), "max_m", "more than min_m in each direction");
 }
 

@@ -14,16 +14,17 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kCheckStep_s = 0.01;              // of what is tried before it is flown
-constexpr double kLook_s = 0.2;                    // a search looks this often
-constexpr double kThink_s = 1.0;                   // and goes elsewhere this often
-constexpr double kGreatestBias_m = 0.5;            // between reference and estimate
-constexpr double kShortestToFace_m = 1.0;          // nearer than this, a direction is noise
-constexpr double kSameTarget_mps = 3.0;            // and farther for each second that it was not seen
-constexpr double kSecondTrack_m = 2.5;             // a track this near to the target's is of the same target
-constexpr double kAboveBy = 0.8, kBesideBy = 1.7;  // of the distance that it keeps to the target
-constexpr double kHighAbove_m = 1000.0;            // as high as the fence allows
-constexpr double kReachShare = 0.8;                // of the radius within which a target is believed to be caught
+constexpr double kCheckStep_s = 0.01;      // step of the simulated motion that is checked before it is flown
+constexpr double kLook_s = 0.2;            // period of updates of a search
+constexpr double kThink_s = 1.0;           // period of new goals of a search
+constexpr double kGreatestBias_m = 0.5;    // limit by axis of the difference between estimate and reference
+constexpr double kShortestToFace_m = 1.0;  // shorter displacements give no heading
+constexpr double kSameTarget_mps = 3.0;    // growth of the gate kSameTarget_m with the time without a track
+constexpr double kSecondTrack_m = 2.5;     // tracks within this distance of the target's belong to the same target
+// Height above the target from which it is approached directly, and lateral offset below that, in target_clearance_m.
+constexpr double kAboveBy = 0.8, kBesideBy = 1.7;
+constexpr double kHighAbove_m = 1000.0;  // climb after the last capture, limited by the fence
+constexpr double kReachShare = 0.8;      // share of the radius of a sure capture within which plans meet the target
 constexpr double kSameHeight_m = 0.05;
 constexpr double kNoSide_m = 0.05;
 /// Time since the last measurement of the target within which a track that meets `sure_share` of the net is a capture.
@@ -33,11 +34,11 @@ constexpr double kSureFor_s = 0.5;
 constexpr double kPreciseFor_s = 1.0;
 /// Standard deviations of the track inside the rim, and inside the top and bottom, at which a capture is believed.
 constexpr double kInsideRimSigmas = 2.0, kInsideHeightSigmas = 1.0;
-constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a target that another one sees
+constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a reported target
 constexpr double kLeadInVain_s = 6.0, kTired_s = 4.0;
 constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
-constexpr int kPathParts = 5;         // steps of the governor from place to place of a path that is told
-constexpr double kSlowest_mps = 0.5;  // slower than this, a velocity tells no direction
+constexpr int kPathParts = 5;         // steps of the governor between points of a reported path
+constexpr double kSlowest_mps = 0.5;  // slower velocities give no direction
 
 class Intercept : public Guidance {
  public:
@@ -103,7 +104,7 @@ class Intercept : public Guidance {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
       throw std::invalid_argument("guidance intercept: target: expected the name of a vehicle, found '" + name + "'");
-    return static_cast<std::uint32_t>(found - names.begin()) + 1;  // as the tracker `ground_truth` numbers them
+    return static_cast<std::uint32_t>(found - names.begin()) + 1;  // numbering of the tracker `ground_truth`
   }
 
   void start(const StateEstimate& estimate) {
@@ -127,7 +128,7 @@ class Intercept : public Guidance {
     bias_local_m_ = bias_m.cwiseMax(-kGreatestBias_m).cwiseMin(kGreatestBias_m);
   }
 
-  /// The track of the target and its prediction; everybody else is a bystander.
+  /// Finds the target's track and its prediction; all other tracks become bystanders. True if there is a track.
   bool find_target(const GuidanceInput& input) {
     const Track* best = nullptr;
     double least_m = std::numeric_limits<double>::infinity();
@@ -135,7 +136,7 @@ class Intercept : public Guidance {
       if (to_seconds(now_ - track.t) > config_.track_timeout_s) continue;
       if (config_.target.empty() ? team_.is_fellow(track.id) : track.id != target_id_) continue;
       double distance_m = (track.position_m - p_local_m_).norm();
-      // Of several targets, everybody takes one of which nobody else is the first.
+      // Targets that no other interceptor leads come first.
       const bool is_free = config_.target.empty() && !team_.is_led(track.position_m, now_);
       if (config_.target.empty() && had_target_) {
         const double gone_s = to_seconds(now_ - seen_);
@@ -274,11 +275,11 @@ class Intercept : public Guidance {
     planner_.forget();
     mode_ = mode;
     in_mode_s_ = 0.0;
-    since_check_s_ = config_.period_s;  // think at once
+    since_check_s_ = config_.period_s;  // plan at once
   }
 
   void lose() {
-    // Where it was when it was last seen, and how well that was known.
+    // Last known state of the target and its uncertainty.
     last_net_m_.reset();
     search_.begin(target_.at(0.0), std::max(0.5, target_.sigma_m(0.0)), 1.0);
     since_look_s_ = since_think_s_ = 0.0;
@@ -287,7 +288,7 @@ class Intercept : public Guidance {
     enter(Mode::kSearching);
   }
 
-  /// It was another interceptor.
+  /// The target was another interceptor.
   void forget_target() {
     had_target_ = false;
     last_net_m_.reset();
@@ -299,10 +300,10 @@ class Intercept : public Guidance {
     enter(Mode::kGaveUp);
   }
 
-  /// With `target`, only that vehicle's track tells.
+  /// An interceptor that sees a target. With `target` set, only that vehicle's track counts.
   const Fellow* who_sees() const { return config_.target.empty() ? team_.chasing(p_local_m_, now_) : nullptr; }
 
-  /// What one cannot see, another one may.
+  /// Searches where another interceptor sees its target.
   void go_where_told(const Fellow& fellow) {
     const PointState told = fellow.target_at(now_);
     search_.begin(told, kTold_m, kTold_mps);
@@ -331,8 +332,8 @@ class Intercept : public Guidance {
 
   bool chases() const { return mode_ == Mode::kChasing || mode_ == Mode::kLeaving; }
 
-  /// Who can be there first leads. Who has led for long in vain lets others try: something that it cannot see in its
-  /// time to go keeps it off.
+  /// The interceptor with the earliest arrival leads. A leader without a capture for long adds to its arrival time, so
+  /// that others try: it may be held off by what its estimate does not model.
   void divide_task() {
     const double change_s = team_.leads() && chases() ? since_check_s_ : -since_check_s_;
     led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kLeadInVain_s + kTired_s);
@@ -357,7 +358,7 @@ class Intercept : public Guidance {
     team_.tell(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
   }
 
-  /// Where the vehicle will be, as far as it knows now.
+  /// Predicted path of the vehicle from its present plan.
   PathAhead path_ahead() {
     const double yaw_rad = yaw_rad_;
     ReferenceGovernor tried = governor_;
@@ -373,7 +374,7 @@ class Intercept : public Guidance {
     return path;
   }
 
-  /// Tries what it would do until it thinks again, and brakes instead when it could not stop in time after that.
+  /// Simulates the next period and brakes instead if the vehicle could not stop in time after it.
   void plan() {
     const double since_last_s = since_check_s_;
     since_check_s_ = 0.0;
@@ -390,21 +391,21 @@ class Intercept : public Guidance {
     brakes_ = !can_stop(tried, surroundings_, config_.period_s, allowed_m);
   }
 
-  /// From where the reference shall be to the target, so that the vehicle's net meets it.
+  /// Displacement from the reference's goal to the target at which the net meets the target.
   Vector3 to_target_m() const {
     const Vector3 offset_m = config_.net.center(Vector3::Zero(), governor_.state().yaw_rad);
     const PointState target = target_.at(0.0);
     return offset_m + bias_local_m_ - beside_m(target, offset_m);
   }
 
-  /// On which side of the target the net is; a volume catches from any.
+  /// Side of the target on which the net is, 1: above; 0 for a volume, which catches from any side.
   double side() {
     const double above_m = net_m().z() - target_.at(0.0).p_m.z();
     if (std::abs(above_m) > kSameHeight_m) side_ = above_m > 0.0 ? 1.0 : -1.0;
     return config_.net.height_m > 0.0 ? 0.0 : side_;
   }
 
-  /// Who comes from below with a net below flies past the target first, not through it.
+  /// From below with a net below the vehicle, the vehicle first flies past the target, not through it.
   Vector3 beside_m(const PointState& target, const Vector3& offset_m) const {
     const Vector3 from_target = p_local_m_ - target.p_m;
     const double clear_m = config_.target_clearance_m;
@@ -415,8 +416,8 @@ class Intercept : public Guidance {
     return kBesideBy * clear_m * side.normalized();
   }
 
-  /// Moves the reference by one step of what is flown now, `since_s` after it was decided. What moves beside is known
-  /// as of `ahead_s` ago: a trial looks ahead, a flight does not.
+  /// Moves the reference by one step of the present motion, `since_s` after it was decided. Bystanders are known as of
+  /// `ahead_s` ago: simulations look ahead, the flight does not.
   void fly(ReferenceGovernor& governor, double since_s, double ahead_s, double dt_s) {
     if (brakes_) {
       governor.accelerate(braking_mps2(governor.state(), surroundings_, ahead_s, limits_), yaw_rad_, dt_s);
@@ -435,14 +436,14 @@ class Intercept : public Guidance {
     } else {
       Reference goal;
       goal.position_m = watch_local_m_;
-      // Where a lost target probably is, nobody flies: the net shall be there.
+      // The net, not the vehicle, flies to the probable position of a lost target.
       if (mode_ == Mode::kSearching) {
         const Vector3 to_net_m = config_.net.center(Vector3::Zero(), governor.state().yaw_rad);
         goal.position_m = goal_local_m_ - to_net_m;
-        // What may be below without being seen stays below.
+        // Targets that may be below, unseen, stay below.
         if (to_net_m.z() < 0.0) goal.position_m.z() = std::max(goal.position_m.z(), highest_m_ - to_net_m.z());
       }
-      if (mode_ == Mode::kDone) goal.position_m.z() += kHighAbove_m;  // with its catch, above all that still flies
+      if (mode_ == Mode::kDone) goal.position_m.z() += kHighAbove_m;  // above all others after the last capture
       goal.position_m = surroundings_.fence.inside(goal.position_m);
       goal.yaw_rad = face(goal.position_m);
       governor.step(goal, dt_s);
@@ -460,7 +461,7 @@ class Intercept : public Guidance {
     return within_acceleration(a_mps2, limits_);
   }
 
-  /// Away from a target that was caught, until the net can catch again: on the way on which it flies past.
+  /// Leaves a caught target until the net is armed again, along the present motion past it.
   Vector3 leaving_mps2(const Reference& self) const {
     const PointState target = target_.at(0.0);
     Vector3 away = self.velocity_mps - target.v_mps;
@@ -478,29 +479,29 @@ class Intercept : public Guidance {
 
   InterceptConfig config_;
   MotionLimits limits_;
-  ReferenceGovernor governor_;  // what is flown, in the local frame
+  ReferenceGovernor governor_;  // flown reference, in the local frame
   ChasePlanner planner_;
   TargetSearch search_;
   ChaseTeam team_;
   Surroundings surroundings_;
   TargetPrediction target_;
   std::uint32_t target_id_ = 0;
-  CaptureVolume sure_net_;          // in which the target must be believed to be
-  std::optional<TimeNs> measured_;  // when a measurement of the target was last found; its track goes on without
+  CaptureVolume sure_net_;          // part of the net in which the track must be for a capture
+  std::optional<TimeNs> measured_;  // time of the last measurement of the target; its track goes on without
   TimeNs seen_ = 0;
   bool had_target_ = false;
   Vector3 watch_local_m_;
-  Vector3 goal_local_m_ = Vector3::Zero();  // of a search
-  double highest_m_ = 0.0;                  // where a lost target can be near here
+  Vector3 goal_local_m_ = Vector3::Zero();  // goal of a search
+  double highest_m_ = 0.0;                  // greatest possible height of a lost target near the vehicle
   Vector3 p_local_m_ = Vector3::Zero();
-  Vector3 bias_local_m_ = Vector3::Zero();  // of the estimate from the reference
+  Vector3 bias_local_m_ = Vector3::Zero();  // difference between estimate and reference
   double yaw_rad_;
   Mode mode_ = Mode::kWaiting;
   const char* why_ = "";
   double in_mode_s_ = 0.0, outside_s_ = 0.0, since_check_s_ = 0.0, since_look_s_ = 0.0, since_think_s_ = 0.0;
   double side_ = 1.0;
   bool started_ = false, brakes_ = false;
-  std::optional<Vector3> last_net_m_;  // where the target was, seen from the net
+  std::optional<Vector3> last_net_m_;  // last position of the target relative to the net
   bool armed_ = true, captured_now_ = false;
   TimeNs now_ = 0;
   double arrival_s_ = 0.0, led_for_s_ = 0.0;

@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// A curve from now on, as a line through points of equal times.
+/// A curve from now on, as a polyline through points at equal intervals.
 void append_curve(const char* name, const char* meaning, const Eigen::Vector4f& color, double duration_s,
                   const std::function<Vector3(double t_s)>& place_local_m, std::vector<Overlay>& overlays);
 void append_net(const CaptureVolume& net, const Vector3& p_local_m, double yaw_rad, std::vector<Overlay>& overlays);

@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// Where somebody will be in the next seconds: places at equal times, joined by straight lines. It goes on as it ends.
+/// Predicted path: positions at equal intervals, joined by straight lines. The last velocity continues beyond the end.
 struct PathAhead {
   static constexpr int kMaxPlaces = 13;
   std::array<Vector3, kMaxPlaces> places_local_m;

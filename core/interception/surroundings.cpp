@@ -9,14 +9,15 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kWallReach_m = 3.0;                // walls farther than this from a place do not matter there
-constexpr double kAbove = 0.5, kOverReach_m = 0.5;  // by radius; beside it
+constexpr double kWallReach_m = 3.0;  // walls farther from a position are ignored there
+// A bystander is flown over above this many radii, and within this horizontal distance beyond its radius.
+constexpr double kAbove = 0.5, kOverReach_m = 0.5;
 constexpr double kBrakeStep_s = 0.02, kBrakeLook_s = 0.1, kLongestBrake_s = 6.0;
 constexpr double kBrakeGain_per_s = 6.0;
-constexpr double kEvade_s = 1.5, kEvadeRoom_m = 0.3;  // who comes nearer within this is evaded
+constexpr double kEvade_s = 1.5, kEvadeRoom_m = 0.3;  // bystanders that come nearer within this time are evaded
 constexpr double kNoDirection_m = 0.1;
 constexpr double kAtRest_mps = 0.05;
-constexpr double kRoom_m = 1.0;  // more room than this is not told
+constexpr double kRoom_m = 1.0;  // largest room that is reported
 
 }  // namespace
 
@@ -47,7 +48,7 @@ void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim
           return (a - p_local_m).squaredNorm() < (b - p_local_m).squaredNorm();
         });
     if (nearest != cells_local_m.end())
-      keep_from(*nearest, clearance_m + 0.87 * map->edge_m());  // half a cell's diagonal
+      keep_from(*nearest, clearance_m + 0.87 * map->edge_m());  // half the diagonal of a cell
   }
   for (const Bystander& bystander : bystanders) {
     const Vector3 center_m = bystander.at(ahead_s), above = p_local_m - center_m;
@@ -67,7 +68,7 @@ Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, d
   for (const Bystander& bystander : surroundings.bystanders) {
     const Vector3 p_m = state.position_m - bystander.at(ahead_s),
                   v_mps = state.velocity_mps - bystander.velocity_mps(ahead_s);
-    // Where both are nearest, if both fly straight on.
+    // Closest approach, if both fly straight on.
     const double nearest_s = std::clamp(-p_m.dot(v_mps) / std::max(v_mps.squaredNorm(), 1e-6), 0.0, kEvade_s);
     const Vector3 then_m = p_m + nearest_s * v_mps;
     if (then_m.norm() > bystander.radius_m + kEvadeRoom_m) continue;

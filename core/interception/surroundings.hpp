@@ -11,13 +11,13 @@
 
 namespace swiftlet {
 
-/// Somebody in the air to whom a distance is kept. Local frame.
+/// A flying object from which a distance is kept. Local frame.
 struct Bystander {
   Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
   double radius_m = 0.0;
-  bool flown_over = false;          ///< who is above stays above
-  double plan_room_m = 0.0;         ///< beside the radius; plans keep it, and nobody brakes for it
-  const PathAhead* path = nullptr;  ///< that it told; null: it flies straight on
+  bool flown_over = false;          ///< a vehicle above it stays above
+  double plan_room_m = 0.0;         ///< added to the radius in plans, but not for braking
+  const PathAhead* path = nullptr;  ///< reported path; null: it flies straight on
   double path_age_s = 0.0;
 
   Vector3 at(double ahead_s) const {
@@ -29,27 +29,28 @@ struct Bystander {
   }
 };
 
-/// All that an interceptor must not fly into, as of now.
+/// All that an interceptor must keep clear of, as of now.
 struct Surroundings {
   Geofence fence;
-  const OccupancyView* map = nullptr;  ///< null: nothing is known
-  double clearance_m = 1.0;            ///< from the vehicle's center to what is occupied
+  const OccupancyView* map = nullptr;  ///< null: no obstacles are known
+  double clearance_m = 1.0;            ///< from the vehicle's center to occupied cells
   std::vector<Bystander> bystanders;
 
-  /// By how much a place is too near to something, some time ahead; negative: the room that is left, at most 1 m.
+  /// Largest violation of a distance to keep, at a position some time ahead; negative: the room left, at most 1 m.
   double intrusion_m(const Vector3& p_local_m, double ahead_s) const;
-  /// The half-spaces to keep to near a place: those that matter there, the worst first.
+  /// Sets the half-spaces to keep to near a position, at most ChaseAim::kMaxWalls: obstacles, bystanders, then the
+  /// fence.
   void walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim) const;
 
-  mutable std::vector<Vector3> cells_local_m = {};  ///< memory of a query
+  mutable std::vector<Vector3> cells_local_m = {};  ///< reused memory of a query
 };
 
-/// Braking as hard as the limits allow, and out of the way of whoever comes too near.
+/// Acceleration that brakes as hard as the limits allow and evades bystanders that come too near.
 Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
                      const MotionLimits& limits);
 
 /// Does braking from here keep clear of everything?
-/// @param allowed_m  intrusion that was there already and may stay
+/// @param allowed_m  present intrusion, which may stay
 bool can_stop(ReferenceGovernor governor, const Surroundings& surroundings, double ahead_s, double allowed_m);
 
 }  // namespace swiftlet

@@ -15,17 +15,17 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSlowestTarget_mps = 0.5;  // slower than this, the velocity does not tell a heading
-constexpr double kReached_m = 3.0;          // of the place that an evasive target heads for
-constexpr double kTurnGain_per_s = 2.5;     // from velocity to acceleration
-constexpr double kShy_m = 5.0;              // an evasive target turns away from the box's sides from here on
-constexpr double kJinkPeriod_s = 1.2;       // it changes sides this often
-constexpr double kJink = 0.7;               // of its flight, sideways
-constexpr double kOld_s = 0.7;              // a track that is older frightens nobody
+constexpr double kSlowestTarget_mps = 0.5;  // slower velocities give no heading
+constexpr double kReached_m = 3.0;          // distance at which an evasive target reaches its goal
+constexpr double kTurnGain_per_s = 2.5;     // gain from the velocity error to acceleration
+constexpr double kShy_m = 5.0;              // distance from the box's sides at which an evasive target turns away
+constexpr double kJinkPeriod_s = 1.2;       // period of random changes of the evasion side
+constexpr double kJink = 0.7;   // lateral part of the evasion velocity, relative to the part away from the pursuer
+constexpr double kOld_s = 0.7;  // older tracks are ignored
 
 enum Draw : std::uint32_t { kLegs, kShape, kJinks };
 
-/// A curve through the start, given by a formula; position and its derivatives by the angle along it.
+/// A parametric curve through the start; position and derivatives with respect to the angle along it.
 struct Curve {
   Vector3 center_m, u_m, w_m;  // half axes
   bool eight = false;
@@ -112,7 +112,7 @@ class TargetFlight : public Guidance {
     }
   }
 
-  /// Level, through the start, its middle toward that of the box, in a drawn direction and sense.
+  /// Horizontal curve through the start, with its center towards that of the box, and a random direction and sense.
   void make_curve(const Vector3& start_world_m, double a_mps2) {
     const double least_m = 1.3 * config_.speed_mps * config_.speed_mps / a_mps2;
     const double radius_m = std::max(config_.radius_m, least_m);
@@ -146,7 +146,7 @@ class TargetFlight : public Guidance {
     return place_m;
   }
 
-  /// Straight on at constant speed, from place to place; the reference governor rounds the corners.
+  /// Straight at constant speed from point to point; the reference governor rounds the corners.
   Reference line(double dt_s) {
     double left_m = config_.speed_mps * dt_s;
     while ((leg_world_m_ - line_world_m_).norm() <= left_m) {
@@ -162,7 +162,7 @@ class TargetFlight : public Guidance {
     return r;
   }
 
-  /// From place to place at a part of its speed; away from whoever comes near, from side to side.
+  /// Flies from point to point at a part of its speed; evades a near pursuer, alternating sides at random.
   Reference evade(const GuidanceInput& input, const FrameChange& to_world) {
     const Vector3 p_m = governor_.state().position_m;
     if ((leg_world_m_ - p_m).norm() < kReached_m) leg_world_m_ = drawn_place();
@@ -183,7 +183,7 @@ class TargetFlight : public Guidance {
       const Vector3 across(-side * away.y(), side * away.x(), random_.uniform(-0.5, 0.5, jink, kJinks + 65));
       v_mps = config_.speed_mps * (away + kJink * across).normalized();
     }
-    // Along the sides of its box instead of into them.
+    // Turns along the sides of the box instead of into them.
     for (int i = 0; i < 3; ++i) {
       const double to_min_m = p_m[i] - config_.area_min_m[i], to_max_m = config_.area_max_m[i] - p_m[i];
       const double shy_m = std::min(kShy_m, 0.3 * (config_.area_max_m[i] - config_.area_min_m[i]));
@@ -206,7 +206,7 @@ class TargetFlight : public Guidance {
 
   TargetConfig config_;
   MotionLimits limits_;
-  ReferenceGovernor governor_;  // of an evasive target, in the world
+  ReferenceGovernor governor_;  // used by evasive targets, in the world
   Random random_;
   Vector3 start_local_m_;
   double yaw_rad_;  // in the local frame
@@ -224,18 +224,19 @@ class TargetFlight : public Guidance {
 void TargetConfig::visit(ConfigVisitor& v) {
   v.choice(
       "motion", motion, {"hover", "line", "circle", "figure_eight", "random", "evasive"},
-      "[-] hover at the start; straight from place to place; a curve through the start; random smooth flight; away "
-      "from whatever the tracker sees");
-  v.field("seed", seed, "[-] another number, another flight");
-  v.field("speed_mps", speed_mps, "[m/s] greatest", Range::positive());
-  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] least corner of the box in which it flies, world");
-  v.field("area_max_m", area_max_m, "[m] greatest corner");
-  v.field("radius_m", radius_m, "[m] of circle and figure eight; larger where the speed asks for it",
+      "[-] hover at the start; straight from point to point; a curve through the start; random smooth flight; away "
+      "from objects that the tracker follows");
+  v.field("seed", seed, "[-] random seed of the flight");
+  v.field("speed_mps", speed_mps, "[m/s] greatest speed", Range::positive());
+  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest acceleration", Range::positive());
+  v.field("area_min_m", area_min_m, "[m] lowest corner of the box of the flight, world");
+  v.field("area_max_m", area_max_m, "[m] highest corner of the box, world");
+  v.field("radius_m", radius_m, "[m] radius of circle and figure eight; larger if the speed requires it",
           Range::positive());
-  v.field("leg_min_m", leg_min_m, "[m] from one place to the next, of line, random and evasive", Range::non_negative());
-  v.field("alarm_m", alarm_m, "[m] an evasive target flees from what is nearer", Range::non_negative());
-  v.field("cruise", cruise, "[-] share of its speed while it does not flee", Range::between(0.05, 1.0));
+  v.field("leg_min_m", leg_min_m, "[m] least distance between successive points of line, random and evasive",
+          Range::non_negative());
+  v.field("alarm_m", alarm_m, "[m] distance below which an evasive target flees from a track", Range::non_negative());
+  v.field("cruise", cruise, "[-] share of speed_mps while an evasive target does not flee", Range::between(0.05, 1.0));
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
 }
 

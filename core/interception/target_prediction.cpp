@@ -15,7 +15,7 @@ PointState straight(const Vector9& mean, double t_s) {
   return {mean.head<3>() + t_s * v_mps, v_mps, Vector3::Zero()};
 }
 
-/// The acceleration falls as exp(-t / T) (Singer, IEEE TAES 6(4), 1970).
+/// The acceleration decays as exp(-t / T) (Singer, IEEE TAES 6(4), 1970).
 PointState fading(const Vector9& mean, double t_s, double T_s) {
   const Vector3 v_mps = mean.segment<3>(3), a_mps2 = mean.tail<3>();
   const double gained_s = T_s * (1.0 - elementary::exp(-t_s / T_s));
@@ -30,9 +30,9 @@ PointState turning(const Vector9& mean, double t_s) {
 }  // namespace
 
 void TargetPredictionConfig::visit(ConfigVisitor& v) {
-  v.field("acceleration_time_s", acceleration_time_s, "[s] time constant with which an acceleration dies away",
+  v.field("acceleration_time_s", acceleration_time_s, "[s] time constant of the decay of an acceleration",
           Range::positive());
-  v.field("speed_max_mps", speed_max_mps, "[m/s] no target is predicted to be faster", Range::positive());
+  v.field("speed_max_mps", speed_max_mps, "[m/s] upper limit of a predicted speed", Range::positive());
 }
 
 TargetPrediction::TargetPrediction(const TargetPredictionConfig& config, const Track& track, const TrackModes* modes,

@@ -10,25 +10,27 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNear_m = 4.0;              // particles nearer than this speak for the same place
-constexpr double kPossible = 0.1;            // of the weight that a place had when the target was lost
-constexpr double kLeastWeight = 1e-6;        // so that a place may become possible again
-constexpr double kChangeOfMind_per_s = 0.7;  // of a particle's acceleration
-constexpr double kLongestStep_s = 1.0;       // step
+constexpr double kNear_m = 4.0;        // radius of particles that count as one position
+constexpr double kPossible = 0.1;      // weight below which a position counts as excluded, relative to the initial one
+constexpr double kLeastWeight = 1e-6;  // lower bound, so that a position may become possible again
+constexpr double kChangeOfMind_per_s = 0.7;  // rate at which a particle's acceleration changes
+constexpr double kLongestStep_s = 1.0;       // upper limit of a step
 
 }  // namespace
 
 void TargetSearchConfig::visit(ConfigVisitor& v) {
-  v.field("timeout_s", timeout_s, "[s] a target that is not found for longer is given up", Range::positive());
-  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] standard deviation of what it may do meanwhile",
+  v.field("timeout_s", timeout_s, "[s] time of a search after which the target is given up", Range::positive());
+  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] standard deviation of the lost target's acceleration",
           Range::positive());
-  v.field("speed_max_mps", speed_max_mps, "[m/s] it is no faster", Range::positive());
-  v.field("range_m", range_m, "[m] up to which it would be found", Range::positive());
-  v.field("fov_bottom_deg", fov_bottom_deg, "[deg] lower edge of what the LiDAR sees, when level",
+  v.field("speed_max_mps", speed_max_mps, "[m/s] upper limit of the lost target's speed", Range::positive());
+  v.field("range_m", range_m, "[m] range within which the target would be detected", Range::positive());
+  v.field("fov_bottom_deg", fov_bottom_deg, "[deg] lower edge of the level LiDAR's field of view",
           Range::between(-89.0, 89.0));
-  v.field("fov_top_deg", fov_top_deg, "[deg] upper edge", Range::between(-89.0, 89.0));
-  v.field("detection_rate_per_s", detection_rate_per_s, "[1/s] how often it would be found there", Range::positive());
-  v.field("seed", seed, "[-] of what it may do meanwhile");
+  v.field("fov_top_deg", fov_top_deg, "[deg] upper edge of the level LiDAR's field of view",
+          Range::between(-89.0, 89.0));
+  v.field("detection_rate_per_s", detection_rate_per_s, "[1/s] rate of detections of a visible target",
+          Range::positive());
+  v.field("seed", seed, "[-] random seed of the particles");
   v.check(fov_top_deg > fov_bottom_deg, "fov_top_deg", "more than fov_bottom_deg");
 }
 
@@ -48,7 +50,7 @@ void TargetSearch::begin(const PointState& target, double sigma_m, double sigma_
   remaining_ = 1.0;
 }
 
-/// A particle keeps its acceleration for a second or two; white noise of the same effect over that time.
+/// White noise with the same effect as an acceleration that is kept for a second or two.
 Vector3 TargetSearch::draw(std::uint32_t particle) {
   const auto n = random_.normal3(draws_, particle);
   return {n[0], n[1], 0.4 * n[2]};
