@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The program `swiftlet` as a function, for programs that know more modules. Add rows to the registries, then call it:
+/// The program `swiftlet` as a function, for programs with additional modules. Add rows to the registries, then call
+/// it:
 ///
 ///   int main(int argc, char** argv) {
 ///     guidance_registry().add({{"orbit", "circles around a point", make_module_config<OrbitConfig>}, make_orbit});

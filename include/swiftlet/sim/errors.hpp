@@ -7,13 +7,13 @@
 
 namespace swiftlet::sim {
 
-/// The user's input is wrong; programs answer with exit status 2. what() is one line:
+/// Invalid user input; programs exit with status 2. what() is one line:
 /// "file:line:column: key: expected ..., found ...; did you mean ...".
 class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The machine has less memory than the run takes. what() tells at what, as one line.
+/// The machine has less memory than the run needs. what() is one line that names the consumer.
 class OutOfMemory : public std::bad_alloc {
  public:
   explicit OutOfMemory(const std::string& at) : what_("out of memory " + at) {}

@@ -8,13 +8,13 @@
 
 #include "swiftlet/core/config.hpp"
 
-/// The batch file: which episodes there are and how they are flown.
+/// The batch file: its variants, parameter sweep, seeds and execution limits.
 namespace swiftlet::sim {
 
-/// One of several settings that are compared. Variants share the seeds, and hence every random number that both use.
+/// One of the settings that a batch compares. Variants share the seeds and therefore all random numbers that both draw.
 struct VariantConfig {
   std::string name;
-  std::string scenario;  ///< empty: the batch's
+  std::string scenario;  ///< empty: the batch's scenario
   ConfigChanges set;
 
   void visit(ConfigVisitor& v);
@@ -23,8 +23,8 @@ struct VariantConfig {
 /// One swept key of the scenario.
 struct ParameterConfig {
   std::string key;
-  std::string name;                 ///< of the column; empty: the last word of the key
-  std::vector<std::string> values;  ///< list, grid; or choices of equal probability
+  std::string name;                 ///< column name in results; empty: the last part of the key
+  std::vector<std::string> values;  ///< law kValues: the list or grid values, or choices of equal probability
   enum class Law { kValues, kUniform, kLogUniform, kNormal, kInteger };
   static constexpr const char* kLaws[] = {"values", "uniform", "log_uniform", "normal", "integer"};
   Law law = Law::kValues;
@@ -56,7 +56,7 @@ struct SeedsConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What a cluster is asked for (`swiftlet batch --slurm`).
+/// Resources requested from a Slurm cluster (`swiftlet batch --slurm`).
 struct SlurmConfig {
   std::string partition;
   std::string account;

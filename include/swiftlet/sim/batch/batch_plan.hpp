@@ -12,10 +12,10 @@
 
 namespace swiftlet::sim {
 
-/// One run of a batch: what makes it what it is.
+/// One run of a batch, identified by variant, sweep point and seed.
 struct Episode {
   std::uint64_t id = 0;
-  std::size_t point = 0;  ///< of the sweep
+  std::size_t point = 0;  ///< index of the sweep point
   std::size_t variant = 0;
   std::uint64_t seed = 0;
 };
@@ -23,7 +23,7 @@ struct Episode {
 /// All episodes of a batch file, numbered. Variants of one point and seed have neighboring numbers.
 class BatchPlan {
  public:
-  /// Reads the batch file and every scenario that it names, and tries every swept key. Throws InputError.
+  /// Reads the batch file and every scenario that it names, and checks every swept key. Throws InputError.
   explicit BatchPlan(const std::filesystem::path& file, const ConfigChanges& overrides = {});
 
   const BatchConfig& config() const { return config_; }
@@ -34,14 +34,14 @@ class BatchPlan {
   std::uint64_t num_episodes() const;
   Episode episode(std::uint64_t id) const;
   Scenario scenario_of(const Episode& episode) const;
-  /// `swiftlet run ...`: flies that episode alone, anywhere, with its recorders.
+  /// The `swiftlet run ...` command that repeats this episode alone, with its recorders.
   std::string command_of(const Episode& episode) const;
-  /// Equal for episodes that may fly in the same world.
+  /// Equal for episodes that may share one world.
   std::uint64_t group_of(const Episode& episode) const;
   /// The episodes of one shard: a contiguous part of all of them in the order of their groups.
   std::vector<std::uint64_t> episodes_of(const Shard& shard) const;
-  /// Changes with anything that could change a result: scenarios with all their defaults, models, files that they name,
-  /// points, seeds. It changes with nothing else, such as comments, order of keys, time-outs or recorders.
+  /// Hash of everything that can change a result: scenarios with all their defaults, models, named files, points,
+  /// seeds. Independent of comments, key order, time-outs and recorders.
   const std::string& fingerprint() const { return fingerprint_; }
 
  private:
@@ -50,8 +50,8 @@ class BatchPlan {
 
   std::filesystem::path file_;
   BatchConfig config_;
-  std::vector<std::string> scenarios_;  ///< by variant: file or name
-  std::vector<bool> world_is_fixed_;    ///< by variant: a world seed of its own
+  std::vector<std::string> scenarios_;  ///< file or name, indexed by variant
+  std::vector<bool> world_is_fixed_;    ///< indexed by variant; true: the world does not depend on the episode's seed
   std::vector<std::vector<std::string>> points_;
   std::vector<std::uint64_t> seeds_;
   std::string fingerprint_;

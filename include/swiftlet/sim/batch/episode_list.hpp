@@ -7,9 +7,9 @@
 
 namespace swiftlet::sim {
 
-/// "3,17,40-50": numbers of episodes, as `swiftlet batch --plan` prints them; in order, each once.
-/// @param count  of all episodes
-/// Throws InputError, also when a number is not below `count`.
+/// Parses a list of episode numbers such as "3,17,40-50" (as `swiftlet batch --plan` prints them): ascending, without
+/// duplicates.
+/// @param count  number of episodes of the batch Throws InputError, also when a number is not below `count`.
 std::vector<std::uint64_t> parse_episodes(const std::string& text, std::uint64_t count);
 
 }  // namespace swiftlet::sim

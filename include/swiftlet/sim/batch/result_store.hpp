@@ -14,7 +14,7 @@
 
 namespace swiftlet::sim {
 
-/// What all rows of one database have in common.
+/// Identity of the batch, common to all rows of one database.
 struct BatchInfo {
   std::string name;
   std::string description;
@@ -23,7 +23,7 @@ struct BatchInfo {
   std::string fingerprint;  ///< BatchPlan::fingerprint()
   std::string version;
   std::string git_revision;
-  std::uint64_t num_episodes = 0;  ///< of the whole batch
+  std::uint64_t num_episodes = 0;  ///< number of episodes of the whole batch
   std::vector<std::string> variants;
   std::vector<std::string> parameters;
 };
@@ -36,31 +36,31 @@ struct EpisodeRow {
   std::uint64_t seed = 0;
   std::vector<std::string> parameters;  ///< values, by parameter
   std::string status;                   ///< name_of(JobStatus)
-  std::string outcome;                  ///< of the missions; empty unless done
+  std::string outcome;                  ///< outcome of the run's missions; empty unless done
   std::string state_hash;
   double simulated_s = 0.0;
-  std::string message;  ///< why it is not done
-  std::string command;  ///< repeats it alone
+  std::string message;  ///< reason when not done
+  std::string command;  ///< command that repeats this episode alone
   std::vector<MetricRow> metrics;
-  // Of the machine:
+  // Machine-dependent values:
   std::string host;
   double setup_wall_s = 0.0;
   double flight_wall_s = 0.0;
-  double wall_s = 0.0;  ///< as the coordinator saw it
+  double wall_s = 0.0;  ///< total wall time, measured by the coordinator
   bool built_world = false;
 
   bool done() const { return status == "done"; }
-  /// Does it say the same as another row of that episode, wherever and however fast each was flown?
+  /// Are the results equal to those of another row of the same episode? Ignores the machine-dependent values.
   bool agrees_with(const EpisodeRow& other) const;
 };
 
-/// One SQLite database of results. Every episode is one transaction of a journalled database: a kill at any moment
-/// loses no episode that add() has returned from.
+/// One SQLite database of results. Every episode is one transaction of a journalled database: episodes for which add()
+/// has returned survive a kill at any moment.
 class ResultStore {
  public:
   enum class Mode { kCreate, kAppend, kRead };
 
-  /// kCreate: nothing may be there. kAppend: made when it is not there. Throws InputError when the file is not such a
+  /// kCreate: the file must not exist. kAppend: created if missing. Throws InputError when the file is not such a
   /// database, std::runtime_error when it cannot be written.
   ResultStore(std::filesystem::path file, Mode mode);
   ~ResultStore();
@@ -68,21 +68,21 @@ class ResultStore {
 
   const std::filesystem::path& file() const;
 
-  /// Empty in a database that was just made.
+  /// Empty in a new database.
   std::optional<BatchInfo> info() const;
   void set_info(const BatchInfo& info);
 
   std::set<std::uint64_t> episode_ids() const;
   std::map<std::string, std::uint64_t> count_by_status() const;
   void add(const EpisodeRow& row);
-  /// Removes what is not done, so that it is flown again; the number of those.
+  /// Removes episodes that are not done, so that they are flown again. Returns their number.
   std::uint64_t remove_unfinished();
-  /// In the order of their numbers.
+  /// Sorted by episode number.
   std::vector<EpisodeRow> episodes(bool with_metrics = true) const;
   std::optional<EpisodeRow> episode(std::uint64_t id) const;
-  /// Everything but what belongs to the machine, as text: equal for equal results.
+  /// All values except the machine-dependent ones, as text; equal for equal results.
   std::string dump() const;
-  /// Folds the journal into the database, so that it is one file.
+  /// Merges the journal into the database file.
   void close();
 
  private:

@@ -20,14 +20,14 @@ struct BatchOptions {
   Shard shard;
   std::vector<std::uint64_t> episodes;  ///< only these, in rising order; empty: all
   bool resume = false;
-  bool retry = false;            ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
-  double memory_limit_mb = 0.0;  ///< of a worker on this machine; 0: the batch file's
+  bool retry = false;            ///< resume: also repeat episodes recorded as failed, crashed, timed_out, out_of_memory
+  double memory_limit_mb = 0.0;  ///< per worker on this machine; 0: the batch file's limit
   std::function<bool()> canceled;
 };
 
 struct BatchProgress {
-  std::uint64_t total = 0;  ///< of this shard, and of those asked for
-  std::uint64_t done = 0;   ///< stored, failures included, those of earlier starts too
+  std::uint64_t total = 0;  ///< number of selected episodes of this shard
+  std::uint64_t done = 0;   ///< stored episodes, including failures and earlier starts
   std::uint64_t failed = 0;
   std::uint64_t flown = 0;  ///< since this start
   int running = 0;
@@ -43,14 +43,14 @@ struct BatchOutcome {
 /// OUT/results.sqlite, or of a shard OUT/shards/2-of-8.sqlite.
 std::filesystem::path database_path(const std::filesystem::path& out, const Shard& shard);
 
-/// Flies what is missing and stores every episode as it ends. One process at a time works on a database.
-/// Throws InputError when `out` holds results and `resume` is not set, or results of a batch of another meaning.
+/// Flies the missing episodes and stores each as it ends. Only one process at a time may write to a database.
+/// Throws InputError when `out` holds results and `resume` is not set, or results of a different batch.
 BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
                        const std::function<void(const BatchProgress&)>& report);
 
 BatchInfo info_of(const BatchPlan& plan);
 
-/// Throws InputError, saying what differs, unless both describe the same batch of the same version.
+/// Throws InputError, naming the difference, unless both describe the same batch of the same version.
 void require_same_batch(const BatchInfo& stored, const BatchInfo& wanted, const std::filesystem::path& database);
 
 }  // namespace swiftlet::sim

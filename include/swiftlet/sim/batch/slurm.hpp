@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// A job array for a Slurm cluster and the job that unites its results.
+/// Job array for a Slurm cluster and the job that merges its results.
 struct SlurmScripts {
   int num_tasks = 1;
   int episodes_per_task = 1;
@@ -17,7 +17,7 @@ struct SlurmScripts {
   std::string merge;  ///< content of merge.sbatch
 };
 
-/// @param program  the swiftlet that the tasks call; it and `out` lie on a file system that the nodes share
+/// @param program  swiftlet executable that the tasks call; it and `out` must lie on a file system shared by the nodes
 SlurmScripts make_slurm_scripts(const BatchPlan& plan, const std::filesystem::path& out,
                                 const std::filesystem::path& program);
 
@@ -32,7 +32,7 @@ struct SlurmJobs {
   std::string array, merge;  ///< job numbers
 };
 
-/// Submits both with sbatch, the merge to start when every task has ended. Throws std::runtime_error.
+/// Submits both with sbatch; the merge starts after all tasks have ended. Throws std::runtime_error.
 SlurmJobs submit(const SlurmFiles& files);
 
 }  // namespace swiftlet::sim

@@ -14,9 +14,9 @@
 
 namespace swiftlet::sim {
 
-/// One number or word of the scenario that is drawn for each flight.
+/// One number or word of the scenario that is drawn anew for each flight.
 struct VariationConfig {
-  std::string key;  ///< key path in the scenario; `vehicles[*]` stands for each vehicle with a draw of its own
+  std::string key;  ///< key path in the scenario; `vehicles[*]` stands for each vehicle, with independent draws
   enum class Law { kUniform, kLogUniform, kWhole, kChoice };
   static constexpr const char* kLaws[] = {"uniform", "log_uniform", "whole", "choice"};
   Law law = Law::kUniform;
@@ -27,7 +27,7 @@ struct VariationConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Paths through the free space of a world, for vehicles that cannot know it yet.
+/// Flights along planned paths through the free space of a world that the vehicles do not know in advance.
 struct FlightConfig {
   double speed_min_mps = 1.0;
   double speed_max_mps = 3.0;
@@ -52,7 +52,7 @@ struct FlightConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A family of worlds with those who fly in it: a scenario and what is drawn anew for each flight.
+/// A family of flights: a scenario and the values drawn anew for each flight.
 struct FamilyConfig {
   std::string name = "family";
   std::string scenario;  ///< file
@@ -73,7 +73,7 @@ struct SplitConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What is written of each sequence.
+/// Files and labels written for each sequence.
 struct ContentConfig {
   int every = 1;
   enum class Remission { kReflectivity, kIntensity };
@@ -97,7 +97,7 @@ struct PicturesConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A dataset: from families of worlds to labeled sequences in splits.
+/// A dataset: families of worlds, flown and recorded as labeled sequences in splits.
 struct DatasetConfig {
   std::string name = "dataset";
   std::string description;
@@ -121,7 +121,7 @@ std::string write_dataset(const DatasetConfig& config);
 std::string dataset_reference();
 
 /// The overrides of the scenario that flight `seed` draws, in the order of the variations. A pure function.
-/// @param attempt  0; another one when the flight of the one before could not be flown
+/// @param attempt  0 first; incremented when the previous attempt's flight cannot be planned or flown
 std::vector<std::pair<std::string, std::string>> draw_overrides(const FamilyConfig& family, int num_vehicles,
                                                                 std::uint64_t seed, int attempt);
 

@@ -11,7 +11,7 @@
 
 namespace swiftlet::sim {
 
-/// One simulated flight of a dataset. Each LiDAR aboard makes a sequence of its own.
+/// One simulated flight of a dataset. Each LiDAR aboard gives one sequence.
 struct Flight {
   int number = 0;
   std::string split;
@@ -20,14 +20,14 @@ struct Flight {
   int num_vehicles = 1;
   int first_sequence = 0;
   int num_sequences = 1;
-  bool pictures = false;  ///< for the data card
+  bool pictures = false;  ///< snapshots for the data card are taken
 };
 
 /// All flights of a dataset: a pure function of its configuration and of the scenarios that it names.
 struct DatasetPlan {
   DatasetConfig config;
   std::vector<Flight> flights;
-  std::string fingerprint;  ///< of everything that decides the content; equal fingerprints, equal bytes
+  std::string fingerprint;  ///< hash of everything that determines the content; equal fingerprints give equal bytes
 };
 /// Reads the scenarios. Throws InputError.
 DatasetPlan plan_dataset(const DatasetConfig& config);
@@ -36,17 +36,17 @@ DatasetPlan plan_dataset(const DatasetConfig& config);
 struct PreparedFlight {
   Scenario scenario;
   World world;
-  std::vector<double> reflectivities;  ///< of the world's materials, as drawn
-  bool has_interior = false;           ///< walls enclose some of the ground
+  std::vector<double> reflectivities;  ///< drawn reflectivity of each material of the world
+  bool has_interior = false;           ///< walls enclose a part of the ground
 };
-/// The world of a scenario with these reflectivities of its materials; empty: the generator's.
+/// The world of a scenario with the given material reflectivities; empty: those of the generator.
 World make_flight_world(const Scenario& scenario, const std::vector<double>& reflectivities);
 
-/// The world is too narrow for the flights that were asked for.
+/// The world is too narrow for the requested flights.
 class NoPathFound : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// Draws, plans and checks the attempt. Throws NoPathFound.
+/// Draws, plans and checks one attempt. Throws NoPathFound.
 PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int attempt);
 
 /// A LiDAR of a scenario.

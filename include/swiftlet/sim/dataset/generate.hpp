@@ -16,17 +16,17 @@ namespace swiftlet::sim {
 struct GenerateOptions {
   std::filesystem::path directory;
   int jobs = 1;         ///< worker processes
-  bool resume = false;  ///< go on with what an earlier generation left unfinished
+  bool resume = false;  ///< continue an interrupted generation
   std::function<bool()> canceled;
   std::function<void(int done, int all, const std::string& note)> progress;
 };
 
-/// Where the wall time of flights went.
+/// Wall time of flights by activity.
 struct FlightTiming {
-  double prepare_s = 0.0;   ///< worlds and paths, flights drawn anew
+  double prepare_s = 0.0;   ///< worlds and paths, including flights drawn anew
   double simulate_s = 0.0;  ///< the simulation itself
-  double record_s = 0.0;    ///< for which the simulation waited: everything that is written, and its hashes
-  double beside_s = 0.0;    ///< processor time of what was written beside the simulation
+  double record_s = 0.0;    ///< time for which the simulation waited for writing and hashing
+  double beside_s = 0.0;    ///< processor time of the writing in parallel with the simulation
 
   void add(const FlightTiming& other);
 };
@@ -36,19 +36,19 @@ struct GenerateReport {
   bool canceled = false;
   std::vector<SequenceInfo> sequences;
   double wall_s = 0.0;
-  FlightTiming timing;  ///< of all flights that were simulated
+  FlightTiming timing;  ///< sum over all simulated flights
 };
 
-/// Writes what is missing. Throws InputError when the directory holds something else, or a dataset of another
-/// configuration; std::runtime_error with the first failure. Finished sequences stay in any case.
+/// Writes the missing sequences. Throws InputError when the directory holds other files or a dataset of another
+/// configuration, std::runtime_error with the first failure. Finished sequences are kept in any case.
 GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& options);
 
-/// Simulates one flight and writes its sequences, each under a temporary name until it is complete; those that are
-/// there already are left alone. A flight that cannot be planned or that ends in a crash is drawn anew.
+/// Simulates one flight and writes its sequences, each under a temporary name until it is complete; existing sequences
+/// are left unchanged. A flight that cannot be planned or that ends in a crash is drawn anew.
 FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const std::filesystem::path& directory,
                           int threads);
 
-/// Re-simulation of a finished sequence, for verify: exactly as it was written.
+/// Rebuilds the flight of a finished sequence exactly as it was written, for verification.
 PreparedFlight restore_flight(const std::filesystem::path& sequence_directory, const SequenceInfo& info);
 
 /// Description of the dataset as a whole: manifest.json.

@@ -14,7 +14,7 @@ struct Hash128 {
   bool operator==(const Hash128&) const = default;
 };
 
-/// A file of a dataset, as manifests tell it.
+/// Entry of a manifest: a file of a dataset.
 struct FileEntry {
   std::string path;  ///< relative
   std::uint64_t bytes = 0;
@@ -22,7 +22,7 @@ struct FileEntry {
 };
 
 Hash128 hash_of(std::string_view bytes);
-/// Of a file's content. Throws std::runtime_error with path and reason.
+/// Hash of the file's content. Throws std::runtime_error with path and reason.
 Hash128 hash_of_file(const std::filesystem::path& path);
 /// 32 hexadecimal digits.
 std::string hex(const Hash128& hash);

@@ -11,7 +11,7 @@
 
 namespace swiftlet::sim {
 
-/// What sequences/NN/sequence.json tells.
+/// Content of sequences/NN/sequence.json.
 struct SequenceInfo {
   int sequence = 0;
   std::string split;
@@ -19,14 +19,14 @@ struct SequenceInfo {
   std::uint64_t seed = 0;
   int attempt = 0;
   std::string family;
-  std::string vehicle;  ///< that carries the LiDAR
-  int instance = 0;     ///< label of that vehicle's own points
+  std::string vehicle;  ///< carrier of the LiDAR
+  int instance = 0;     ///< instance label of the points on that vehicle
   std::string sensor;
   std::string sensor_model;
   std::vector<std::string> vehicles;
-  std::vector<std::string> models;  ///< of the vehicles
+  std::vector<std::string> models;  ///< model of each vehicle
   std::string state_hash;
-  std::string fingerprint;  ///< of the dataset
+  std::string fingerprint;  ///< fingerprint of the dataset
   std::string version, revision;
   std::vector<double> reflectivities;
   SequenceStatistics statistics;
@@ -42,8 +42,8 @@ SequenceInfo read_sequence_info(const std::filesystem::path& directory);
 std::string poses_outside(const std::vector<SequenceInfo>& sequences);
 
 /// Size and hash of every file below a directory, by name, without sequence.json.
-/// @param known    files that need not be read again
-/// @param without  folder that is left out
+/// @param known  files with known size and hash, not read again
+/// @param without  folder to exclude
 std::vector<FileEntry> list_files(const std::filesystem::path& directory, std::vector<FileEntry> known = {},
                                   const std::string& without = {});
 

@@ -6,7 +6,7 @@
 
 namespace swiftlet::sim {
 
-/// Any bytes as text, padded, in one line (RFC 4648, section 4).
+/// Base64 encoding of any bytes: padded, in one line (RFC 4648, section 4).
 std::string base64(std::string_view bytes);
 
 }  // namespace swiftlet::sim

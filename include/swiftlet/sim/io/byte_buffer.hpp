@@ -16,7 +16,7 @@ namespace swiftlet::sim {
 static_assert(std::endian::native == std::endian::little,
               "the recorders write little-endian files as they stand in memory");
 
-/// Lets a vector grow without setting what will be written over.
+/// Lets a vector grow without initializing elements that the caller overwrites.
 template <class T>
 struct UnsetAllocator : std::allocator<T> {
   template <class U>
@@ -33,7 +33,7 @@ struct UnsetAllocator : std::allocator<T> {
   }
 };
 
-/// Bytes in the order in which they are put; numbers are little-endian. Keeps its memory when cleared.
+/// Bytes in the order of the calls; numbers are little-endian. Keeps its memory when cleared.
 class ByteBuffer {
  public:
   void clear() { bytes_.clear(); }
@@ -49,13 +49,13 @@ class ByteBuffer {
     if (!bytes.empty()) std::memcpy(extend(bytes.size()), bytes.data(), bytes.size());
   }
   void put_text(std::string_view text) { put_bytes(std::as_bytes(std::span(text))); }
-  /// Replaces a number that was put before.
+  /// Overwrites a number at an earlier offset.
   template <class Number>
   requires std::is_arithmetic_v<Number>
   void put_at(std::size_t offset, Number value) { std::memcpy(bytes_.data() + offset, &value, sizeof value); }
-  /// `count` more bytes of zeros, to be written over by the caller before the next put.
+  /// Appends `count` zero bytes for the caller to overwrite before the next put.
   std::byte* grow(std::size_t count) { return static_cast<std::byte*>(std::memset(extend(count), 0, count)); }
-  /// The same without setting them: the caller fills all that stay.
+  /// As grow(), but uninitialized: the caller must overwrite every byte that remains.
   std::byte* extend(std::size_t count) {
     bytes_.resize(bytes_.size() + count);
     return bytes_.data() + bytes_.size() - count;

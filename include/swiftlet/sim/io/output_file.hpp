@@ -12,22 +12,22 @@
 
 namespace swiftlet::sim {
 
-/// A file that appears under its name only when it is complete: written as "NAME.part", renamed by finish(). Neither
-/// name is followed when it is a link: the link is replaced. Buffered, append only. Throws std::runtime_error "cannot
-/// write PATH: REASON" on any failure.
+/// A file that appears under its name only when it is complete: written as "NAME.part", renamed by finish(). A link at
+/// either name is replaced, not followed. Buffered, append only. Throws std::runtime_error "cannot write PATH: REASON"
+/// on any failure.
 class OutputFile {
  public:
   OutputFile() = default;
   explicit OutputFile(std::filesystem::path path, std::size_t buffer_bytes = 1 << 16,
                       MissingFolders missing = MissingFolders::kMade);
-  ~OutputFile();  ///< an unfinished file is removed
+  ~OutputFile();  ///< removes an unfinished file
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
 
   bool is_open() const { return descriptor_ >= 0; }
   void append(std::span<const std::byte> bytes);
   void append(std::string_view text) { append(std::as_bytes(std::span(text))); }
-  /// Overwrites what was appended before at that place (for headers that are known only at the end).
+  /// Overwrites bytes at an earlier offset (for headers that are known only at the end).
   void overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
   std::uint64_t size() const { return written_ + buffer_.size(); }  ///< bytes appended so far
   const std::filesystem::path& path() const { return file_.destination(); }

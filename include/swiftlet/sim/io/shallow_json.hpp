@@ -13,8 +13,8 @@
 
 namespace swiftlet::sim {
 
-/// Parses a file of unknown origin. What is no JSON becomes a discarded value. So does what is nested deeper than any
-/// file of ours, because libraries walk a document by calling themselves.
+/// Parses JSON of unknown origin. Invalid JSON gives a discarded value, and so does JSON that is nested deeper than any
+/// file of Swiftlet, because libraries traverse documents recursively.
 template <class Json, class Input>
 Json parse_shallow(Input&& input) {
   constexpr int kMaxDepth = 64;
@@ -34,7 +34,7 @@ constexpr bool kIsList = false;
 template <class T>
 constexpr bool kIsList<std::vector<T>> = true;
 
-/// Nothing when the value is of another type or does not fit into a T.
+/// The value as a T; empty when it has another type or does not fit into a T.
 template <class T, class Json>
 std::optional<T> as(const Json& value) {
   if constexpr (kIsList<T>) {
@@ -69,7 +69,7 @@ std::string name_of_type() {
 
 }  // namespace json_value
 
-/// The value of a key, checked for its type and size. Throws InputError "KEY: expected ...".
+/// The value of a key, checked for type and range. Throws InputError "KEY: expected ...".
 template <class T, class Json>
 T json_at(const Json& json, const std::string& key) {
   const auto found = json.find(key);

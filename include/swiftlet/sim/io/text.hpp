@@ -9,11 +9,11 @@
 #include <system_error>
 #include <type_traits>
 
-/// Numbers and words as parts of text files, the same on every machine and in every locale. What has a fixed number of
-/// digits is formatted with fmt.
+/// Numbers and words in text files, equal on every machine and in every locale. Numbers with a fixed number of digits
+/// are formatted with fmt.
 namespace swiftlet::sim {
 
-/// The fewest digits that read back as the same number.
+/// Writes the fewest digits that parse to the same number.
 template <class Number>
 requires std::is_arithmetic_v<Number>
 void append_number(std::string& text, Number value) {
@@ -21,7 +21,7 @@ void append_number(std::string& text, Number value) {
   text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
-/// The same as a text of its own.
+/// Returns the fewest digits that parse to the same number.
 template <class Number>
 std::string shortest(Number value) {
   std::string text;
@@ -29,7 +29,7 @@ std::string shortest(Number value) {
   return text;
 }
 
-/// The number that the whole text is, or nothing.
+/// The number that the whole text represents; empty otherwise.
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number value{};
@@ -39,15 +39,15 @@ std::optional<Number> number_in(std::string_view text) {
   return value;
 }
 
-/// 16 hexadecimal digits, as hashes are told.
+/// 16 hexadecimal digits, the text form of 64-bit hashes.
 std::string hex64(std::uint64_t value);
 
-/// A cell of a CSV table, quoted where it must be (RFC 4180).
+/// A cell of a CSV table, quoted where necessary (RFC 4180).
 std::string csv_cell(std::string_view text);
-/// A number, or nothing for what was not measured.
+/// A number; empty for NaN.
 std::string csv_cell(double value);
 
-/// Text between the tags or in an attribute of HTML and SVG.
+/// Escapes text for content and attributes of HTML and SVG.
 std::string escape_markup(std::string_view text);
 
 }  // namespace swiftlet::sim

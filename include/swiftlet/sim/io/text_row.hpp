@@ -12,10 +12,10 @@
 
 namespace swiftlet::sim {
 
-/// "a, b, c", for texts about choices.
+/// Comma-separated list: "a, b, c".
 std::string listed(const std::vector<std::string>& words);
 
-/// One line of numbers. A floating-point number is written with the fewest digits that read back as the same bits.
+/// One line of numbers. A floating-point number is written with the fewest digits that parse to the same bits.
 class TextRow {
  public:
   explicit TextRow(char separator) : separator_(separator) {}
@@ -29,9 +29,9 @@ class TextRow {
     for (Eigen::Index i = 0; i < values.size(); ++i) add(static_cast<double>(values.derived()(i)));
     return *this;
   }
-  /// Seconds with all nine digits: exact.
+  /// Seconds with all nine decimals: exact.
   TextRow& add_seconds(TimeNs t);
-  /// The line with its end; the row is empty again at the next clear().
+  /// The line with its line break; valid until the next clear().
   std::string_view line();
 
  private:

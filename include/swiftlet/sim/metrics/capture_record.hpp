@@ -5,15 +5,15 @@
 
 namespace swiftlet::sim {
 
-/// A vehicle met another one's net.
+/// A capture: the interceptor's net met another vehicle.
 struct CaptureRecord {
   static constexpr const char* kName = "captures";
   TimeNs t = 0;
   VehicleId target = kNoVehicle;
-  int number = 0;       ///< of the interceptor's captures, from 1
-  double miss_m = 0.0;  ///< from the middle of the net to where it was met
+  int number = 0;       ///< running number of the interceptor's captures, from 1
+  double miss_m = 0.0;  ///< distance from the center of the net to the meeting point
   double relative_speed_mps = 0.0;
-  Vector3 p_world_m = Vector3::Zero();  ///< of the target
+  Vector3 p_world_m = Vector3::Zero();  ///< position of the target
 
   static void visit(auto& c, auto& v) {
     v.time("t_s", c.t, "[s] when");

@@ -5,23 +5,23 @@
 
 namespace swiftlet::sim {
 
-/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none [Vrba 2025,
-/// eqs. 67-71]. What is not measured is NaN.
+/// Score of a detector or tracker for one target in one scan, or of one of its false estimates [Vrba 2025, eqs. 67-71].
+/// NaN: not measured.
 struct DetectionScore {
   static constexpr const char* kName = "scores";
   enum class Stage { kDetector, kTracker };
-  TimeNs t = 0;  ///< for which the estimate holds; the middle of the sweep when there is none
+  TimeNs t = 0;  ///< time of validity of the estimate; without an estimate, the middle of the sweep
   Stage stage = Stage::kDetector;
   VehicleId target = kNoVehicle;  ///< kNoVehicle: a false estimate
-  double distance_m = 0.0;        ///< true, observer to target (false estimate: to the estimate)
-  int visible_points = -1;        ///< returns of the scan that lie on the target; -1: there was no scan
-  bool found = false;             ///< an estimate lies nearer than MetricsConfig::true_positive_m
+  double distance_m = 0.0;        ///< true distance from observer to target (false estimate: to the estimate)
+  int visible_points = -1;        ///< returns of the scan on the target; -1: there was no scan
+  bool found = false;             ///< an estimate lies within MetricsConfig::true_positive_m
   std::uint32_t track_id = 0;
   double position_error_m = 0.0;     ///< eq. (68)
   double speed_error_mps = 0.0;      ///< eq. (69)
-  double direction_error_rad = 0.0;  ///< eq. (70), of targets that move
-  double nees = 0.0;                 ///< squared error of the position over the covariance it was told with
-  double latency_s = 0.0;            ///< from t to now
+  double direction_error_rad = 0.0;  ///< eq. (70), only for moving targets
+  double nees = 0.0;       ///< normalized estimation error squared of the position, with the reported covariance
+  double latency_s = 0.0;  ///< delay from t to the current tick
 
   static void visit(auto& s, auto& v) {
     static constexpr const char* kStages[] = {"detector", "tracker"};

@@ -15,41 +15,42 @@
 
 namespace swiftlet::sim {
 
-/// What of a vehicle's perception there is to measure.
+/// Perception and capture abilities of a vehicle, which determine the metrics that apply.
 struct Perception {
   bool detects = false, tracks = false;
-  std::optional<CaptureVolume> net;  ///< with which it catches others
-  int captures = 0;                  ///< number that ends the mission; 0: none
+  std::optional<CaptureVolume> net;  ///< net for captures of other vehicles
+  int captures = 0;                  ///< number of captures that completes the mission; 0: none
 };
 
-/// What stays the same during a run.
+/// Data that is constant during a run.
 struct MetricSetup {
-  std::vector<std::string> vehicle_names;  ///< by VehicleId
-  std::vector<Perception> perception;      ///< by VehicleId; empty: none
+  std::vector<std::string> vehicle_names;  ///< indexed by VehicleId
+  std::vector<Perception> perception;      ///< indexed by VehicleId; empty: none
   MetricsConfig config;
 };
 
-/// What a tick tells beyond its TickView. Spans by VehicleId.
+/// Data of a tick beyond its TickView. Spans are indexed by VehicleId.
 struct MetricContext {
   double dt_s = 0.0;  ///< since the last tick
   std::span<const Clearance> clearances;
   std::span<const char> flying;  ///< 1: off the ground and not crashed
-  std::span<const Series* const>
-      series;  ///< all tables; those of metrics after this one in the registry are up to date
+  /// All tables; those of later rows of the registry are already updated in this tick
+  std::span<const Series* const> series;
 };
 
-/// Compares truth with what vehicles made of it, tick by tick; update() never allocates.
+/// Compares the truth with the vehicles' estimates, tick by tick; update() never allocates.
 class Metric {
  public:
   explicit Metric(const MetricSetup& setup) : setup_(setup) {}
   virtual ~Metric() = default;
   virtual void update(const TickView& tick, const MetricContext& context) = 0;
   virtual void report(MetricTable& table) const = 0;
-  /// Its tables; rows are those of this tick.
+  /// Tables of this metric, with the rows of the current tick.
   std::span<const std::unique_ptr<Series>> series() const { return series_; }
 
  protected:
-  /// A table of the kind `Row` for recorders; whoever calls update() empties it before. Call this in a constructor.
+  /// Creates a table with rows of type `Row` for recorders. The caller of update() clears it before. Call this in a
+  /// constructor.
   template <class Row>
   SeriesOf<Row>& add_series() {
     auto table = std::make_unique<SeriesOf<Row>>();
@@ -71,28 +72,28 @@ struct MetricType {
   const char* name;
   const char* doc;
   std::unique_ptr<Metric> (*make)(const MetricSetup& setup);
-  std::span<const MetricDefinition> definitions;  ///< that it may report; empty: not told
+  std::span<const MetricDefinition> definitions;  ///< metrics that it may report; empty: unknown in advance
 };
 
-/// For rows of the table.
+/// Factory for rows of the table.
 template <class M>
 std::unique_ptr<Metric> make_metric(const MetricSetup& setup) {
   return std::make_unique<M>(setup);
 }
 
-/// What every simulation that is made later measures; a program may add its own.
+/// Metrics of all simulations created later; a program may add its own.
 std::vector<MetricType>& metric_registry();
 
-/// A word for how a run or a vehicle ended, and what it means.
+/// An outcome of a run or a vehicle, and its meaning.
 struct OutcomeWord {
   const char* name;
   const char* definition;
 };
 
-/// From best to worst: a run is as good as its worst vehicle.
+/// From best to worst: the outcome of a run is the worst of its vehicles.
 std::span<const OutcomeWord> outcome_words();
 
-/// What tables of batches tell of the radio.
+/// Radio metrics in tables of batches.
 struct RadioMetrics {
   MetricDefinition sent = {"radio_sent", "", "messages that vehicles handed to their radios"};
   MetricDefinition delivered = {"radio_delivered", "",

@@ -8,36 +8,36 @@
 
 namespace swiftlet::sim {
 
-/// What a result means: its line in docs/metrics.md.
+/// Definition of a result: its line in docs/metrics.md.
 struct MetricDefinition {
   const char* name;        ///< with its unit as suffix: "path_length_m"
   const char* unit;        ///< "m", "s", "m/s" ...; empty: a plain number or a word
-  const char* definition;  ///< what is measured, when, and against what
+  const char* definition;  ///< measured quantity, time and reference
 };
 
 /// One result: a number, or a word when `text` is not empty.
 struct MetricRow {
   std::string name;     ///< with its unit as suffix: "path_length_m"
-  std::string vehicle;  ///< empty: of the whole run
+  std::string vehicle;  ///< empty: the whole run
   double value = 0.0;   ///< NaN: not measured (no estimate, no other vehicle ...)
   std::string unit;     ///< "m", "s", "m/s" ...; empty: a plain number or a word
   std::string text;
 };
 
-/// How well a vehicle's detector or tracker did on targets at some distance.
+/// Scores of a vehicle's detector or tracker for targets in one distance interval.
 struct DistanceBin {
   std::string vehicle;  ///< the observer
   std::string stage;    ///< "detector", "tracker"
   double from_m = 0.0, to_m = 0.0;
   int targets = 0;                               ///< scans, counted for each target in them
   double recall = 0.0;                           ///< eq. (71)
-  double recall_visible = 0.0;                   ///< of the targets that have returns in the scan
+  double recall_visible = 0.0;                   ///< recall over the targets with returns in the scan
   double error_mean_m = 0.0, error_std_m = 0.0;  ///< eq. (68)
   double speed_error_mean_mps = 0.0;             ///< eq. (69)
   double direction_error_mean_rad = 0.0;         ///< eq. (70)
 };
 
-/// Results in the order in which they were added; the same names for every run of a scenario.
+/// Results in the order of insertion; the names are equal for every run of a scenario.
 class MetricTable {
  public:
   void add(const MetricDefinition& what, std::string vehicle, double value) {

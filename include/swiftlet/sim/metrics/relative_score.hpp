@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// How well a vehicle knows where another one is, in one tick.
+/// Error of a vehicle's estimate of another vehicle's pose, in one tick.
 struct RelativeScore {
   static constexpr const char* kName = "relative_scores";
   TimeNs t = 0;

@@ -7,33 +7,35 @@
 
 namespace swiftlet::sim {
 
-/// Who takes which iterations of a loop.
+/// Assignment of the iterations of a loop to threads.
 enum class Sharing {
-  /// Each thread begins with a part of its own, the same in all loops of a length, and then helps the others. What it
-  /// has touched in one loop is still in its caches in the next.
+  /// Each thread begins with its own part, the same one in all loops of equal length, and then helps the others. Data
+  /// used in one loop is still in the thread's caches in the next.
   kOwnPart,
-  /// In the order of the loop, whoever comes.
+  /// In the order of the loop, each part by the next idle thread.
   kInOrder
 };
 
-/// Threads that share the loops of a run. Whoever runs takes the next few iterations that nobody has taken. So a loop
-/// waits for work that somebody has begun, and never for a thread that the system lets wait. Beside other programs the
-/// caller does alone what nobody helps with. A parallel region of OpenMP waits at both of its ends until every thread
-/// of it has run, however little there was to do.
+/// Threads that share the loops of a run. Each running thread repeatedly takes the next few unassigned iterations. A
+/// loop therefore waits only for iterations that a thread has begun, never for a thread that the system has suspended
+/// before that. When other programs occupy the processors, the caller performs all iterations that no helper takes. A
+/// parallel region of OpenMP, in contrast, waits at both ends until each of its threads has run, however little work
+/// there is.
 ///
-/// Threads that find nothing to do spin for a moment, because the next loop mostly comes soon, and then sleep.
+/// Idle threads spin briefly, because the next loop usually follows soon, and then sleep.
 class Crew {
  public:
-  /// @param threads  how many work on a loop, its caller among them. Where the system denies some, the rest do it all.
+  /// @param threads  number of threads per loop, including the caller. If the system denies some, the others do all
+  /// work.
   explicit Crew(int threads);
   ~Crew();
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// As asked for.
+  /// The requested number.
   int num_threads() const { return num_threads_; }
 
-  /// While it lives, this crew helps with the loops of the thread that made it. One thread at a time.
+  /// While it exists, this crew helps with the loops of the thread that created it. Only one thread at a time.
   class Duty {
    public:
     explicit Duty(Crew& crew);
@@ -55,8 +57,9 @@ class Crew {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Calls act(i) for all 0 <= i < count; threads take `at_a_time` neighbors each. Alone where no crew is on duty, and
-/// within another loop. All iterations run even if some throw; then the exception of the first one is thrown.
+/// Calls act(i) for all 0 <= i < count; each thread takes `at_a_time` consecutive iterations at once. Serial without a
+/// crew on duty and within another loop. All iterations run even if some throw; then the exception of the lowest
+/// iteration is rethrown.
 template <class Act>
 void parallel_for(int count, int at_a_time, const Act& act, Sharing sharing = Sharing::kOwnPart) {
   struct Loop {

@@ -7,12 +7,12 @@
 
 namespace swiftlet::sim {
 
-/// An exception must not leave a thread: the program would end without a word. So every part of a loop that threads
-/// share runs guarded, and what was thrown is thrown again after it. parallel_for (sim/parallel/crew.hpp) does so by
-/// iteration; who wants it by another number has a FirstException of his own in the loop.
+/// An exception that leaves a thread ends the program without a message. Every part of a loop shared by threads
+/// therefore runs guarded, and its exception is rethrown after the loop. parallel_for (sim/parallel/crew.hpp) does so
+/// by iteration; loops that order their parts differently use a FirstException of their own.
 ///
-/// All parts run, and of several exceptions that of the first part is kept, so the outcome is the same for any number
-/// of threads.
+/// All parts run, and of several exceptions that of the first part is kept, so the outcome does not depend on the
+/// number of threads.
 class FirstException {
  public:
   template <class Act>
@@ -26,7 +26,7 @@ class FirstException {
 
   /// The part whose exception is kept; -1: none was thrown.
   int part() const { return exception_ ? part_ : -1; }
-  /// Throws what is kept, if anything.
+  /// Rethrows the kept exception, if any.
   void rethrow() const {
     if (exception_) std::rethrow_exception(exception_);
   }

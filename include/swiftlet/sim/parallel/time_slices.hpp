@@ -3,11 +3,11 @@
 
 namespace swiftlet::sim {
 
-/// Asks the system for short turns (0.1 ms) instead of long ones, for this thread and those that it starts afterwards.
-/// Beside other programs, threads that work together get no more of the processors by it, but they wait less for one
-/// that is not running. Linux knows it since 6.12; elsewhere nothing happens.
+/// Requests short time slices (0.1 ms) from the system, for this thread and those that it starts afterwards. When other
+/// programs compete for the processors, cooperating threads get no larger share by it, but wait less for a suspended
+/// thread. Needs Linux 6.12 or newer; no effect elsewhere.
 void ask_for_short_time_slices();
-/// As every program has them that does not ask.
+/// Restores the system's default time slices.
 void ask_for_usual_time_slices();
 
 }  // namespace swiftlet::sim

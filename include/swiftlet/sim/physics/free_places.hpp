@@ -11,22 +11,22 @@ namespace swiftlet::sim {
 
 class Contacts;
 
-/// Why a vehicle cannot be at a place.
+/// Reason why a vehicle does not fit at a position.
 struct NoRoom {
-  double depth_m = 0.0;  ///< of its hull in the surface; 0: it is as a whole below the ground
+  double depth_m = 0.0;  ///< penetration of the hull into the surface; 0: the whole vehicle is below the ground
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
-  double free_z_m = 0.0;  ///< least height above the place, at the same x and y, at which there is room
+  double free_z_m = 0.0;  ///< least collision-free height at the same x and y
 };
 
-/// Looks whether vehicles have room in the static world where they start or are meant to go. Uses the shapes of the
-/// contacts, exactly, and the attitude of the start. A solid thing that is much larger than the vehicle and holds
-/// it as a whole is not told from a hall, except the ground.
+/// Checks whether vehicles collide with the static world at their start positions and destinations. Uses the exact
+/// collision shapes and the attitude of the start. A closed solid, other than the ground, that is much larger than the
+/// vehicle and contains it cannot be distinguished from a hall.
 class FreePlaces {
  public:
   FreePlaces(std::span<const PhysicsVehicle> vehicles, const PhysicsConfig& config, const StaticScene& world);
   ~FreePlaces();
 
-  /// Nothing when there is room for vehicle number `i` at the place; legs may stand a little into uneven ground.
+  /// Empty when vehicle number `i` fits at the position; legs may penetrate uneven ground slightly.
   std::optional<NoRoom> check(std::size_t i, const Vector3& p_world_m);
 
  private:

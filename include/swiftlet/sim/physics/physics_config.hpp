@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// Which effects act. Each can be switched off alone.
+/// Simulated physical effects. Each can be switched off alone.
 struct PhysicsConfig {
   double step_s = 0.001;
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
@@ -16,15 +16,14 @@ struct PhysicsConfig {
   bool body_drag = true;
   bool ground_effect = true;
   bool downwash = true;
-  double ground_effect_coefficient =
-      11.36859;  ///< of the law in sim/physics/air_effects.hpp; 1: a single rotor of Cheeseman and Bennett
+  /// Coefficient of the law in sim/physics/air_effects.hpp; 1: a single rotor of Cheeseman and Bennett
+  double ground_effect_coefficient = 11.36859;
   bool contacts = true;
-  double contact_friction = 0.6;  ///< Coulomb, of the vehicle against anything
+  double contact_friction = 0.6;  ///< Coulomb friction coefficient between a vehicle and any surface
   double contact_restitution = 0.1;
-  double crash_speed_mps =
-      0.5;  ///< a contact at more than this normal speed is a crash; slower ones are landings or brushes
-  bool propeller_contact_is_crash =
-      true;  ///< a turning propeller that touches anything breaks, however slowly it comes
+  /// Normal speed above which a contact is a crash; slower contacts are landings or brushes
+  double crash_speed_mps = 0.5;
+  bool propeller_contact_is_crash = true;  ///< any contact of a turning propeller is a crash, at any speed
   bool stop_motors_on_crash = true;
 
   void visit(ConfigVisitor& v);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// Plots as SVG text: the same figure gives the same bytes on every machine.
+/// Plots as SVG text; equal figures give equal bytes on every machine.
 ///
 ///   plot::Figure figure("Expected error");
 ///   plot::Panel& panel = figure.add_panel("sigma_rad = 5 mrad");
@@ -25,17 +25,17 @@ struct Style {
   int color = -1;  ///< index of palette(), any number (it wraps); -1: the panel's next
   double width_px = 1.8;
   Dash dash = Dash::kSolid;
-  Marker marker = Marker::kNone;  ///< scatter() draws circles when none is named
+  Marker marker = Marker::kNone;  ///< kNone: scatter() draws circles
   double marker_px = 3.0;         ///< radius
   double opacity = 1.0;
 };
 
-/// Colors that people with any color vision can tell apart on white (Okabe and Ito, 2008, without the yellow).
+/// Colors distinguishable on white with any color vision (Okabe and Ito, 2008, without the yellow).
 std::span<const char* const> palette();
 
 struct Axis {
-  std::string label;                    ///< with its unit: "range [m]"
-  bool log = false;                     ///< decades; values <= 0 are left out
+  std::string label;                    ///< with unit: "range [m]"
+  bool log = false;                     ///< logarithmic, by decades; values <= 0 are omitted
   std::optional<double> min, max;       ///< unset: from the data
   std::vector<std::string> categories;  ///< names of the positions 0, 1, 2, ... instead of numbers
 };
@@ -45,31 +45,32 @@ struct Box {
   double low = 0.0, q1 = 0.0, median = 0.0, q3 = 0.0, high = 0.0, mean = 0.0;
   std::vector<double> outliers;
 };
-/// @param samples  not empty; NaN is left out
+/// @param samples  not empty; NaN is omitted
 Box box_of(std::span<const double> samples);
 
-/// One coordinate system. A label names the series in the legend; an empty one keeps it out. NaN breaks a line and
-/// drops any other mark. All spans of a call have one length, else std::invalid_argument.
+/// One coordinate system. A label names the series in the legend; series with an empty label are not listed. NaN breaks
+/// a line and drops any other mark. All spans of a call must have equal length, otherwise std::invalid_argument is
+/// thrown.
 class Panel {
  public:
   std::string title;
   Axis x, y;
   Legend legend = Legend::kAuto;
-  bool equal_axes = false;  ///< a meter is as long in x as in y: maps and top views
+  bool equal_axes = false;  ///< equal scale in x and y, for maps and top views
 
   using Values = std::span<const double>;
   Panel& line(const std::string& label, Values x, Values y, const Style& style = {});
   Panel& step(const std::string& label, Values x, Values y, const Style& style = {});  ///< y[i] holds until x[i + 1]
   Panel& band(const std::string& label, Values x, Values low, Values high, const Style& style = {});
   Panel& scatter(const std::string& label, Values x, Values y, const Style& style = {});
-  /// At positions 0, 1, 2, ...; several bar or box series of a panel stand side by side.
+  /// Bars at positions 0, 1, 2, ...; several bar or box series of a panel stand side by side.
   Panel& bars(const std::string& label, Values heights, const Style& style = {});
   Panel& boxes(const std::string& label, std::vector<Box> boxes, const Style& style = {});
   Panel& horizontal(const std::string& label, double y, const Style& style = {});
   Panel& vertical(const std::string& label, double x, const Style& style = {});
   Panel& text(double x, double y, const std::string& text);  ///< anchored left, at data coordinates
 
-  struct Series;  ///< known to plot.cpp only
+  struct Series;  ///< defined in plot.cpp
   Panel();
   ~Panel();
   Panel(const Panel&) = delete;
@@ -86,11 +87,11 @@ class Panel {
 class Figure {
  public:
   explicit Figure(std::string title = {}, int columns = 1);
-  /// Size of one panel, axes and labels included.
+  /// Size of one panel including axes and labels.
   void set_panel_size(double width_px, double height_px);
   Panel& add_panel(const std::string& title = {});
   std::string svg() const;
-  /// Makes missing folders. Throws std::runtime_error with path and reason.
+  /// Creates missing folders. Throws std::runtime_error with path and reason.
   void write(const std::filesystem::path& path) const;
 
  private:

@@ -17,14 +17,14 @@
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 
-/// Modules from a shared library that a scenario names by `plugins: [libmine.so]`. The library has, once:
+/// Modules from a shared library that a scenario names by `plugins: [libmine.so]`. The library contains, once:
 ///
 ///   SWIFTLET_PLUGIN(registries) {
 ///     registries.guidances.add({{"orbit", "circles around a point", make_module_config<OrbitConfig>}, make_orbit});
 ///   }
 namespace swiftlet::sim {
 
-/// The tables of the program that loads a plugin. Those of the functions such as guidance_registry() are other ones in
+/// The registries of the program that loads a plugin. Functions such as guidance_registry() return different tables in
 /// a shared library.
 struct Registries {
   Registry<AgentType>& agents;
@@ -40,19 +40,19 @@ struct Registries {
   std::vector<MetricType>& metrics;
 };
 
-/// From now on this process loads plugins that were built for exactly this version. They run code of their own: only
-/// whoever started the program may allow that, never a scenario.
+/// Allows this process to load plugins, which must be built for exactly this version. Plugins run arbitrary code, so
+/// only the user who starts the program may allow them, never a scenario.
 void allow_plugins(std::string version);
 
-/// Loads it, unless it is there already. A name without a folder that does not lie in `folder` is searched as the
-/// system searches libraries.
-/// @return what was expected, for the reader's message; empty when all is well
+/// Loads a plugin unless it is already loaded. A name without a folder that does not exist in `folder` is searched in
+/// the system's library paths.
+/// @return the expectation that is not met, for the reader's error message; empty on success
 std::string load_plugin(const std::string& file, const std::filesystem::path& folder);
 
-/// Their paths, in the order in which they were loaded.
+/// Paths of the loaded plugins, in loading order.
 const std::vector<std::string>& loaded_plugins();
 
-// Defined in sim/run, and in the plugin as it was built.
+// Defined in sim/run, and in the plugin with the values of its build.
 const char* version();
 const char* git_revision();
 

@@ -15,24 +15,24 @@
 
 namespace swiftlet::sim {
 
-/// Carries messages in lockstep: what is posted in a tick arrives in a later one. Each sender transmits one message
-/// after the other, in the order of posting. A message posted at t while the sender is free starts at t, ends size /
-/// rate later, and arrives after the delay. Range, line of sight and loss are decided for each receiver. They follow
-/// from the vehicles' positions in the tick in which it starts, at most one tick old. Jitter may change the order of
-/// arrival.
+/// Carries messages in lockstep: a message posted in one tick arrives in a later one. Each sender transmits its
+/// messages one after the other, in the order of posting. A message posted at t by an idle sender starts at t, ends
+/// size / rate later, and arrives after the delay. Range, line of sight and loss are decided for each receiver from the
+/// vehicles' positions in the tick in which the transmission starts, at most one tick old. Jitter may change the order
+/// of arrival.
 class Radio {
  public:
   Radio(const RadioConfig& config, std::uint64_t seed, std::vector<std::string> vehicle_names,
         std::shared_ptr<const StaticScene> world);
   ~Radio();
-  /// Takes the messages of one vehicle; called in vehicle order. Stamps `from` and `sent`.
+  /// Accepts the messages of one vehicle; called in vehicle order. Stamps `from` and `sent`.
   void post(VehicleId from, TimeNs now, std::span<const Message> messages, std::span<const VehicleState> states);
-  /// Appends what reaches `to` in (previous tick, now], in order of arrival, then of sender.
+  /// Appends the messages that reach `to` in (previous tick, now], sorted by arrival, then by sender.
   void deliver(VehicleId to, TimeNs now, std::vector<Message>& out);
-  /// Takes back the memory of delivered messages and empties the list; without it every delivery allocates.
+  /// Reuses the memory of delivered messages and empties the list; without it every delivery allocates.
   void recycle(std::vector<Message>& messages);
   const RadioStatistics& statistics() const;
-  /// By sender, then topic.
+  /// Sorted by sender, then topic.
   std::vector<RadioTopicStatistics> topics() const;
 
  private:

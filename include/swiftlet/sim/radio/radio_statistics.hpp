@@ -15,7 +15,7 @@ struct RadioStatistics {
   double mean_delay_s = 0.0, max_delay_s = 0.0;
 };
 
-/// Messages and bytes of one sender and topic that went on the air.
+/// Transmitted messages and bytes of one sender and topic.
 struct RadioTopicStatistics {
   std::string topic;
   VehicleId from;

@@ -14,9 +14,9 @@
 
 namespace swiftlet::sim {
 
-/// What a ray met. `vehicle` is kNoVehicle for the static world.
+/// Intersection of a ray. `vehicle` is kNoVehicle for the static world.
 struct RayHit {
-  float range_m = 0.0F;        ///< 0: nothing
+  float range_m = 0.0F;        ///< 0: no intersection
   float cos_incidence = 0.0F;  ///< |cos| of the angle between ray and normal
   std::uint32_t material = 0;  ///< index in Scene::materials, or in VehicleShape's for vehicles
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
@@ -33,7 +33,7 @@ struct NearestSurface {
   std::uint16_t instance = 0;
 };
 
-/// The static world ready to trace. Immutable after construction, shared by sensors, physics, radio and the
+/// The static world as a ray-tracing structure. Immutable after construction, shared by sensors, physics, radio and the
 /// worlds of a batch; every method is const and thread-safe. Hides Embree.
 class StaticScene {
  public:
@@ -49,13 +49,13 @@ class StaticScene {
   RayHit trace(const Vector3& origin_world, const Vector3& direction_world, double range_max_m) const;
   /// Is there a surface strictly between a and b?
   bool occluded(const Vector3& a_world, const Vector3& b_world) const;
-  /// Exact distance to the nearest triangle, by a BVH point query; nothing nearer than max_distance_m: nullopt.
+  /// Exact distance to the nearest triangle, by a BVH point query; nullopt when none is nearer than max_distance_m.
   std::optional<NearestSurface> nearest(const Vector3& p_world, double max_distance_m) const;
   /// Calls visit(a, b, c, triangle_index) for every triangle whose bounding box touches the box, in order of the index.
   void triangles_near_box(const Eigen::AlignedBox3d& box_world,
                           const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>& visit) const;
 
-  struct Impl;  // for the other files of this room only
+  struct Impl;  // used only within sim/raycast
   const Impl& impl() const { return *impl_; }
 
  private:

@@ -19,7 +19,7 @@ struct CsvConfig : ModuleConfigOf<CsvConfig>, TellsOutput {
   RecorderOutput output() const override { return {"type", "csv", false, "csv", vehicles, topics}; }
 };
 
-/// Every table with its columns; of the rotors the first stands for all.
+/// Every table with its columns; of the rotor columns only the first rotor's.
 std::vector<TableType> csv_tables();
 
 /// csv/VEHICLE/TOPIC.csv with a header line that carries the units; docs/reference.md lists the columns.

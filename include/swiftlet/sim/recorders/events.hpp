@@ -17,7 +17,7 @@ struct EventsConfig : ModuleConfigOf<EventsConfig>, TellsOutput {
   RecorderOutput output() const override { return {"type", "events.jsonl", true, "events", {}, {}}; }
 };
 
-/// events.jsonl: one JSON object a line, in order of time.
+/// events.jsonl: one JSON object per line, in order of time.
 std::unique_ptr<Recorder> make_events_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

@@ -9,9 +9,9 @@
 
 namespace swiftlet::sim {
 
-/// Makes 16-bit gray PNG files in memory, several times as fast as a general compressor and no larger. Measured ranges
-/// are noise in their low bits. There is nothing to be found there but the statistics of the bytes and runs of equal
-/// ones. (PNG, ISO/IEC 15948: filter Sub; RFC 1951: one dynamic Huffman block a file.) Keeps its memory between images.
+/// Encodes 16-bit gray PNG files in memory, several times as fast as a general compressor and no larger. The low bits
+/// of measured ranges are noise, so only byte statistics and runs of equal bytes are compressible. (PNG, ISO/IEC 15948:
+/// filter Sub; RFC 1951: one dynamic Huffman block per file.) Keeps its memory between images.
 class GrayPng {
  public:
   /// @param gray  row by row, row 0 on top
@@ -21,7 +21,7 @@ class GrayPng {
  private:
   std::vector<std::uint8_t> filtered_;
   std::vector<std::uint16_t> tokens_;
-  std::vector<std::uint8_t> stream_;  // room; what is used of it is written out
+  std::vector<std::uint8_t> stream_;  // reserved memory; only its used part is written
   ByteBuffer file_;
 };
 

@@ -26,9 +26,9 @@ struct MapConfig : ModuleConfigOf<MapConfig>, TellsOutput {
   RecorderOutput output() const override { return {"folder", folder, false, format_name(), vehicles, maps}; }
 };
 
-/// The maps that vehicles keep, voxel by voxel with state and value, at instants and at the end:
+/// Records the vehicles' maps, voxel by voxel with state and value, at given times and at the end:
 /// FOLDER/VEHICLE_MAP_SECONDS.ply and FOLDER/VEHICLE_MAP_end.ply, or .pcd, .ot, .bt. Positions are in the vehicle's
-/// local frame; the header tells where that frame is.
+/// local frame; the header holds the pose of that frame.
 std::unique_ptr<Recorder> make_map_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

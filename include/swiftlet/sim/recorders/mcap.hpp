@@ -17,7 +17,7 @@ struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig, TellsOutput {
   RecorderOutput output() const override { return {"file", file, true, "mcap", {}, {}}; }
 };
 
-/// One MCAP file with ROS 2 messages (profile ros2, CDR, ros2msg schemas), as `ros2 bag` and viewers read it.
+/// One MCAP file with ROS 2 messages (profile ros2, CDR, ros2msg schemas), readable by `ros2 bag` and viewers.
 std::unique_ptr<Recorder> make_mcap_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

@@ -7,13 +7,13 @@
 
 namespace swiftlet::sim {
 
-/// The poses of the last seconds, to look up where a vehicle believed to be during a sweep.
+/// The estimated poses of the last seconds, to look up the believed pose during a sweep.
 class PoseHistory {
  public:
-  /// Poses come in order of time; one that is not newer than the last is ignored.
+  /// Poses must be in order of time; one that is not newer than the last is ignored.
   void push(TimeNs t, const Pose& T_world_body);
   bool empty() const { return poses_.empty(); }
-  /// Linear in position, slerp in attitude; before the oldest kept one or after the newest: that one. Not when empty.
+  /// Linear in position, slerp in attitude; clamped to the oldest and newest stored pose. Requires a nonempty history.
   Pose at(TimeNs t) const;
 
  private:

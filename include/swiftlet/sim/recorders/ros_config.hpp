@@ -9,11 +9,11 @@
 
 namespace swiftlet::sim {
 
-/// How the maker's ROS driver lays out its point cloud; kAuto goes by the rows of the scan: 4 Livox, 16 and 32
-/// Velodyne, else Ouster. kSmall is no maker's: returns alone, with their place and intensity.
+/// Point cloud layout of the manufacturer's ROS driver. kAuto selects it by the rows of the scan: 4 Livox, 16 and 32
+/// Velodyne, else Ouster. kSmall is no manufacturer's: returns only, with position and intensity.
 enum class PointsLayout { kAuto, kOuster, kLivox, kVelodyne, kSmall };
 
-/// What the recorders of ROS messages (MCAP, ROS 1 bag) have in common.
+/// Settings common to the recorders of ROS messages (MCAP, ROS 1 bag).
 struct RosConfig {
   std::vector<std::string> vehicles;
   std::vector<std::string> sensors;
@@ -30,11 +30,11 @@ struct RosConfig {
   void visit_common(ConfigVisitor& v);
 };
 
-/// A name as topics and frames have it: letters, digits and underscores; what else it has becomes an underscore.
+/// A valid name for ROS topics and frames: letters, digits and underscores; any other character becomes an underscore.
 std::string ros_name(std::string name);
 
-/// What to expect instead of a vehicle's or LiDAR's name; empty: ROS accepts it beside the others.
-/// @param taken  the others by their names in ROS; this one joins them
+/// The expectation for a vehicle's or LiDAR's name that ROS does not accept beside the others; empty: it is accepted.
+/// @param taken  accepted names by their ROS form; `name` is added
 std::string expected_ros_name(const std::string& name, std::map<std::string, std::string>& taken);
 
 }  // namespace swiftlet::sim

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// What the recorders of scans as single files (PCD, PLY) have in common.
+/// Settings common to the recorders of scans as single files (PCD, PLY).
 struct ScanFilesConfig {
   std::vector<std::string> vehicles;
   std::vector<std::string> sensors;

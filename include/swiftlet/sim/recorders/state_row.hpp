@@ -6,10 +6,9 @@
 
 namespace swiftlet::sim {
 
-/// A row of the table `state`: truth, the vehicle's estimate of it (est_*), where guidance wants it (ref_*), and as
-/// many rotors as it has.
+/// A row of the table `state`: truth, the vehicle's estimate (est_*), reference of guidance (ref_*), and all rotors.
 void put_state(const VehicleState& state, double clearance_m, const Action& action, int num_rotors, ColumnSink& sink);
-/// Of a vehicle in this tick.
+/// The row of one vehicle in the current tick.
 void put_state(const TickView& tick, VehicleId vehicle, int num_rotors, ColumnSink& sink);
 
 }  // namespace swiftlet::sim

@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 struct SensorType {
   ModuleType module;
   std::unique_ptr<Sensor> (*make)(const ModuleConfig& config, SensorSetup setup);
-  TableType (*samples)() = nullptr;  ///< sample_table<Sample>, when it fills a list that has no name in Observation
+  TableType (*samples)() = nullptr;  ///< sample_table<Sample>, for samples without a list of their own in Observation
 };
 
 /// The table of a kind of sample.
@@ -24,7 +24,7 @@ TableType sample_table() {
 
 Registry<SensorType>& sensor_registry();
 inline std::span<const ModuleType> sensor_module_types() { return sensor_registry().modules(); }
-/// Throws std::invalid_argument on an unknown type (the reader has already checked).
+/// Throws std::invalid_argument on an unknown type (already checked by the reader).
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

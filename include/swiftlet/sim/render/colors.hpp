@@ -9,21 +9,21 @@
 
 namespace swiftlet::sim {
 
-/// Perceptually even, dark violet to yellow; s in 0..1 (clamped). For intensities.
+/// Perceptually uniform, dark violet to yellow; s in 0..1 (clamped). For intensities.
 Rgb viridis_like(float s);
 /// Rainbow of even lightness steps, dark blue to dark red; s in 0..1 (clamped). For distances.
 Rgb turbo_like(float s);
 /// The bright part of turbo_like, for points drawn over a scene: readable on soil and on leaves.
 Rgb height_color(float s);
-/// Distinct colors of the vehicles of a team, good on green and on gray.
+/// Distinct colors for the vehicles of a team, visible on green and on gray.
 Rgb vehicle_color(VehicleId vehicle);
 /// Color of a truth class (SurfaceClass) or of a vehicle.
 Rgb class_color(std::uint16_t surface_class);
 
-/// Color of a part of a vehicle: the body and the arms show whose it is.
+/// Color of a part of a vehicle; body and arms carry the vehicle's color.
 Rgb part_color(const VehicleShape& shape, const Mesh& mesh, VehicleId vehicle);
 
-/// From sRGB to linear light, per channel.
+/// Conversion from sRGB to linear light, per channel.
 Rgb to_linear(const Rgb& srgb);
 /// Relative luminance of WCAG 2: 0 black, 1 white.
 float luminance(const Rgb& srgb);

@@ -24,7 +24,7 @@ struct Image {
   const std::uint8_t* pixel(int x, int y) const { return rgb.data() + 3 * (static_cast<std::size_t>(y) * width + x); }
 };
 
-/// Metric depth along the optical axis [m]; 0: nothing there. Row 0 is the top.
+/// Metric depth along the optical axis [m]; 0: no surface. Row 0 is the top.
 struct DepthImage {
   int width = 0;
   int height = 0;
@@ -33,17 +33,17 @@ struct DepthImage {
   float at(int x, int y) const { return depth_m[static_cast<std::size_t>(y) * width + x]; }
 };
 
-// Two-dimensional drawing, clipped to the picture; y grows downwards.
+// Two-dimensional drawing, clipped to the image; y grows downwards.
 void set_pixel(Image& image, int x, int y, const Rgb& color);
-/// Lays `color` with opacity `alpha` over a pixel.
+/// Blends `color` with opacity `alpha` over a pixel.
 void blend_pixel(Image& image, int x, int y, const Rgb& color, float alpha);
 void blend_rectangle(Image& image, int x, int y, int width, int height, const Rgb& color, float alpha);
 
 enum class Align { kLeft, kCenter, kRight };
 
-inline constexpr float kCapitalOfFont = 0.729F;  ///< height of a capital, as a share of the size of the font
+inline constexpr float kCapitalOfFont = 0.729F;  ///< height of a capital letter, as a share of the font size
 
-/// Style of a text: `height_px` is the height of a capital; the halo keeps it readable on any background.
+/// Style of a text: `height_px` is the height of a capital letter; the halo keeps it readable on any background.
 struct TextStyle {
   float height_px = 12.0F;
   Rgb color = Rgb::Constant(0.08F);
@@ -52,8 +52,8 @@ struct TextStyle {
   Rgb halo = Rgb::Ones();
 };
 
-/// Writes one line of UTF-8 in DejaVu Sans, which is part of the program. (x, y) is the left (center, right) end of the
-/// baseline.
+/// Writes one line of UTF-8 in DejaVu Sans, which is built into the program. (x, y) is the left (center, right) end of
+/// the baseline.
 void draw_text(Image& image, float x, float y, std::string_view text, const TextStyle& style);
 float text_width_px(std::string_view text, float height_px);
 

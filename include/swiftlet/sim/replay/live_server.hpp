@@ -8,19 +8,19 @@
 
 namespace swiftlet::sim {
 
-/// Serves the page of a run while it goes on, on 127.0.0.1 alone and under an address that nobody can guess. It answers
-/// requests to read and no others. A thread of its own answers, so the run does not wait.
+/// Serves the replay page of a run in progress, on 127.0.0.1 only and under an unguessable random address. Accepts only
+/// read requests. A separate thread answers them, so the run does not wait.
 class LiveServer {
  public:
-  /// Throws std::runtime_error when there is no port.
+  /// Throws std::runtime_error when no port is available.
   LiveServer();
   ~LiveServer();
 
   /// "http://127.0.0.1:40123/<32 random digits>/"
   const std::string& address() const;
-  /// One block more of the page, packed.
+  /// Appends one packed block to the page.
   void put(std::string packed);
-  /// After the last block: waits until a page that is open has it, but not for one that has fallen silent.
+  /// After the last block: waits until each open page has received it, except pages that have stopped responding.
   void finish();
 
  private:
@@ -28,7 +28,7 @@ class LiveServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Tells the server what the recorder `replay` would write. The server outlives it.
+/// Sends the server the data that the recorder `replay` would write. The server must outlive the recorder.
 std::unique_ptr<Recorder> make_live_recorder(const ReplayConfig& config, LiveServer& server);
 
 }  // namespace swiftlet::sim

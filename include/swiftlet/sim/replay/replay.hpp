@@ -22,7 +22,7 @@ struct ReplayConfig : ModuleConfigOf<ReplayConfig>, TellsOutput {
 
 /// replay.html: the run as one page for a browser, without a server and without a network (docs/replay.md).
 std::unique_ptr<Recorder> make_replay_recorder(const ModuleConfig& config);
-/// The same under another name; `file` may lie anywhere.
+/// As above, into `file`, which may lie outside the run directory.
 std::unique_ptr<Recorder> make_replay_recorder(const ReplayConfig& config, const std::filesystem::path& file);
 
 }  // namespace swiftlet::sim

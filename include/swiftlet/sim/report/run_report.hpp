@@ -6,9 +6,9 @@
 
 namespace swiftlet::sim {
 
-/// Writes report.html into a run directory, and returns its path. The page shows outcome, metrics, flown paths, time
-/// series, events, snapshots and the wall time of each stage. Time series come from what the run recorded: CSV states,
-/// else TUM trajectories. Throws InputError when it is no run directory.
+/// Writes report.html into a run directory and returns its path. The page shows outcome, metrics, flown paths, time
+/// series, events, snapshots and the wall time of each stage. Time series come from recorded CSV states, otherwise from
+/// TUM trajectories. Throws InputError when it is no run directory.
 std::vector<std::filesystem::path> write_run_report(const std::filesystem::path& directory);
 
 }  // namespace swiftlet::sim

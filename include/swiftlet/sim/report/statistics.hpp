@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-/// What samples say about the law that they come from. All intervals are two-sided, of 95 % unless told.
+/// Statistics of samples. All intervals are two-sided, with 95 % confidence by default.
 namespace swiftlet::sim {
 
 struct Interval {
@@ -15,15 +15,15 @@ struct Interval {
 
 inline constexpr double kConfidence = 0.95;
 
-/// Which samples hang together, by a number for each: a seed meets the same random numbers at every point of a sweep.
-/// Empty: none do.
+/// Cluster number of each sample; samples of one cluster are correlated, such as those of one seed, which draws equal
+/// random numbers at every point of a sweep. Empty: all samples are independent.
 using Clusters = std::span<const std::uint64_t>;
 
-/// NaN wherever there are too few samples to tell.
+/// Values are NaN where there are too few samples.
 struct SampleSummary {
-  std::uint64_t n = 0;  ///< samples that are numbers
+  std::uint64_t n = 0;  ///< number of samples, without NaN
   double mean = std::numeric_limits<double>::quiet_NaN();
-  double sd = std::numeric_limits<double>::quiet_NaN();  ///< with n - 1
+  double sd = std::numeric_limits<double>::quiet_NaN();  ///< sample standard deviation (n - 1)
   Interval mean_ci;  ///< Student's t, with the spread between clusters (Liang and Zeger, Biometrika 73, 1986)
   double min = std::numeric_limits<double>::quiet_NaN();
   double q1 = std::numeric_limits<double>::quiet_NaN();
@@ -32,30 +32,30 @@ struct SampleSummary {
   double max = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// NaN are left out. Quartiles by linear interpolation between order statistics.
+/// NaN is omitted. Quartiles by linear interpolation between order statistics.
 SampleSummary summarize(std::span<const double> samples, Clusters clusters = {}, double confidence = kConfidence);
 
-/// How many independent samples would tell the mean as well, as a share of how many there are: at most 1. Where all are
-/// equal, one of each cluster. NaN are left out.
+/// Effective sample size of the mean, as a share of the number of samples: at most 1. Where all samples are equal, one
+/// for each cluster. NaN is omitted.
 double independent_share(std::span<const double> samples, Clusters clusters);
 
 /// Wilson's score interval of a rate (J. Am. Stat. Assoc. 22, 1927).
-/// @param independent  share of the trials that counts, where they hang together
+/// @param independent  effective share of the trials where they are correlated
 Interval wilson(std::uint64_t successes, std::uint64_t trials, double independent = 1.0,
                 double confidence = kConfidence);
 
-/// second[i] - first[i]: pairs in which either is NaN are left out. Student's t on the differences.
+/// second[i] - first[i]; pairs with NaN are omitted. Student's t on the differences.
 SampleSummary paired_difference(std::span<const double> first, std::span<const double> second, Clusters clusters = {},
                                 double confidence = kConfidence);
 
-/// How often each of two paired yes-or-no outcomes occurred together.
+/// Joint frequencies of two paired yes-or-no outcomes.
 struct PairedCounts {
   std::uint64_t both = 0, first_only = 0, second_only = 0, neither = 0;
-  double independent = 1.0;  ///< share of them that counts, where they hang together
+  double independent = 1.0;  ///< effective share of the pairs where they are correlated
 };
 
 struct RateDifference {
-  double difference = std::numeric_limits<double>::quiet_NaN();  ///< rate of the second less rate of the first
+  double difference = std::numeric_limits<double>::quiet_NaN();  ///< rate of the second minus rate of the first
   Interval ci;
 };
 

@@ -3,18 +3,18 @@
 
 namespace swiftlet::sim {
 
-/// Largest number of threads of a run. More are a mistake: they cost memory and time to start.
+/// Largest number of threads of a run. Larger numbers are rejected: they cost memory and start-up time.
 inline constexpr int kMaxThreads = 1024;
 
-/// Processors that this process may use, at least 1: the affinity mask, less where the quota of a control group
-/// (containers, version 1 or 2) or a Slurm job (SLURM_CPUS_PER_TASK, SLURM_CPUS_ON_NODE) gives less.
+/// Processors available to this process, at least 1: by the affinity mask, the quota of a control group (containers,
+/// version 1 or 2) and the Slurm job (SLURM_CPUS_PER_TASK, SLURM_CPUS_ON_NODE).
 int available_processors();
 
-/// Threads of a run without a number of its own: OMP_NUM_THREADS where it is set, otherwise available_processors().
+/// Threads of a run that does not set a number: OMP_NUM_THREADS where it is set, otherwise available_processors().
 /// Throws InputError when OpenMP is set to more than kMaxThreads.
 int default_threads();
 
-/// Makes default_threads() the number of OpenMP's threads too, for loops of this thread and its forks.
+/// Sets the number of OpenMP threads to default_threads(), for loops of this thread and its forks.
 void limit_openmp();
 
 }  // namespace swiftlet::sim

@@ -16,7 +16,7 @@
 
 namespace swiftlet::sim {
 
-/// The static part of a run, ready to trace; runs with the same world and seed may share one.
+/// The static part of a run, ready for ray tracing; runs with the same world and seed may share one.
 struct World {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const StaticScene> static_scene;
@@ -26,32 +26,32 @@ World build_world(const Module& config, std::uint64_t seed);
 /// One run in lockstep. The same scenario gives the same bits for any number of threads.
 class Simulation {
  public:
-  /// @param threads  for physics, sensors and agents; 0: default_threads()
+  /// @param threads  number of threads for physics, sensors and agents; 0: default_threads()
   explicit Simulation(Scenario scenario, int threads = 0, std::optional<World> world = std::nullopt);
   ~Simulation();
 
-  /// The scenario's recorders and cameras write into `directory` (which exists) from the next tick on.
+  /// The scenario's recorders and cameras write into `directory` (which must exist) from the next tick on.
   void attach_recorders(const std::filesystem::path& directory);
-  /// One recorder more, which may be the caller's own.
+  /// Attaches one more recorder, which may be the caller's own.
   void attach(std::unique_ptr<Recorder> recorder, const std::filesystem::path& directory);
 
   void tick();
   bool finished() const;
   TimeNs now() const;
   const Scenario& scenario() const;
-  const TickView& view() const;  ///< the last tick; before the first one, the start
+  const TickView& view() const;  ///< the last tick; before the first one, the start state
   const RunInfo& info() const;
   /// Hash of every vehicle's true state and every sensor output so far, in tick order.
   std::uint64_t state_hash() const;
-  /// Ends recording; the paths written, relative to the directory.
+  /// Ends recording. Returns the written paths, relative to the directory.
   std::vector<std::filesystem::path> finish();
-  /// What the run came to so far; wall times other than the stages' are the caller's to fill in.
+  /// Result of the run so far; the caller fills in wall times other than those of the stages.
   RunSummary summary() const;
 
-  /// From now on the steps of the agents are timed by stage. No bits change.
+  /// Enables timing of the agents by stage. Does not change results.
   void time_agents();
-  /// How long their stages took since then, all agents together, by AgentStage. Agents step at the same time on several
-  /// threads, so this may be more than the wall time of the stage "agents".
+  /// Time spent by their stages since then, summed over all agents, by AgentStage. Agents run in parallel on several
+  /// threads, so this may exceed the wall time of the stage "agents".
   std::vector<std::pair<std::string, double>> agent_stage_s() const;
 
  private:

@@ -9,12 +9,12 @@
 
 namespace swiftlet::sim {
 
-/// Parts of a tick whose wall time the summary tells.
+/// Parts of a tick, timed separately for the summary.
 enum class Stage { kPhysics, kSensors, kAgents, kRadio, kMetrics, kRecorders };
 inline constexpr std::array<const char*, 6> kStageNames = {"physics", "sensors", "agents",
                                                            "radio",   "metrics", "recorders"};
 
-/// Adds up wall time by stage. Says nothing about the simulation itself: no result may depend on it.
+/// Sums wall time by stage. No result may depend on it.
 class StageClock {
  public:
   class Scope {
@@ -33,7 +33,7 @@ class StageClock {
     latest_ = stage;
     return Scope(sums_s_[static_cast<std::size_t>(stage)]);
   }
-  /// The stage that was entered last, by measure() or add().
+  /// The last stage passed to measure() or add().
   Stage latest() const { return latest_; }
 
   void add(Stage stage, double wall_s) {

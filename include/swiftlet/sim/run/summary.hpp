@@ -12,7 +12,7 @@
 
 namespace swiftlet::sim {
 
-/// What a run came to: the content of summary.json.
+/// Result of a run: the content of summary.json.
 struct RunSummary {
   std::string scenario;
   std::uint64_t seed = 0;
@@ -20,24 +20,24 @@ struct RunSummary {
   std::uint64_t state_hash = 0;
   int threads = 1;
   double simulated_s = 0.0;
-  double setup_wall_s = 0.0;  ///< world, trace structure, vehicles
-  double wall_s = 0.0;        ///< the flight with its recording
+  double setup_wall_s = 0.0;  ///< creation of world, ray-tracing structure, vehicles
+  double wall_s = 0.0;        ///< flight including recording
   std::vector<std::pair<std::string, double>> stage_wall_s;
   MetricTable metrics;
   RadioStatistics radio;
   std::vector<RadioTopicStatistics> radio_topics;
-  std::vector<Counter> counters;  ///< what did not fit; settings by their path in the scenario
+  std::vector<Counter> counters;  ///< data beyond limits or formats; settings by their path in the scenario
 
   double real_time_factor() const { return wall_s > 0.0 ? simulated_s / wall_s : 0.0; }
 };
 
-/// summary.json: everything above with version and revision, keys in a fixed order.
+/// summary.json: all fields above with version and revision, keys in a fixed order.
 std::string to_json(const RunSummary& summary);
 
-/// A line for each counter above zero; those of several vehicles in one.
+/// One line per nonzero counter, summed over vehicles.
 std::string to_text(const std::vector<Counter>& counters);
 
-/// A screenful for people.
+/// Readable summary for a terminal.
 std::string to_text(const RunSummary& summary);
 
 }  // namespace swiftlet::sim

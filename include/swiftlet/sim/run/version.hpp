@@ -3,8 +3,7 @@
 
 namespace swiftlet::sim {
 
-const char* version();  ///< of the project, "0.1.0"
-const char*
-git_revision();  ///< short hash at build time, "+" appended when the tree was changed; "unknown" without git
+const char* version();       ///< version of the project, "0.1.0"
+const char* git_revision();  ///< short hash at build time, with "+" for a modified tree; "unknown" without git
 
 }  // namespace swiftlet::sim

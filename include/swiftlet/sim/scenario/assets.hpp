@@ -9,11 +9,11 @@
 namespace swiftlet::sim {
 
 struct Asset {
-  std::string name;  ///< as a configuration names it: the file without .yaml
-  std::string doc;   ///< first sentence of the comment at its head
+  std::string name;  ///< name in configurations: the file name without .yaml
+  std::string doc;   ///< first sentence of the comment at its beginning
 };
 
-/// What can be named from assets/<folder>, or, for "scenarios", the scenarios that come with Swiftlet; by name.
+/// Assets available in assets/<folder>, or, for "scenarios", the scenarios of Swiftlet; sorted by name.
 std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& files = system_files());
 
 }  // namespace swiftlet::sim

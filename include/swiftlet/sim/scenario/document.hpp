@@ -9,14 +9,14 @@
 
 #include "swiftlet/sim/errors.hpp"
 
-/// A YAML text as a tree in which every value knows its place, and the merging of such trees. Hides yaml-cpp, which
-/// accepts duplicate keys in silence, resolves aliases without bounds and converts loosely.
+/// A YAML text as a tree of values with their source locations, and the merging of such trees. Hides yaml-cpp, which
+/// accepts duplicate keys silently, resolves aliases without bounds and converts loosely.
 namespace swiftlet::sim {
 
-/// A text that configuration is read from.
+/// A configuration text.
 struct Source {
   std::string name;                 ///< as shown in messages
-  std::filesystem::path directory;  ///< what relative paths in it refer to
+  std::filesystem::path directory;  ///< base folder of relative paths
 };
 
 struct Place {
@@ -34,11 +34,11 @@ struct Node {
   enum class Kind { kNull, kScalar, kList, kMap, kElements };
 
   Kind kind = Kind::kNull;
-  bool quoted = false;  ///< scalars
+  bool quoted = false;  ///< kScalar only
   Place place;
-  std::string text;            ///< scalars
-  std::vector<Node> items;     ///< lists
-  std::vector<Entry> entries;  ///< maps and changes to elements, in the order of the text; lists: changes that wait
+  std::string text;            ///< kScalar only
+  std::vector<Node> items;     ///< kList only
+  std::vector<Entry> entries;  ///< kMap and kElements, in the order of the text; kList: pending changes to elements
 
   const Node* find(std::string_view key) const;
   Node* find(std::string_view key);
@@ -49,44 +49,44 @@ struct Node {
 
 struct Entry {
   std::string key;
-  Place place;  ///< of the key
+  Place place;  ///< location of the key
   Node value;
 };
 
-/// Bounds that no sensible configuration reaches; they keep hostile input from eating memory or stack.
+/// Limits far above any sensible configuration; they bound memory and stack for malicious input.
 inline constexpr std::size_t kMaxFileBytes = 16'000'000;
-inline constexpr std::size_t kMaxNodes = 1'000'000;  ///< aliases counted as often as they are used
-inline constexpr std::size_t kMaxKeys = 4'096;       ///< of one map
-inline constexpr std::size_t kMaxItems = 100'000;    ///< of one list
+inline constexpr std::size_t kMaxNodes = 1'000'000;  ///< aliases counted at every use
+inline constexpr std::size_t kMaxKeys = 4'096;       ///< per map
+inline constexpr std::size_t kMaxItems = 100'000;    ///< per list
 inline constexpr int kMaxDepth = 64;
 
-/// One YAML document. Throws InputError on anything that is not exactly that, and on duplicate keys. A key such as
-/// `vehicles[0]` becomes a change of an element of `vehicles`.
+/// Parses one YAML document. Throws InputError on anything else and on duplicate keys. A key such as `vehicles[0]`
+/// becomes a change of an element of `vehicles`.
 Node parse_document(const std::string& text, Source source);
 
-/// Lays `over` on `base`: maps merge, anything else is replaced. A map whose `type` differs is replaced as well, since
-/// its other keys belong to another module. Changes to elements are made where `base` is a list and wait where it is
-/// not there yet. `path` is the key path of both, for messages.
+/// Merges `over` into `base`: maps are merged, other values are replaced. A map whose `type` differs is replaced as
+/// well, since its other keys belong to another module. Changes to elements are applied where `base` is a list,
+/// otherwise kept pending. `path` is the key path of both, for messages.
 void merge(Node& base, const Node& over, const std::string& path = "");
 
-/// Replaces each vehicle that has a `count` by so many vehicles, with numbered names and starts in a row or a grid.
-/// Then makes the changes to single vehicles that waited for this. Vehicles without a `count` stay as they are.
+/// Replaces each vehicle with a `count` by that many vehicles, with numbered names and starts in a row or a grid. Then
+/// applies the pending changes to single vehicles. Vehicles without a `count` are unchanged.
 void expand_team(Node& document);
 
-/// The document that one override asks for: ("vehicles[0].start.yaw_deg", "90") -> {vehicles: {[0]: {start: ...}}}.
+/// The document equivalent to one override: ("vehicles[0].start.yaw_deg", "90") -> {vehicles: {[0]: {start: ...}}}.
 Node parse_override(const std::string& path, const std::string& value);
 
-/// Where a map of changes names the key "vehicles[0].start.yaw_deg", whether nested or in one word; null: nowhere.
+/// Location of the key "vehicles[0].start.yaw_deg" in a map of changes, nested or as one word; null: not there.
 const Place* place_of_key(const Node& changes, const std::string& key);
 
-/// Values in the tree, the root included.
+/// Number of values in the tree, including the root.
 std::size_t num_nodes(const Node& node);
 
 /// "a map", "a list of 3 values", "nothing", or the scalar in quotes.
 std::string describe(const Node& node);
-/// In quotes, control characters escaped, shortened when long.
+/// Quoted, with control characters escaped, shortened when long.
 std::string quote(std::string_view text);
-/// The one line of an error.
+/// Formats an error message as one line.
 std::string error_line(const Place& place, const std::string& path, const std::string& message);
 [[noreturn]] void fail(const Place& place, const std::string& path, const std::string& message);
 

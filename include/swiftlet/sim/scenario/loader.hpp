@@ -11,23 +11,23 @@
 
 namespace swiftlet::sim {
 
-/// Finds and parses documents, each laid on those that its `base:` names. Keeps what it read.
+/// Finds and parses documents and merges each into its `base:` documents. Caches files.
 class Loader {
  public:
   explicit Loader(const ConfigFiles& files) : files_(files) {}
 
-  /// By path, or by name from a scenario root. Throws InputError when the file is missing or malformed, or names itself
-  /// through `base:`.
+  /// Loads by path, or by name from a scenario root. Throws InputError when the file is missing or malformed, or refers
+  /// to itself through `base:`.
   Node load(const std::filesystem::path& file);
-  /// Where that file lies. Throws InputError.
+  /// Path of that file. Throws InputError.
   std::filesystem::path path_of(const std::filesystem::path& file) const { return find_main(file); }
-  /// A text that is already at hand, with its `base:` chain.
+  /// Parses a text with its `base:` chain.
   Node load_text(const std::string& text, const std::filesystem::path& name);
-  /// assets/<folder>/<name>.yaml, or a path relative to the file that names it when `name` ends in .yaml.
-  /// `path` and `place` are where it is named.
+  /// Loads assets/<folder>/<name>.yaml, or a path relative to the naming file when `name` ends in .yaml. `path` and
+  /// `place` locate the naming key.
   const Node& load_asset(const std::string& name, const std::string& folder, const Place& place,
                          const std::string& path);
-  /// Where an input file lies that `place` names: relative to the naming file, else below an asset root.
+  /// Path of an input file named at `place`: relative to the naming file, otherwise below an asset root.
   std::filesystem::path find_file(const std::string& name, const Place& place, const std::string& path) const;
 
  private:

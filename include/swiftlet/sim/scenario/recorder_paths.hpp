@@ -8,11 +8,12 @@
 
 namespace swiftlet::sim {
 
-/// Can it be the name of a file or folder of ours? Letters, digits, '_', '-' and '.', at most 64, no hidden file.
+/// Is it a valid name of an output file or folder? Letters, digits, '_', '-' and '.', at most 64, not hidden.
 bool is_file_name(std::string_view name);
 
-/// What recorders write lies in the run directory, no two write the same, and the vehicles that they name are there.
-/// @param vehicles  names of the team; null: not known yet
+/// Checks that outputs lie in the run directory, that no two recorders write the same file, and that named vehicles
+/// exist.
+/// @param vehicles  names of the team; null: unknown
 void check_recorders(ConfigVisitor& v, const std::vector<Module>& recorders, const std::vector<std::string>* vehicles);
 
 }  // namespace swiftlet::sim

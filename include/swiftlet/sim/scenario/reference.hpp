@@ -7,10 +7,10 @@
 
 namespace swiftlet::sim {
 
-/// Every key of a scenario and of every module that one can name in it, as Markdown: docs/reference.md.
+/// Every key of a scenario and of every module available in it, as Markdown: docs/reference.md.
 std::string write_reference();
 
-/// The tables of any configuration: its own keys first, then each module type that can be chosen anywhere below it.
+/// Tables of any configuration: its own keys first, then each module type that can be chosen below it.
 std::string reference_tables(const ConfigVisit& visit, const std::string& title);
 
 }  // namespace swiftlet::sim

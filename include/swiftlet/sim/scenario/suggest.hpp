@@ -7,10 +7,10 @@
 
 namespace swiftlet::sim {
 
-/// `; did you mean "rate_hz"?` when a candidate is near enough to `word` to be meant, otherwise nothing.
+/// `; did you mean "rate_hz"?` when a candidate is near enough to `word`, otherwise empty.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
-/// `one of "a", "b", "c"`, shortened when there are many; `none` when there is nothing.
+/// `one of "a", "b", "c"`, shortened when long; `none` when empty.
 std::string one_of(const std::vector<std::string>& words);
 
 bool contains(const std::vector<std::string>& names, const std::string& name);

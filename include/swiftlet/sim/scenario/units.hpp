@@ -5,25 +5,25 @@
 #include <string>
 #include <string_view>
 
-/// Numbers with units: a key's suffix says its unit (`range_m`), a value may be written in another one ("20 cm").
+/// Numbers with units: a key's suffix gives its unit (`range_m`), a value may have another one ("20 cm").
 namespace swiftlet::sim {
 
 struct Unit {
-  const char* symbol;     ///< as typed after a number: "m/s"
-  const char* suffix;     ///< as it ends a key: "mps"; empty: not used for keys
+  const char* symbol;     ///< symbol after a number: "m/s"
+  const char* suffix;     ///< suffix of keys: "mps"; empty: not used in keys
   const char* dimension;  ///< "a speed"
-  double numerator;       ///< this unit in the first unit of its dimension = numerator / denominator
+  double numerator;       ///< this unit / first unit of its dimension = numerator / denominator
   double denominator;
 };
 
-/// The unit that a key's suffix names; null for a pure number and for compound units (`_per_`).
+/// The unit given by a key's suffix; null for a pure number and for compound units (`_per_`).
 const Unit* unit_of_key(std::string_view key);
-/// The unit written `symbol` of the same dimension as `unit`; null when there is none.
+/// The unit with this symbol in the dimension of `unit`; null when there is none.
 const Unit* find_unit(std::string_view symbol, const Unit& unit);
 /// `value` of unit `from` expressed in `to`. Exact where the ratio is a whole number and the result representable.
 double convert(double value, const Unit& from, const Unit& to);
 
-/// A number and what follows it, without the blanks between: {20, "cm"}. Empty when `text` does not start with a
+/// A number and the text that follows, without blanks between: {20, "cm"}. Empty when `text` does not start with a
 /// finite decimal number.
 struct Quantity {
   double value;

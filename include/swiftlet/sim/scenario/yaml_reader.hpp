@@ -11,13 +11,13 @@
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/scenario/config_files.hpp"
 
-/// The strict reader: fills any configuration through its `visit`. Whatever is wrong with the input ends in an
-/// InputError. It has at most 20 lines, in the order of the text, of this form:
+/// The strict reader: fills any configuration through its `visit`. Any fault in the input throws an InputError. Its
+/// message has at most 20 lines, in the order of the text, of this form:
 ///   file:line:column: key.path[0].x: expected <what>, found <what>; did you mean "<what>"?
 namespace swiftlet::sim {
 
-/// A visitor that reads a text and can tell where the value of `key` stands, for a mistake that shows only later:
-/// "forest.yaml:12:7: vehicles[0].start.position_m: ". Ask it after the field.
+/// A visitor that reads a text and provides the location of the value of `key`, for faults found later:
+/// "forest.yaml:12:7: vehicles[0].start.position_m: ". Call it after reading the field.
 class PlaceTeller {
  public:
   virtual ~PlaceTeller() = default;
@@ -25,14 +25,14 @@ class PlaceTeller {
 };
 
 using ConfigVisit = std::function<void(ConfigVisitor&)>;
-/// ("vehicles[0].start.yaw_deg", "90"): key path and YAML value, laid on the file in this order.
+/// ("vehicles[0].start.yaw_deg", "90"): key path and YAML value, applied to the file in this order.
 using Overrides = ConfigChanges;
 
 /// Reads `file` with its `base:` chain and the overrides. The struct behind `visit` holds the defaults.
 void read_config(const std::filesystem::path& file, const ConfigVisit& visit, const Overrides& overrides = {},
                  const ConfigFiles& files = system_files());
 
-/// The same for a text; `name` stands for it in messages and its folder is what relative paths refer to.
+/// As read_config() for a text. `name` is its name in messages; its folder is the base of relative paths.
 void read_config_text(const std::string& text, const std::filesystem::path& name, const ConfigVisit& visit,
                       const Overrides& overrides = {}, const ConfigFiles& files = system_files());
 

@@ -7,8 +7,8 @@
 
 namespace swiftlet::sim {
 
-/// The complete YAML of a configuration, every default written out. Reading it gives the same bits again; numbers are
-/// the shortest texts for which that holds.
+/// The complete YAML of a configuration with all defaults. Reading it gives the same bits; numbers are the shortest
+/// texts with this property.
 std::string write_config(const ConfigVisit& visit);
 
 }  // namespace swiftlet::sim

@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// Laser rangefinder that looks down at the static world (other vehicles are not seen).
+/// Laser rangefinder that points down; it measures only the static world, not other vehicles.
 struct AltimeterConfig : SensorConfigOf<AltimeterConfig> {
   double rate_hz = 50.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// Heading from a tilt-compensated magnetometer: white noise, a constant error of calibration, and slow disturbances.
+/// Heading from a tilt-compensated magnetometer: white noise, a constant calibration error, and slow disturbances.
 struct CompassConfig : SensorConfigOf<CompassConfig> {
   double rate_hz = 50.0;
   double sigma_deg = 1.0;
@@ -16,7 +16,7 @@ struct CompassConfig : SensorConfigOf<CompassConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// The sample's sigma is that of the whole error.
+/// The sigma of a sample covers the whole error.
 std::unique_ptr<Sensor> make_compass_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

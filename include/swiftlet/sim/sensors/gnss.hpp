@@ -16,8 +16,8 @@ struct GnssOutage {
 /// Satellite navigation. The error of position is a sum:
 /// - white noise;
 /// - stationary Gauss-Markov drift;
-/// - random walk of the altitude, which a receiver's filter hides (0.8 m between take-off and landing in [Orsulic
-///   2021]);
+/// - random walk of the altitude, not contained in the reported sigma (0.8 m between take-off and landing in [Orsulic
+/// 2021]);
 /// - multipath where the sky is blocked.
 ///
 /// Defaults are those of the receiver of [Orsulic 2021] (u-blox M8P), whose sigma was above 1.5 m.
@@ -45,10 +45,10 @@ struct GnssConfig : SensorConfigOf<GnssConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// With `sky_view` a ray goes to each of the satellites: a fixed constellation, spread evenly over the sky, turned by a
-/// random azimuth. Blocked ones are lost. Noise and drift grow with sqrt(satellites / visible), multipath with the
-/// blocked share. Fewer than four visible ones give no fix. The sample's sigmas are the standard deviations of the
-/// whole error but for the altitude's walk, which no receiver knows.
+/// With `sky_view` a ray is traced to each of the satellites: a fixed constellation, spread evenly over the sky,
+/// rotated by a random azimuth. Blocked satellites are lost. Noise and drift grow with sqrt(satellites / visible),
+/// multipath with the blocked share. With fewer than four visible satellites there is no fix. The sample's sigmas are
+/// the standard deviations of the whole error except the altitude's random walk, which a receiver cannot estimate.
 std::unique_ptr<Sensor> make_gnss_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

@@ -27,11 +27,11 @@ struct ImuConfig : SensorConfigOf<ImuConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// A sample holds the means over its interval h, made from the true states at both ends:
+/// A sample holds the means over its interval h, computed from the true states at both ends:
 ///   omega = log(R_0^T R_1) / h,   f = R_mid^T ((v_1 - v_0) / h - g),   R_mid = R_0 exp(h omega / 2).
-/// So integrating samples without noise (R, then v with R_mid) gives back attitude and velocity exactly, and the
+/// Integrating noise-free samples (R, then v with R_mid) therefore reproduces attitude and velocity exactly, and the
 /// position to second order. v is the velocity of the mounting point. Noise and saturation act in the sensor's axes.
-/// The sample is given in body axes, as a flight controller does that knows its mounting.
+/// The sample is given in body axes, as by a flight controller with calibrated mounting.
 std::unique_ptr<Sensor> make_imu_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

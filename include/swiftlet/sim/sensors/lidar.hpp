@@ -10,8 +10,8 @@
 
 namespace swiftlet::sim {
 
-/// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. The
-/// noise is on the way from measurement to truth (eqs. 40, 41):
+/// The pose measurement that the agent receives with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq.
+/// 66]. The noise transforms the measurement into the truth (eqs. 40, 41):
 ///   t_m = t_gt - t_n,  R_m = R_gt R_n^T  with  R_n = Rz Ry Rx.
 /// White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
 struct ExternalPoseConfig {
@@ -24,13 +24,13 @@ struct ExternalPoseConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A LiDAR: where it sits, how it scans, what it measures. The defaults are an Ouster OS1-128.
+/// A LiDAR: mounting, scan pattern and measurement model. The defaults are an Ouster OS1-128.
 struct LidarConfig : SensorConfigOf<LidarConfig> {
   std::string model;
   double rate_hz = 10.0;
-  bool rolling = true;     ///< false: the whole sweep in the instant of its stamp
+  bool rolling = true;     ///< false: all beams fire at the scan's stamp
   bool ideal = false;      ///< no noise, no lost returns, infinitely thin beams, true poses
-  bool self_mask = false;  ///< removes the returns of beams that can meet the own vehicle
+  bool self_mask = false;  ///< removes the returns of beams that can intersect the own vehicle
   double range_min_m = 0.8;
   double range_max_m = 120.0;
   MountConfig mount;

@@ -14,7 +14,7 @@ namespace swiftlet::sim {
 /// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig;
 /// floor = floor_m + floor_rise_m * log10(floor_snr / S), not below floor_m. The defaults are fitted to an OS1-128's
 /// data sheet and to recorded frames (tests/sim/scenario/lidar_noise_fit_test.cpp).
-/// Either is multiplied by factor(incidence), if there is such a table.
+/// Either law is multiplied by factor(incidence), if there is such a table.
 struct RangeNoiseConfig {
   enum class Law { kConstant, kSignal };
   Law law = Law::kConstant;
@@ -33,25 +33,25 @@ struct RangeNoiseConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Which returns the receiver notices. The received signal, in standard deviations of the receiver's noise, is
+/// Detection of returns by the receiver. The received signal, in standard deviations of the receiver's noise, is
 ///   S = G * reflectivity * cos(incidence) * range^-n
-/// for a surface larger than the beam. A return is noticed when S + noise > threshold. G and n follow from two ranges
-/// in a maker's data sheet. There it promises a detection probability of 0.9 for a Lambertian target, hit at right
-/// angles, of 10 % and of 80 % reflectivity. n is 2 in vacuum (range_80 = 2.83 range_10). Makers' figures give 1.9
-/// (OS1) or, where firmware cuts the range, more.
+/// for a surface larger than the beam. A return is detected when S + noise > threshold. G and n follow from the two
+/// ranges in a data sheet at which the detection probability is 0.9 for Lambertian targets at normal incidence, with 10
+/// % and with 80 % reflectivity. n is 2 in vacuum (range_80 = 2.83 range_10). Data sheets give 1.9 (OS1) or, where
+/// firmware limits the range, more.
 struct DetectionConfig {
   bool always = false;
   double range_10_percent_m = 40.0;
   double range_80_percent_m = 120.0;
   double threshold_snr = 6.0;
-  double retro_gain = 20.0;  ///< signal of a retro-reflector against a Lambertian surface of its reflectivity
+  double retro_gain = 20.0;  ///< signal of a retro-reflector relative to a Lambertian surface of its reflectivity
 
   void visit(ConfigVisitor& v);
 };
 
 /// Width of the beam. Sub-rays are the cubature points of a Gaussian beam: 5 = center and a cross, 9 = 3 x 3
-/// Gauss-Hermite. Echoes within a pulse's length melt into one at their power-weighted range (mixed pixel); of
-/// separate ones the strongest is returned.
+/// Gauss-Hermite. Echoes within a pulse's length merge into one at their power-weighted range (mixed pixel); of
+/// separate echoes the strongest is returned.
 struct BeamWidthConfig {
   int sub_rays = 1;
   double divergence_deg = 0.18;  ///< full width at half maximum
@@ -60,7 +60,7 @@ struct BeamWidthConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The tables behind the noise and the detection, for a hot loop.
+/// Tables of noise and detection, for fast evaluation.
 class LidarMeasurement {
  public:
   LidarMeasurement(const RangeNoiseConfig& noise, const DetectionConfig& detection, double range_max_m, bool ideal);
@@ -73,7 +73,7 @@ class LidarMeasurement {
   }
   /// Signal over receiver noise of a surface with reflectivity * cos(incidence) = `brightness` that fills the beam.
   float snr(float range_m, float brightness) const { return brightness * interpolate(range_m).gain; }
-  /// Both at once.
+  /// Standard deviation and gain with one table look-up.
   void look_up(float range_m, float cos_incidence, float brightness, float& sigma, float& gain) const {
     const Entry entry = interpolate(range_m);
     gain = entry.gain;
@@ -81,9 +81,9 @@ class LidarMeasurement {
     if (!flat_incidence_) sigma *= incidence_factor(cos_incidence);
   }
   float threshold_snr() const { return threshold_; }
-  /// Chance that a return of this signal is noticed: Phi(snr - threshold), 0 or 1 beyond 4.5 standard deviations.
+  /// Probability that a return of this signal is detected: Phi(snr - threshold), 0 or 1 beyond 4.5 standard deviations.
   double detection_probability(float snr) const;
-  /// The same decision for one draw of a standard normal; `draw` is only called when it can matter.
+  /// Is a return detected, given one draw of a standard normal? `draw` is only called when it can change the result.
   template <class Draw>
   bool noticed(float snr, Draw&& draw) const {
     const float margin = snr - threshold_;
@@ -109,11 +109,11 @@ class LidarMeasurement {
   float signal_sigma_m(float snr) const;
   float incidence_factor(float cos_incidence) const;
 
-  std::vector<Entry> entries_;  // equal steps of the range
+  std::vector<Entry> entries_;  // at equal steps of the range
   float entries_per_m_ = 1.0F;
   int last_ = 0;
-  std::vector<float> signal_sigmas_m_;    // equal steps of 1 / sqrt(snr), 0..1; empty: another law
-  std::vector<float> incidence_factors_;  // equal steps of the cosine, 0..1
+  std::vector<float> signal_sigmas_m_;    // at equal steps of 1 / sqrt(snr), 0..1; empty: another law
+  std::vector<float> incidence_factors_;  // at equal steps of the cosine, 0..1
   bool flat_incidence_ = true;
   float threshold_ = 0.0F;
 };

@@ -7,8 +7,8 @@
 
 namespace swiftlet::sim {
 
-/// Where the sensor sits on its vehicle: T_body_lidar. By default on top; the vehicle's own sensor housing does not
-/// block its view, everything else of the vehicle does.
+/// Pose of the sensor on its vehicle: T_body_lidar. On top by default; the view is blocked by all parts of the vehicle
+/// except the sensor's own housing.
 struct MountConfig {
   Eigen::Vector3d position_m = {0.0, 0.0, 0.15};
   Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll)
@@ -16,8 +16,8 @@ struct MountConfig {
 
   void visit(ConfigVisitor& v);
   Pose T_body_lidar() const;
-  /// The same, on this airframe, for a sensor with this pattern. Throws std::invalid_argument when no mast is high
-  /// enough.
+  /// As T_body_lidar(), raised on this airframe for a sensor with this pattern. Throws std::invalid_argument when no
+  /// mast is high enough.
   Pose place_on(const VehicleShape& shape, const Module& pattern) const;
 };
 

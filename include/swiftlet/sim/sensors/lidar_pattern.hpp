@@ -12,28 +12,29 @@
 
 namespace swiftlet::sim {
 
-/// Where and when a LiDAR fires, in its own frame. Azimuth counts from x towards y, elevation up from the x-y plane.
+/// Directions and times of the beams, in the sensor's frame. Azimuth counts from x towards y, elevation up from the x-y
+/// plane.
 class LidarPattern {
  public:
   virtual ~LidarPattern() = default;
-  /// Fills the beams of sweep number `sweep`; the sizes never change, so that a second call allocates nothing.
+  /// Fills the beams of sweep number `sweep`; sizes are constant, so that a second call allocates nothing.
   virtual void fill(std::uint32_t sweep, BeamTable& beams) const = 0;
-  /// The same beams in every sweep?
+  /// Are the beams equal in every sweep?
   virtual bool repeats() const { return true; }
-  /// Columns by which row `row` runs ahead of row 0 in direction (staggering of an Ouster). Beams that look in the same
-  /// direction lie in one column after this shift. Only for the order of tracing.
+  /// Columns by which the direction of row `row` leads that of row 0 (staggering of an Ouster). After this shift, beams
+  /// of similar azimuth lie in one column. Affects only the order of tracing.
   virtual int column_shift(int /*row*/) const { return 0; }
-  /// Do rows and columns form an image? Else beams are traced in the order of their directions.
+  /// Do rows and columns form an image? Otherwise beams are traced in the order of their directions.
   virtual bool is_image() const { return true; }
 };
 
-/// Spinning sensor with a table of beams that rotates clockwise seen from above, a column at a time (Ouster).
-/// The beams start at a point that rotates at `beam_origin_m` around the axis. Column 0 lies at the connector, as the
-/// maker's encoder counts; the connector points backward.
+/// Spinning sensor with a table of beams that rotates clockwise seen from above, one column at a time (Ouster).
+/// Beams start at a point that rotates at `beam_origin_m` around the axis. Column 0 lies at the connector, as in the
+/// manufacturer's encoder; the connector points backward.
 struct OusterConfig : ModuleConfigOf<OusterConfig> {
   int columns = 1024;
   int rows = 128;
-  double elevation_top_deg = 21.3;  ///< OS1-128 by its metadata; nominal "45 deg" is 43.1 deg in truth
+  double elevation_top_deg = 21.3;  ///< OS1-128 by its metadata; the nominal "45 deg" are 43.1 deg
   double elevation_bottom_deg = -21.8;
   std::vector<double> elevations_deg;  ///< explicit table, top to bottom; empty: equal steps from top to bottom
   std::vector<double> azimuths_deg = {4.2, 1.4, -1.4, -4.2};
@@ -56,7 +57,7 @@ struct VelodynePuckConfig : ModuleConfigOf<VelodynePuckConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Equal steps in elevation and azimuth, as the simulators of the papers have them.
+/// Equal steps in elevation and azimuth, as in the simulators of the papers.
 struct UniformConfig : ModuleConfigOf<UniformConfig> {
   int columns = 1024;
   int rows = 128;
@@ -82,7 +83,7 @@ struct LidarPatternType {
 };
 
 std::span<const ModuleType> lidar_pattern_types();
-/// Throws InputError when a file cannot be used.
+/// Throws InputError when a file is missing or malformed.
 std::unique_ptr<LidarPattern> make_lidar_pattern(const Module& config, double sweep_s);
 
 }  // namespace swiftlet::sim

@@ -15,9 +15,9 @@ struct NeighborCamera {
   void visit(ConfigVisitor& v);
 };
 
-/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; [Kamler 2025]) and the like give them. Bearings
-/// are good, ranges get worse with distance. Nothing is seen beyond a range, out of view, or behind an obstacle or
-/// another vehicle.
+/// Other vehicles as measured by UVDAR (blinking markers in fisheye cameras; [Kamler 2025]) and similar sensors.
+/// Bearings are precise, range errors grow with distance. Vehicles beyond the range, out of view, or behind an obstacle
+/// or another vehicle are not measured.
 struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   std::string model;
   double rate_hz = 10.0;
@@ -41,8 +41,8 @@ struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   void describe(AgentSetup& setup) const override;
 };
 
-/// `ideal` gives every other vehicle exactly, whatever the range or the world (the truth bypass; the rate and the
-/// latency still hold). Stamps are the times of validity; samples come `latency_s` later.
+/// `ideal` gives the exact state of every other vehicle, regardless of range and occlusion (the truth bypass; rate and
+/// latency still apply). Stamps are the times of validity; samples arrive `latency_s` later.
 std::unique_ptr<Sensor> make_neighbors_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

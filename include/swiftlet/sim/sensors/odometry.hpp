@@ -5,14 +5,14 @@
 
 namespace swiftlet::sim {
 
-/// Visual-inertial (or LiDAR-inertial) odometry as its user sees it. Its own frame has z up and an arbitrary origin and
-/// heading, and drifts in position and yaw. Roll and pitch are observable, so they err but do not drift.
+/// Output of visual-inertial (or LiDAR-inertial) odometry. Its frame has z up and an arbitrary origin and heading, and
+/// drifts in position and yaw. Roll and pitch are observable, so they have errors but no drift.
 ///
-/// The drift is a random walk by distance, by turning and by time. Over a step of length s, turn |dpsi| and time dt:
+/// The drift is a random walk over distance, turning and time. Over a step of length s, turn |dpsi| and time dt:
 ///   var(yaw)           = yaw_drift^2 s / reference + yaw_drift_per_turn^2 |dpsi| / 2 pi + yaw_drift_psqrts^2 dt
 ///   var(position, 3D)  = (drift_percent/100 reference)^2 s / reference + drift_per_turn^2 |dpsi| / 2 pi +
 ///                        drift_psqrts^2 dt
-/// Each axis has a third of the latter. So it grows faster the faster the vehicle flies and turns.
+/// Each axis has a third of the latter, so the drift grows faster at higher speed and turn rate.
 struct OdometryConfig : SensorConfigOf<OdometryConfig> {
   std::string model;
   double rate_hz = 30.0;

@@ -21,12 +21,12 @@ struct AgentSetup;
 
 namespace swiftlet::sim {
 
-/// What the configuration of every sensor has. A `visit` starts with `model` (if it has presets), then `visit_name`.
+/// Configuration common to all sensors. A `visit` starts with `model` (if it has presets), then `visit_name`.
 struct SensorConfig : ModuleConfig {
-  std::string name;  ///< unique on its vehicle; empty: named by its type
+  std::string name;  ///< unique on its vehicle; empty: the type's name
 
   void visit_name(ConfigVisitor& v) { v.field("name", name, "[-] unique on its vehicle; empty: named by its type"); }
-  /// Notes what the vehicle's software is told of the sensor before the start.
+  /// Adds the sensor's properties known to the vehicle's software before the start.
   virtual void describe(AgentSetup&) const {}
 };
 
@@ -37,19 +37,19 @@ struct SensorConfigOf : SensorConfig {
   }
 };
 
-/// What every sensor is built from.
+/// Input of every sensor's constructor.
 struct SensorSetup {
   std::uint64_t seed = 0;
   VehicleId vehicle = 0;
   std::string name;    ///< unique on its vehicle
   std::string entity;  ///< "vehicle/name", key of its random streams
   std::shared_ptr<const StaticScene> world;
-  std::shared_ptr<const Scene> scene;                               ///< materials
-  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
-  std::vector<std::string> vehicle_names;                           ///< by VehicleId
+  std::shared_ptr<const Scene> scene;                               ///< for the materials
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< indexed by VehicleId
+  std::vector<std::string> vehicle_names;                           ///< indexed by VehicleId
 };
 
-/// Measures the truth at its own exact instants and delivers in the first tick at or after them.
+/// Measures the truth at its own exact instants and delivers samples in the first tick at or after them.
 /// One thread at a time per sensor; several sensors run in parallel.
 class Sensor {
  public:
@@ -57,30 +57,30 @@ class Sensor {
   virtual ~Sensor() = default;
 
   const std::string& name() const { return setup_.name; }
-  /// Everything that became due in (previous tick, now] is measured on `truth` and appended to `out`.
+  /// Measures, on `truth`, everything due in (previous tick, now] and appends it to `out`.
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
-  /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
+  /// Scans of the last measure(), with truth, for recorders. Empty for sensors other than a LiDAR.
   virtual std::span<const std::shared_ptr<const LabeledScan>> scans() const { return {}; }
-  /// Does measure(now) make a scan? Then it may be traced part by part before:
+  /// Does measure(now) produce a scan? If so, it may be traced in parts beforehand:
   virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
-  /// Begins the sweep that is due and tells the number of its parts. Each must be traced once before measure(now), by
-  /// any thread and in any order. Not calling it is fine: then measure() does all.
+  /// Begins the due sweep and returns its number of parts. Each must be traced once before measure(now), by any thread
+  /// and in any order. Without this call, measure() traces everything.
   virtual int begin_sweep(TimeNs /*now*/, const StateHistory& /*truth*/) { return 0; }
   virtual void trace_part(int /*part*/) {}
-  /// In which direction a part looks, as a number: parts of all sensors in its order meet what is still in the
-  /// processor's caches.
+  /// Viewing direction of a part as an ordinal number: tracing the parts of all sensors in this order reuses data in
+  /// the processor's caches.
   virtual int heading_of_part(int /*part*/) const { return 0; }
-  /// How far back the sensor looks into the history [s].
+  /// Longest time before now for which the sensor needs the history [s].
   virtual double look_back_s() const { return 0.0; }
 
  protected:
-  /// The sensor's own random numbers for a purpose ("gnss.drift"), whatever else the team carries.
+  /// The sensor's own random stream for a purpose ("gnss.drift"), independent of other sensors of the team.
   Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
 
   SensorSetup setup_;
 };
 
-/// Instants k * period (+ phase), delivered in order; shared by all sensors.
+/// Instants k * period (+ phase), delivered in order.
 class Schedule {
  public:
   Schedule() = default;
@@ -93,9 +93,9 @@ class Schedule {
     index = count_++;
     return true;
   }
-  /// Will next(now, ...) give an instant?
+  /// Is an instant due at or before `now`?
   bool is_due(TimeNs now) const { return due() <= now; }
-  /// What next() will give, in time or number.
+  /// Time and index of the instant that next() will return.
   TimeNs due() const { return first_ + static_cast<TimeNs>(count_) * period_; }
   std::uint32_t index() const { return count_; }
   TimeNs period() const { return period_; }
@@ -106,8 +106,8 @@ class Schedule {
   std::uint32_t count_ = 0;
 };
 
-/// Names for the sensors of one vehicle: as configured, otherwise by type; numbered from 2 where a type comes again
-/// ("imu", "imu2"). Throws std::invalid_argument when two have the same configured name.
+/// Names of the sensors of one vehicle: as configured, otherwise by type; repeated types are numbered from 2 ("imu",
+/// "imu2"). Throws std::invalid_argument when two have the same configured name.
 std::vector<std::string> sensor_names(std::span<const Module> sensors);
 
 }  // namespace swiftlet::sim

@@ -10,16 +10,16 @@
 
 namespace swiftlet::sim {
 
-/// Version of the files that this program writes, and the only one that it reads.
+/// File version written by this program, and the only one that it reads.
 inline constexpr std::uint32_t kSlamMapVersion = 2;
 inline constexpr std::string_view kSlamMapExtension = ".slam";
 
-/// A map of SLAM as one file: a title, the version, the size and the checksum of what follows, then graph and clouds.
-/// All numbers as they stand in memory, so that a map that is read is the one that was written, to the last bit.
+/// A SLAM map as one file: a title, the version, size and checksum of the content, then graph and clouds. Numbers are
+/// stored in their memory representation, so that reading restores every bit.
 std::string slam_map_content(const SavedMap& map);
-/// Throws InputError naming the file and what is wrong with it.
+/// Throws InputError naming the file and the fault.
 SavedMap read_slam_map(const std::filesystem::path& file);
-/// Does the name end as those of such files do?
+/// Does the name have the extension of these files?
 bool is_slam_map_file(const std::filesystem::path& file);
 
 }  // namespace swiftlet::sim

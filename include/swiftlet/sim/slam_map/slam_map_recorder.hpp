@@ -17,7 +17,7 @@ struct SlamMapConfig : ModuleConfigOf<SlamMapConfig>, TellsOutput {
   RecorderOutput output() const override { return {"folder", folder, false, "slam", vehicles, {}}; }
 };
 
-/// The maps that vehicles localize themselves in, with their pose graphs, at the end: FOLDER/VEHICLE.slam.
+/// Writes the SLAM maps of the vehicles, with their pose graphs, at the end: FOLDER/VEHICLE.slam.
 std::unique_ptr<Recorder> make_slam_map_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

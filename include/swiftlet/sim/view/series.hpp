@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-/// A table that a metric fills tick by tick. Recorders write it under its name and know no more of it.
+/// A table that a metric fills tick by tick. Recorders write it under its name, independent of its content.
 class Series {
  public:
   explicit Series(std::string name) : name_(std::move(name)) {}
@@ -19,9 +19,9 @@ class Series {
   const std::string& name() const { return name_; }
   virtual std::vector<Column> columns() const = 0;
 
-  /// Rows of this tick.
+  /// Number of rows of this tick.
   std::size_t size() const { return about_.size(); }
-  /// The vehicle that a row is about; kNoVehicle: the whole run.
+  /// The vehicle that a row describes; kNoVehicle: the whole run.
   VehicleId about(std::size_t row) const { return about_[row]; }
   virtual void put(std::size_t row, ColumnSink& sink) const = 0;
   virtual void clear() { about_.clear(); }
@@ -33,7 +33,7 @@ class Series {
   std::string name_;
 };
 
-/// `Row` is a kind of data (swiftlet/core/fields.hpp) with a `kName`, the name of the table.
+/// `Row` is a data type with fields (swiftlet/core/fields.hpp) and `kName`, the name of the table.
 template <class Row>
 class SeriesOf final : public Series {
  public:
@@ -56,7 +56,7 @@ class SeriesOf final : public Series {
   std::vector<Row> rows_;
 };
 
-/// The table of that kind; null when there is none.
+/// The table with rows of type `Row`; null when there is none.
 template <class Row>
 const SeriesOf<Row>* series_of(std::span<const Series* const> series) {
   for (const Series* table : series) {
@@ -65,20 +65,20 @@ const SeriesOf<Row>* series_of(std::span<const Series* const> series) {
   return nullptr;
 }
 
-/// The rows of this tick in the table of that kind; none when there is no such table.
+/// The rows of this tick in the table with rows of type `Row`; empty when there is no such table.
 template <class Row>
 std::span<const Row> rows_of(std::span<const Series* const> series) {
   const SeriesOf<Row>* const table = series_of<Row>(series);
   return table == nullptr ? std::span<const Row>() : table->rows();
 }
 
-/// What is known of a table before a run.
+/// Properties of a table that are known before a run.
 struct TableType {
   std::string name;
   std::vector<Column> columns;
 };
 
-/// Tables of samples that have no list of their own in Observation. Rows of the registry of sensors add them.
+/// Tables of samples without a list of their own in Observation. Rows of the sensor registry add them.
 inline std::vector<TableType>& sample_tables() {
   static std::vector<TableType> tables;
   return tables;

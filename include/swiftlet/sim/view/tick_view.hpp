@@ -19,12 +19,12 @@
 
 namespace swiftlet::sim {
 
-/// Something that happened: a crash, a take-off, a mission that ended. One line of events.jsonl.
+/// A discrete event: a crash, a take-off, the end of a mission. One line of events.jsonl.
 struct Event {
   TimeNs t = 0;
   std::string kind;  ///< "crash", "mission", ...
   VehicleId vehicle = kNoVehicle;
-  std::string partner;  ///< of a crash: "trunk 17", or the other vehicle's name
+  std::string partner;  ///< other party of a crash: "trunk 17", or the other vehicle's name
   Vector3 p_world_m = Vector3::Zero();
   std::string note;
 
@@ -40,29 +40,29 @@ struct Event {
 
 class StaticScene;
 
-/// What stays the same during a run.
+/// Data that is constant during a run.
 struct RunInfo {
-  std::string scenario;  ///< its name
+  std::string scenario;  ///< name of the scenario
   const Scene* scene = nullptr;
-  std::shared_ptr<const StaticScene> static_scene = nullptr;  ///< the same ready to trace; none: nobody has made it
-  std::vector<std::string> vehicle_names;                     ///< by VehicleId
-  std::vector<const Airframe*> airframes;                     ///< by VehicleId
-  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
-  std::vector<const Series*> series;                                ///< what metrics tell by tick
-  TimeNs start_time = 0;                                            ///< recordings add this to every time of the run
-  std::filesystem::path directory;                                  ///< where to write; exists
+  std::shared_ptr<const StaticScene> static_scene = nullptr;  ///< ray-tracing structure of `scene`; null: not built
+  std::vector<std::string> vehicle_names;                     ///< indexed by VehicleId
+  std::vector<const Airframe*> airframes;                     ///< indexed by VehicleId
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< indexed by VehicleId
+  std::vector<const Series*> series;                                ///< tables that metrics fill in every tick
+  TimeNs start_time = 0;                                            ///< added to every recorded time
+  std::filesystem::path directory;                                  ///< output directory; exists
 };
 
-/// One tick as recorders see it: truth beside what was sensed and done. All spans by VehicleId.
+/// One tick for recorders: truth, sensor data and actions. All spans are indexed by VehicleId.
 struct TickView {
   TimeNs t = 0;
   std::span<const VehicleState> states;
   std::span<const Observation> observations;
   std::span<const Action* const> actions;
   std::span<const std::vector<std::shared_ptr<const LabeledScan>>> scans;  ///< completed in this tick
-  std::span<const Event> events;                                           ///< of this tick
-  std::span<const double> clearance_m;  ///< to the nearest surface or vehicle; empty: nobody measured it
-  std::span<const std::unique_ptr<Agent>> agents = {};  ///< to be asked for their maps; stay until the run ends
+  std::span<const Event> events;                                           ///< events of this tick
+  std::span<const double> clearance_m;  ///< distance to the nearest surface or vehicle; empty: not measured
+  std::span<const std::unique_ptr<Agent>> agents = {};  ///< access to the agents' maps; valid until the run ends
 };
 
 }  // namespace swiftlet::sim

@@ -8,8 +8,8 @@
 namespace swiftlet::sim {
 
 /// A small building to fly around, as in [Orsulic 2021], with gabled roof, windows, doors, chimney and steps. A paved
-/// path with kerbs leads around it. Farther out is a lawn with trees, lamp posts and parked cars. Nothing taller than a
-/// kerb stands nearer to the walls than `free_ring_m`, so that a circle in that ring is free for every seed.
+/// path with kerbs surrounds it; farther out is a lawn with trees, lamp posts and parked cars. Only kerbs stand nearer
+/// to the walls than `free_ring_m`, so that a circle in that ring is free for every seed.
 struct CampusConfig : ModuleConfigOf<CampusConfig> {
   Eigen::Vector2d size_m = {90.0, 90.0};
   Eigen::Vector2d building_size_m = {14.0, 9.0};

@@ -6,7 +6,7 @@
 
 namespace swiftlet::sim {
 
-/// Nothing, or a flat ground plane at z = 0.
+/// Empty space, or a flat ground plane at z = 0.
 struct EmptyConfig : ModuleConfigOf<EmptyConfig> {
   bool ground = false;
   Eigen::Vector2d size_m = {100.0, 100.0};

@@ -10,9 +10,9 @@ namespace swiftlet::sim {
 
 /// A managed mixed forest. Stems: Poisson disks (dart throwing, at least min_spacing_m between axes). Diameters at
 /// breast height: Weibull (Bailey and Dell 1973). Heights: Michailow's curve by species with a scatter of 7 %. Crowns:
-/// leaf clusters that rays pass through in part. Trails and clearings remove what would stand in them and change
-/// nothing else, so that the same forest can be flown with and without. Around it stands a belt of the same forest in
-/// few triangles. So beams end where they would in a forest that goes on. Its trees have neither instance nor entry.
+/// leaf clusters, partly permeable to rays. Trails and clearings only remove the objects inside them, so that the same
+/// forest can be flown with and without. A surrounding belt of the same forest with few triangles terminates beams as a
+/// continuing forest would; its trees have neither instance nor entry.
 struct ForestConfig : ModuleConfigOf<ForestConfig> {
   Eigen::Vector2d size_m = {60.0, 60.0};
   ReliefConfig relief{.amplitude_m = 1.5, .wavelength_m = 30.0, .octaves = 4};

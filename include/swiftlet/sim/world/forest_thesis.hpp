@@ -8,9 +8,9 @@
 namespace swiftlet::sim {
 
 /// The forest of [Kamler 2025, sec. 3.4]: 100 trees at least 3 m apart on a flat area, trunks as cylinders, crowns as
-/// spheres. The thesis writes "0.5 +- 0.2 m" without naming a distribution. By default it is read as uniform with that
-/// half-width. Trees stand apart by the distance of their axes. The trunk is as long as the tree is high, and the crown
-/// is centered on its top. So the flight from z = 2 m to 5 m passes below most of it, as Fig. 3.4 shows.
+/// spheres. The thesis gives "0.5 +- 0.2 m" without naming a distribution; the default is uniform with that half-width.
+/// The distance between trees is that of their axes. The trunk is as long as the tree is high, and the crown is
+/// centered on its top. The flight from z = 2 m to 5 m thus passes below most of it, as Fig. 3.4 shows.
 struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
   Eigen::Vector2d area_min_m = {-20.0, -32.0};
   Eigen::Vector2d area_max_m = {20.0, 32.0};

@@ -6,8 +6,8 @@
 
 namespace swiftlet::sim {
 
-/// An indoor area with a solid wall to hide behind [Vrba 2025, sec. V-B]. The default size keeps two vehicles that stay
-/// a meter off the walls within the 16 m of Table IV. Crates stand along the outer walls only.
+/// An indoor area with a solid wall as cover [Vrba 2025, sec. V-B]. In the default size, two vehicles at least a meter
+/// from the walls are within the 16 m of Table IV. Crates stand along the outer walls only.
 struct HallConfig : ModuleConfigOf<HallConfig> {
   Eigen::Vector3d size_m = {15.0, 10.0, 6.0};
   double wall_thickness_m = 0.25;

@@ -8,9 +8,9 @@
 
 namespace swiftlet::sim {
 
-/// Truth beside each beam of a scan (rows x cols); never given to an agent.
+/// Truth of each beam of a scan (rows x cols); never given to an agent.
 struct ScanTruth {
-  std::vector<float> range_m;        ///< without noise; 0: nothing in reach
+  std::vector<float> range_m;        ///< without noise; 0: no surface in range
   std::vector<float> incidence_rad;  ///< angle between beam and surface normal
   std::vector<std::uint16_t> surface_class;
   std::vector<std::uint16_t> instance;  ///< VehicleId + 1 for vehicles

@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// Retro-reflective sleeves on a vehicle, by which another vehicle's LiDAR knows it [Pritzl 2024, sec. II-B].
+/// Retro-reflective sleeves on a vehicle, detectable by the LiDAR of another vehicle [Pritzl 2024, sec. II-B].
 struct MarkersConfig {
   enum class Place { kNone, kLegs };
   Place place = Place::kNone;

@@ -5,8 +5,8 @@
 
 #include "swiftlet/sim/world/scene.hpp"
 
-/// Solids that are appended to a mesh. Counter-clockwise seen from outside. A polygon that stands for a circle has the
-/// circle's area, and an icosphere the sphere's volume. So volumes equal their closed forms at any resolution. Any
+/// Solids that are appended to a mesh. Counter-clockwise seen from outside. A polygon that approximates a circle has
+/// the circle's area, and an icosphere the sphere's volume, so volumes equal their closed forms at any resolution. Any
 /// frame, the same for all arguments.
 namespace swiftlet::sim {
 

@@ -6,7 +6,7 @@
 
 namespace swiftlet::sim {
 
-/// What the parts of a file are: the first rule whose `name` occurs in the name of a mesh or of its material holds.
+/// Surface of the parts of a file: the first rule whose `name` occurs in the name of a mesh or of its material applies.
 struct SurfaceRuleConfig {
   std::string name;
   std::string surface_class = "object";

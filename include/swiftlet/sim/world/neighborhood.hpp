@@ -15,26 +15,27 @@ struct Clearance {
   VehicleId nearest_vehicle = kNoVehicle;
 };
 
-/// Who may be the nearest vehicle of whom. The lists are made anew only when motion could have changed the answer
+/// Candidates for the nearest vehicle of each vehicle. The lists are rebuilt only when motion could have changed them
 /// (L. Verlet, Phys. Rev. 159, 98, 1967), so that the exact distance to the nearest of 100 vehicles costs a few
-/// distances in a tick, not 99.
+/// distances per tick instead of 99.
 class Neighborhood {
  public:
-  /// @param radii_m  by VehicleId, taken off the distances between centers; all zero: centers count
+  /// @param radii_m  indexed by VehicleId, subtracted from the distances between centers; all zero: distances of
+  /// centers
   explicit Neighborhood(std::vector<double> radii_m);
 
-  /// After every tick.
+  /// Call after every tick.
   void update(std::span<const VehicleState> states);
-  /// Ascending. Whoever is nearest to this vehicle (of equally near ones, all) in the last update() is among them.
+  /// Ascending. Contains all vehicles nearest to this one (several at equal distance) in the last update().
   std::span<const VehicleId> candidates(VehicleId vehicle) const { return candidates_[vehicle]; }
 
  private:
   void search(std::span<const VehicleState> states);
 
   std::vector<double> radii_m_;
-  std::vector<Vector3> from_world_m_;  // where the vehicles were at the last search
+  std::vector<Vector3> from_world_m_;  // positions at the last rebuild
   std::vector<std::vector<VehicleId>> candidates_;
-  std::vector<double> gaps_m_;  // of one vehicle, scratch
+  std::vector<double> gaps_m_;  // distances of one vehicle, scratch
 };
 
 }  // namespace swiftlet::sim

@@ -8,7 +8,7 @@
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
-/// Where things may stand: spacing between them, and zones that stay free so that somebody can fly there.
+/// Placement of objects: spacing between them, and zones kept free for flights.
 namespace swiftlet::sim {
 
 struct TrailConfig {
@@ -41,18 +41,18 @@ struct KeepClearConfig {
 double distance_to_segment_m(const Eigen::Vector2d& point_world_m, const Eigen::Vector2d& a_world_m,
                              const Eigen::Vector2d& b_world_m);
 
-/// Keeps points at least `spacing_m` apart; a hash of cells makes the question cheap.
+/// Keeps points at least `spacing_m` apart; a hash grid makes queries fast.
 class Spacing {
  public:
   explicit Spacing(double spacing_m) : spacing_m_(spacing_m) {}
-  /// Adds the point and tells true if no earlier one is nearer than the spacing.
+  /// Adds the point and returns true if no earlier one is nearer than the spacing.
   bool try_add(const Eigen::Vector2d& point_world_m);
 
  private:
   std::int64_t cell_of(double x_m, double y_m) const;
 
   double spacing_m_;
-  std::unordered_multimap<std::int64_t, Eigen::Vector2d> points_;  // only looked up, never walked through
+  std::unordered_multimap<std::int64_t, Eigen::Vector2d> points_;  // only for look-up, never iterated
 };
 
 }  // namespace swiftlet::sim

@@ -7,8 +7,8 @@
 
 namespace swiftlet::sim {
 
-/// A scene for looking at, with about so many triangles, instancing unrolled. Where it has more, plants lose leaves,
-/// the others growing instead, and all else gets coarser. Meshes and instances keep their numbers.
+/// A scene for display with about `most_triangles` triangles, without instancing. To reduce triangles, plants lose
+/// leaves while the remaining ones grow, and all other meshes are coarsened. Meshes and instances keep their numbers.
 Scene thinned_scene(const Scene& scene, std::size_t most_triangles);
 
 /// Leaves and branches: a mesh of many small pieces.

@@ -7,8 +7,8 @@
 namespace swiftlet::sim {
 
 /// Two rooms joined by a gap [Pritzl 2024, sec. III-A]. The gap's center lies at `position_m`, and the path through it
-/// runs along the building's x axis. The building can be turned against the world and hence against map grids. The
-/// paper gives the gap's width (eq. 1: w_G = 2 d_S + 1.5 resolution) but no other size of the rooms.
+/// runs along the building's x axis. The building can be rotated relative to the world and thus to map grids. The paper
+/// gives the gap's width (eq. 1: w_G = 2 d_S + 1.5 resolution) but no other size of the rooms.
 struct TwoRoomsGapConfig : ModuleConfigOf<TwoRoomsGapConfig> {
   double gap_width_m = 0.0;
   double safe_distance_m = 0.8;
@@ -24,7 +24,7 @@ struct TwoRoomsGapConfig : ModuleConfigOf<TwoRoomsGapConfig> {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
 
   void visit(ConfigVisitor& v) override;
-  double gap_width() const;  ///< the set one, or eq. 1 [m]
+  double gap_width() const;  ///< the configured width, or eq. 1 [m]
 };
 
 Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed);

@@ -9,8 +9,8 @@
 
 namespace swiftlet::sim {
 
-/// What a vehicle looks like, made from its airframe: body, arms, motors, legs, sensors; body frame.
-/// Rotors are kept apart because they spin.
+/// Shape of a vehicle, built from its airframe: body, arms, motors, legs, sensors; body frame. Rotors are separate
+/// because they spin.
 struct VehicleShape {
   struct RotorShape {
     Eigen::Vector3f hub_body_m = Eigen::Vector3f::Zero();
@@ -20,13 +20,13 @@ struct VehicleShape {
     float direction = 1.0F;  ///< +1 ccw seen from above
   };
 
-  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor, 3: markers, if it has any
-  std::vector<Mesh> meshes;         ///< everything but the rotors; `part` set
+  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor, 3: markers, if any
+  std::vector<Mesh> meshes;         ///< everything except the rotors; `part` is set
   std::vector<RotorShape> rotors;
   std::uint32_t rotor_material = 1;
   float circumscribed_radius_m = 0.5F;
 
-  /// Does the blade of a rotor turned by `angle_rad` cover the point (x, y) of its disc, hub at the origin?
+  /// Does the blade of a rotor at angle `angle_rad` cover the point (x, y) of its disc, hub at the origin?
   static bool blade_covers(const RotorShape& rotor, float x, float y, double angle_rad);
 };
 

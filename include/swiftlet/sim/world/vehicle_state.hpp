@@ -16,8 +16,8 @@ struct VehicleState {
   Vector3 v_world_mps = Vector3::Zero();
   Vector3 omega_body_radps = Vector3::Zero();
   std::array<double, kMaxRotors> rotor_speed_radps{};  ///< >= 0
-  std::array<double, kMaxRotors>
-      rotor_angle_rad{};  ///< turned since the start, signed by the sense of rotation, not wrapped
+  /// Rotation since the start, signed by the sense of rotation, not wrapped
+  std::array<double, kMaxRotors> rotor_angle_rad{};
   bool crashed = false;
 
   static void visit(auto& s, auto& v) {
@@ -38,16 +38,16 @@ struct VehicleState {
 /// b.t].
 VehicleState interpolate(const VehicleState& a, const VehicleState& b, TimeNs t);
 
-/// The last states of every vehicle at physics rate, so that a sensor can look at any instant of its sweep.
+/// Recent states of all vehicles at physics rate, so that a sensor can sample any instant of its sweep.
 /// Ring buffer; at() never allocates.
 class StateHistory {
  public:
   StateHistory() = default;
   StateHistory(int num_vehicles, int capacity);
 
-  void push(VehicleId vehicle, const VehicleState& state);  ///< states come in order of time
+  void push(VehicleId vehicle, const VehicleState& state);  ///< in order of time
   const VehicleState& latest(VehicleId vehicle) const;
-  /// Interpolated state; before the oldest kept one or after the newest: that one.
+  /// Interpolated state; clamped to the oldest and newest stored ones.
   VehicleState at(VehicleId vehicle, TimeNs t) const;
   int num_vehicles() const { return num_vehicles_; }
 

@@ -15,7 +15,7 @@ struct WallConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A maze of square cells in which one way leads from any cell to any other, or more with `loops`.
+/// A maze of square cells with exactly one path between any two cells, or more with `loops`.
 struct MazeConfig {
   int columns = 0;
   int rows = 0;
@@ -27,7 +27,7 @@ struct MazeConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Straight walls on a flat ground: a U to get caught in, a corridor, a maze.
+/// Straight walls on a flat ground: a U-shaped trap, a corridor, a maze.
 struct WallsConfig : ModuleConfigOf<WallsConfig> {
   std::vector<WallConfig> walls;
   MazeConfig maze;

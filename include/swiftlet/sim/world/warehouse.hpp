@@ -8,8 +8,8 @@ namespace swiftlet::sim {
 
 /// A hall with pallet racks in double rows along x, aisles between them, and a cross aisle at either end. Pillars stand
 /// at the ends of the rows. Retro-reflective tape marks the floor and the uprights. The leaves of a gate in the east
-/// wall (+x) leave a door of any width open [Pritzl 2024, sec. III-C] (1.2 m down to 0.9 m). What fills the racks is
-/// drawn from the seed; walls, aisles, pillars and door are the same for every seed.
+/// wall (+x) leave a door opening of configurable width [Pritzl 2024, sec. III-C] (1.2 m down to 0.9 m). The load of
+/// the racks is drawn from the seed; walls, aisles, pillars and door are the same for every seed.
 struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
   Eigen::Vector3d size_m = {40.0, 26.0, 9.0};
   double wall_thickness_m = 0.2;
@@ -31,9 +31,9 @@ struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
 
   void visit(ConfigVisitor& v) override;
 
-  /// Where the racks and aisles lie, for generators and for those who plan paths through.
+  /// Positions of racks and aisles, for generators and path planning.
   int num_double_rows() const;
-  double aisle_width() const;                ///< as built: at least aisle_width_m
+  double aisle_width() const;                ///< actual width: at least aisle_width_m
   double aisle_center_y_m(int aisle) const;  ///< aisle = 0 ... num_double_rows()
   double row_center_y_m(int row) const;      ///< middle of a double row
   int num_bays() const;
