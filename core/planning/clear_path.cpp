@@ -15,21 +15,22 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRelaxedMargin_m = 0.5;      // beyond the clearance, around a start that is not clear
-constexpr double kLeastGain = 1e-3;           // of the length, for which a further shortening is worth it
-constexpr double kShorteningSpacing_m = 0.5;  // between the points from which corners are cut
+// Margin beyond the clearance of the relaxed region around a start that is not clear.
+constexpr double kRelaxedMargin_m = 0.5;
+constexpr double kLeastGain = 1e-3;           // least relative gain of length for another shortening
+constexpr double kShorteningSpacing_m = 0.5;  // spacing of points from which corners are cut
 
 Vector3 center_of(const Cell& cell, double edge_m) { return (cell.cast<double>().array() + 0.5) * edge_m; }
 Cell cell_at(const Vector3& p_local_m, double edge_m) { return (p_local_m.array() / edge_m).floor().cast<int>(); }
 
-/// Of the segment from a to b.
+/// Point of the segment from a to b that is nearest to p.
 Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
   const Vector3 way_m = b_m - a_m;
   const double share = way_m.dot(p_m - a_m) / std::max(way_m.squaredNorm(), 1e-12);
   return a_m + std::clamp(share, 0.0, 1.0) * way_m;
 }
 
-/// The shortest way on an empty grid, in cells.
+/// Length of the shortest path on an empty grid, in cells.
 double rest_of(const Cell& way) {
   std::array<int, 3> d = {std::abs(way.x()), std::abs(way.y()), std::abs(way.z())};
   std::sort(d.begin(), d.end());
@@ -42,7 +43,7 @@ class ClearSearch {
   ClearSearch(const ClearSpace& space, double edge_m, const Cell& start, const Cell& goal, double greed)
       : space_(space), edge_m_(edge_m), goal_(goal), greed_(greed) {
     start_ = meet(start);
-    met_[start_].clear = true;  // where it stands, it stands
+    met_[start_].clear = true;  // the start counts as clear
     met_[start_].cost = 0.0;
     open_.push({rest(start_), start_});
   }
@@ -242,13 +243,15 @@ bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const 
 void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
           Range{0.0, 20.0, true});
-  v.field("unknown_is_free", unknown_is_free, "[-] may a path lead through space that nobody has seen?");
+  v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));
-  v.field("greed", greed, "[-] weight of the rest of the way: above 1 sooner found, longer by at most that factor",
-          Range::between(1.0, 100.0));
-  v.field("max_expansions", max_expansions, "[-] cells that a search may look at in depth", Range::between(1, 1e9));
-  v.field("max_shortenings", max_shortenings, "[-] how often corners are cut", Range::between(0, 1000));
+  v.field(
+      "greed", greed,
+      "[-] weight of the remaining distance; above 1 the search is faster and the path longer by at most that factor",
+      Range::between(1.0, 100.0));
+  v.field("max_expansions", max_expansions, "[-] largest number of expanded cells", Range::between(1, 1e9));
+  v.field("max_shortenings", max_shortenings, "[-] largest number of passes that cut corners", Range::between(0, 1000));
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

@@ -11,9 +11,9 @@ namespace swiftlet {
 namespace {
 
 struct Open {
-  float cost;  // so far and the rest as the crow flies, in cells
+  float cost;  // cost so far plus straight distance to the goal, in cells
   int index;
-  // Equal costs are told apart by the index, so that the path is always the same.
+  // Ties in cost are broken by index, so that the path is deterministic.
   bool operator<(const Open& other) const { return cost != other.cost ? cost > other.cost : index > other.index; }
 };
 
@@ -36,7 +36,7 @@ class GridSearch {
       open_.pop();
       if (next.index == goal_) return PathStatus::kFound;
       const float so_far = cost_[static_cast<std::size_t>(next.index)];
-      if (next.cost > so_far + rest(next.index) + 1e-3F) continue;  // a shorter path to it was found since
+      if (next.cost > so_far + rest(next.index) + 1e-3F) continue;  // a shorter path to the cell is known by now
       if (max_expansions-- == 0) return PathStatus::kBudgetSpent;
       expand(next.index, so_far);
     }

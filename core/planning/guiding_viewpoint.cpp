@@ -12,10 +12,10 @@
 namespace swiftlet {
 namespace {
 
-// In edges of a cell.
+// Lengths in cell edges.
 constexpr double kDiagonal = 1.7321, kShortest = 2.0, kWalked = 4.0;
 
-/// A place of a region, at a distance from the watcher.
+/// A point of a region and its distance from the guide.
 struct Candidate {
   Vector2 p_local_m;
   double distance_m;
@@ -84,7 +84,7 @@ class ViewpointSearch {
       keep_safe(safe_);
       return;
     }
-    CellMask allowed = safe_;  // by place: within reach of a waypoint, not in the buffer, clear of obstacles
+    CellMask allowed = safe_;  // cells within reach of a waypoint, outside the buffer, clear of obstacles
     for (const Vector2& p_local_m : path_plane_local_m) {
       mark_inside(difference_of(around_path(std::span(&p_local_m, 1), rules_.ray_max_m), buffer), allowed);
     }
@@ -96,7 +96,7 @@ class ViewpointSearch {
     }
   }
 
-  /// All cells from which a waypoint may be seen, on the map's lattice.
+  /// Mask of all cells from which a waypoint may be seen, on the map's lattice.
   CellMask mask_around(const std::vector<Vector2>& path_local_m) const {
     Eigen::AlignedBox2d box;
     for (const Vector2& p_local_m : path_local_m) box.extend(p_local_m);
@@ -146,8 +146,8 @@ class ViewpointSearch {
     return seen;
   }
 
-  /// No occupied cell on the straight line. Where nothing is near, it goes by the distance to what is nearest; a point
-  /// and an occupied cell are farther from each other's centers than that by a cell's diagonal at most.
+  /// No occupied cell on the straight line. Steps by the clearance where nothing is near: the distance between a point
+  /// and the center of an occupied cell exceeds the true one by at most a cell's diagonal.
   bool is_in_sight(const Vector3& from_local_m, const Vector3& to_local_m) const {
     const double edge_m = map_.edge_m(), far_m = rules_.clearance_m + edge_m;
     const Vector3 way_m = to_local_m - from_local_m;
@@ -169,7 +169,7 @@ class ViewpointSearch {
     return true;
   }
 
-  /// A wall seen at a grazing angle has holes in the map. What is inside of it nobody has seen.
+  /// A wall seen at a grazing angle has holes in the map, but its inside is unknown.
   bool passes_unknown(const Vector3& from_local_m, const Vector3& direction, double length_m) const {
     const int steps = static_cast<int>(2.0 * length_m / map_.edge_m());
     for (int i = 0; i <= steps; ++i) {
@@ -194,7 +194,7 @@ class ViewpointSearch {
     return {std::move(*closest)};
   }
 
-  /// The straight line from the path's beginning to its end, and on in both directions past all that counts.
+  /// The line through the path's beginning and end, extended in both directions beyond the range of sight.
   std::array<Vector2, 2> long_chord() const {
     const Vector2 first_local_m = path_local_m_.front().head<2>(), last_local_m = path_local_m_.back().head<2>();
     const Vector2 way_m = last_local_m - first_local_m;
@@ -202,7 +202,7 @@ class ViewpointSearch {
     return {first_local_m - more * way_m, last_local_m + more * way_m};
   }
 
-  /// Lines 16 to 24: as many visibility regions from that one on as have a point in common.
+  /// Lines 16 to 24: intersection of as many visibility regions from `first` on as have a point in common.
   GuidingViewpoint overlap_from(const PlaneRegion& safe, std::size_t first) const {
     GuidingViewpoint found;
     found.safe = found.overlap = safe;
@@ -216,12 +216,12 @@ class ViewpointSearch {
     return found;
   }
 
-  /// Nowhere so far from the borders that a guide who stands a little beside its viewpoint sees the same.
+  /// No point is far enough from the borders for a guide slightly off its viewpoint to see the same.
   bool is_narrow(const PlaneRegion& region) const {
     return rules_.margin_m > 0.0 && pole_of_inaccessibility(region, 0.25 * map_.edge_m()).distance_m < rules_.margin_m;
   }
 
-  /// Line 26: of the poles of all polygons the one closest to the watcher.
+  /// Line 26: the pole closest to the guide among those of all polygons.
   Candidate closest_pole(const PlaneRegion& overlap) const {
     Candidate closest{Vector2::Zero(), std::numeric_limits<double>::infinity()};
     for (const PlaneRegion& part : parts_of(overlap)) {
@@ -233,7 +233,7 @@ class ViewpointSearch {
   }
 
   const OccupancyView& map_;
-  OverlaidOccupancy safe_map_;  // nobody's sight ends at another vehicle
+  OverlaidOccupancy safe_map_;  // for clearance only: vehicles do not block the view
   Vector3 watcher_local_m_;
   std::span<const Vector3> path_local_m_, before_local_m_;
   const ViewpointRules& rules_;
@@ -267,15 +267,15 @@ void ViewpointRules::visit(ConfigVisitor& v) {
   v.field("num_rays", num_rays, "[-] for the visibility region of a waypoint", Range::between(3, 100'000));
   v.field("ray_max_m", ray_max_m, "[m] greatest horizontal distance from which a waypoint is watched",
           Range{0.0, 200.0, true});
-  v.field("margin_m", margin_m, "[m] around a viewpoint from where as much is seen; 0: as in the document",
+  v.field("margin_m", margin_m, "[m] radius around a viewpoint within which as much is in view; 0: as in the document",
           Range::between(0.0, 10.0));
   v.field("unseen_start", unseen_start,
-          "[-] when the beginning of the path is in sight from nowhere, the rest is watched; otherwise planning fails");
+          "[-] if no safe point sees the beginning of the path, the rest is watched; otherwise planning fails");
   v.field("buffer_m", buffer_m, "[m] horizontal distance that the guide keeps from the path", Range{0.0, 100.0, true});
   v.choice("sight", sight, {"at_waypoint", "in_space"},
-           "[-] where a waypoint is looked for: in the plane at its own height, or along the straight line");
+           "[-] visibility of a waypoint: in the plane at its height, or along the straight line");
   v.choice("safe_space", safe_space, {"closest", "most_visible"},
-           "[-] which connected safe space counts: the closest, or the one that sees most and can be reached");
+           "[-] connected safe space that is used: the closest, or the reachable one that sees most");
 }
 
 }  // namespace swiftlet

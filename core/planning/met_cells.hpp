@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Cells that a search has met, found by their coordinates.
+/// Cells visited by a search, found by their coordinates.
 class MetCells {
  public:
   struct Node {
@@ -58,9 +58,9 @@ class MetCells {
 };
 
 struct OpenCell {
-  double cost;  // so far and the rest, in cells
+  double cost;  // cost so far plus the remaining one, in cells
   int node;
-  // Of equal costs the cell that was met last goes first: deeper, and always the same.
+  // Ties in cost go to the newest cell, which is deeper and deterministic.
   bool operator<(const OpenCell& other) const { return cost != other.cost ? cost > other.cost : node < other.node; }
 };
 

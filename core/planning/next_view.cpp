@@ -13,7 +13,7 @@
 namespace swiftlet {
 namespace {
 
-/// The first place along the way that is not known to be free.
+/// The first cell along a ray that is not known to be free.
 struct RayEnd {
   CellState state = CellState::kFree;
   Vector3 p_local_m = Vector3::Zero();
@@ -28,7 +28,7 @@ RayEnd end_of_free(const OccupancyView& view, const Vector3& from_local_m, const
   return {};
 }
 
-/// Ways from the start along a lattice, the shortest first.
+/// Shortest paths from the start along a lattice, in order of length.
 class ViewSearch {
  public:
   ViewSearch(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box, const GivenUp& given_up,
@@ -51,7 +51,7 @@ class ViewSearch {
       open_.pop();
       if (met_[next].closed) continue;
       const double way_m = met_[next].cost * config_.step_m;
-      if (worth(1.0, way_m) <= best_) break;  // nothing farther away is better
+      if (worth(1.0, way_m) <= best_) break;  // no view farther away is better
       if (static_cast<int>(expansions_) == config_.max_expansions) {
         if (end_ < 0) found.status = NextViewStatus::kBudgetSpent;
         break;
@@ -74,7 +74,7 @@ class ViewSearch {
   double worth(double share, double way_m) const { return share * elementary::exp(-config_.way_weight_per_m * way_m); }
   Vector3 place_of(const Cell& cell) const { return start_local_m_ + config_.step_m * cell.cast<double>(); }
 
-  /// Every other place is as good a view as all of them, and costs an eighth.
+  /// Judges every second lattice point along each axis, which costs an eighth and finds equally good views.
   void consider(int node, double way_m) {
     const Cell& cell = met_[node].cell;
     if (((cell.x() | cell.y() | cell.z()) & 1) != 0 || node == 0) return;
@@ -168,18 +168,20 @@ NextView find_next_view(const OccupancyView& view, const NextViewConfig& config,
 }
 
 void NextViewConfig::visit(ConfigVisitor& v) {
-  v.field("range_m", range_m, "[m] from a view so far, unknown space counts", Range{0.0, 200.0, true});
-  v.field("up_deg", up_deg, "[deg] above the horizon that the LiDAR sees", Range::between(0.0, 90.0));
-  v.field("down_deg", down_deg, "[deg] below the horizon that the LiDAR sees", Range::between(0.0, 90.0));
-  v.field("num_rays", num_rays, "[-] by which a view is judged", Range::between(1, 100000));
-  v.field("share_min", share_min, "[-] of the rays that must meet unknown space, else a view is not worth the way",
+  v.field("range_m", range_m, "[m] range of a view within which unknown space counts", Range{0.0, 200.0, true});
+  v.field("up_deg", up_deg, "[deg] upper edge of the LiDAR's field of view, above the horizon",
+          Range::between(0.0, 90.0));
+  v.field("down_deg", down_deg, "[deg] lower edge of the LiDAR's field of view, below the horizon",
+          Range::between(0.0, 90.0));
+  v.field("num_rays", num_rays, "[-] number of rays that evaluate a view", Range::between(1, 100000));
+  v.field("share_min", share_min, "[-] least share of rays that meet unknown space for a view to be flown to",
           Range{0.0, 1.0, true});
-  v.field("way_weight_per_m", way_weight_per_m, "[1/m] lambda: how much a far view is worth less",
+  v.field("way_weight_per_m", way_weight_per_m, "[1/m] lambda: decay of a view's worth with the length of its path",
           Range::between(0.0, 10.0));
-  v.field("step_m", step_m, "[m] between the places that are searched", Range{0.0, 100.0, true});
+  v.field("step_m", step_m, "[m] spacing of the lattice that is searched", Range{0.0, 100.0, true});
   v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is given up", Range{0.0, 100.0, true});
-  v.field("max_expansions", max_expansions, "[-] places that a search may look at in depth", Range::between(1, 1e9));
-  v.object("path", path, "where one may fly");
+  v.field("max_expansions", max_expansions, "[-] largest number of expanded points", Range::between(1, 1e9));
+  v.object("path", path, "limits of the path");
   v.check(up_deg + down_deg > 0.0, "up_deg", "more than 0, or down_deg");
 }
 

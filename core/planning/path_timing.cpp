@@ -9,9 +9,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSpacing_m = 0.1;                  // of the points of a path on which speeds are worked out
-constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};  // standard deviations with which corners are rounded
-constexpr double kInterval_s = 0.2;                 // between control points of the spline
+constexpr double kSpacing_m = 0.1;                  // spacing of path points at which speeds are computed
+constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};  // standard deviations of the rounding of corners
+constexpr double kInterval_s = 0.2;                 // interval between control points of the spline
 
 std::vector<Vector3> dense(const std::vector<Vector3>& corners) {
   std::vector<Vector3> points = {corners.front()};
@@ -23,7 +23,7 @@ std::vector<Vector3> dense(const std::vector<Vector3>& corners) {
   return points;
 }
 
-// Three moving averages are nearly a Gaussian. Beginning and end stay where they are.
+// Three moving averages approximate a Gaussian. Beginning and end stay fixed.
 std::vector<Vector3> smooth(std::vector<Vector3> points, double sigma_m) {
   const int half = static_cast<int>(std::lround(sigma_m / kSpacing_m));
   const int n = static_cast<int>(points.size());
@@ -40,7 +40,7 @@ std::vector<Vector3> smooth(std::vector<Vector3> points, double sigma_m) {
   return points;
 }
 
-// Speeds that keep the limits in bends and on slopes, from rest to rest.
+// Speeds within the limits in bends and on slopes, from rest to rest.
 std::vector<double> speeds_along(const std::vector<Vector3>& points, const PathLimits& limits) {
   constexpr double kFlat = 1e-9;
   const int n = static_cast<int>(points.size());
@@ -69,7 +69,7 @@ std::vector<double> speeds_along(const std::vector<Vector3>& points, const PathL
   return speed;
 }
 
-// Points at equal times.
+// Resamples the path at equal time intervals.
 std::vector<Vector3> at_equal_times(const std::vector<Vector3>& points, const std::vector<double>& speed) {
   std::vector<Vector3> samples = {points.front()};
   double t = 0.0, next = kInterval_s;

@@ -16,7 +16,7 @@ namespace {
 namespace clip = ClipperLib;
 
 constexpr double kUnit_m = 1e-6;
-// Products of differences of coordinates stay in 64 bits up to there.
+// Up to this coordinate, products of differences fit into 64 bits.
 constexpr double kFarthest_m = 1000.0;
 
 clip::Path to_clipper(const Ring& ring_m) {
@@ -53,7 +53,7 @@ PlaneRegion from_clipper(const clip::Paths& paths) {
 }
 
 PlaneRegion clipped(clip::ClipType type, const clip::Paths& subject, const clip::Paths& clipping) {
-  if (subject.empty()) return {};  // the library calls that a failure
+  if (subject.empty()) return {};  // the library treats that as a failure
   clip::Clipper clipper;
   clipper.StrictlySimple(true);
   clipper.AddPaths(subject, clip::ptSubject, true);
@@ -85,7 +85,7 @@ double distance_to_edge_m(const Vector2& a, const Vector2& b, const Vector2& p) 
   return (p - a - share * edge).norm();
 }
 
-/// All within a radius of a segment: half a circumscribed polygon at each end, whose outer edges lie on the long sides.
+/// Polygon around all points within a radius of a segment: half a circumscribed polygon at each end.
 Ring capsule(const Vector2& a, const Vector2& b, double radius_m) {
   constexpr int kHalf = 16;  // corners of half a turn
   const double out_m = radius_m / elementary::cos(std::numbers::pi / (2.0 * kHalf));
@@ -100,7 +100,7 @@ Ring capsule(const Vector2& a, const Vector2& b, double radius_m) {
   return ring;
 }
 
-/// A square that may hold the pole, with the greatest distance that a point of it can have.
+/// A square that may hold the pole, with an upper bound on the distance of its points.
 struct Square {
   Vector2 center_m;
   double half_m;
@@ -166,7 +166,7 @@ PlaneRegion region_of(const CellMask& mask) {
 }
 
 void mark_inside(const PlaneRegion& region, CellMask& mask) {
-  // Row by row: between an odd crossing of the line through the centers and the next one lies the inside.
+  // Scan lines through the cell centers: the inside lies between odd and even crossings.
   std::vector<std::vector<double>> crossings_m(static_cast<std::size_t>(mask.rows));
   each_edge(region, [&](const Vector2& a, const Vector2& b) {
     const auto [low, high] = std::minmax(a.y(), b.y());
@@ -251,7 +251,8 @@ Pole pole_of_inaccessibility(const PlaneRegion& region, double precision_m) {
     const Square square = open.top();
     open.pop();
     if (square.distance_m > best.distance_m) best = square;
-    if (square.at_most_m() - best.distance_m <= precision_m) break;  // so are all that are left
+    // The remaining squares are bounded by the same value.
+    if (square.at_most_m() - best.distance_m <= precision_m) break;
     const double quarter_m = 0.5 * square.half_m;
     for (const double dx_m : {-quarter_m, quarter_m}) {
       for (const double dy_m : {-quarter_m, quarter_m}) open_square(square.center_m + Vector2(dx_m, dy_m), quarter_m);

@@ -7,11 +7,11 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// What planners do to paths of straight legs. Any frame, the same for all arguments.
+/// Operations on paths of straight legs. Any frame, the same for all arguments.
 namespace swiftlet {
 
-/// From each corner straight on to the farthest one that it reaches, looked for by doubling.
-/// @param is_free  (a, b): may one fly straight from a to b?
+/// Joins each corner with the farthest one that a free segment reaches, sought by doubling.
+/// @param is_free  (a, b): is the segment from a to b free?
 template <class IsFree>
 std::vector<Vector3> cut_corners(const std::vector<Vector3>& path_m, IsFree&& is_free) {
   std::vector<Vector3> corners_m = {path_m.front()};
@@ -27,7 +27,7 @@ std::vector<Vector3> cut_corners(const std::vector<Vector3>& path_m, IsFree&& is
   return corners_m;
 }
 
-/// With more points on each leg, evenly and at most so far apart.
+/// Adds evenly spaced points to each leg, at most `spacing_m` apart.
 inline std::vector<Vector3> with_points_between(const std::vector<Vector3>& corners_m, double spacing_m) {
   std::vector<Vector3> points_m = {corners_m.front()};
   for (std::size_t i = 1; i < corners_m.size(); ++i) {

@@ -12,9 +12,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRewiringFactor = 1.1;  // above 1 the tree becomes as good as can be [Karaman 2011]
+constexpr double kRewiringFactor = 1.1;  // above 1 the tree is asymptotically optimal [Karaman 2011]
 
-/// Two axes across a direction.
+/// Two axes perpendicular to a direction.
 void axes_across(const Vector3& direction, Vector3& side, Vector3& other) {
   int least = 0;
   direction.cwiseAbs().minCoeff(&least);
@@ -60,7 +60,7 @@ class Tree {
     }
   }
 
-  /// Hangs a node, with all that grows from it, on another parent, which makes its way shorter.
+  /// Moves a node with its subtree to another parent, which shortens its path.
   void move(int node, int parent) {
     std::vector<int>& siblings = children_[index(parent_[index(node)])];
     siblings.erase(std::find(siblings.begin(), siblings.end(), node));
@@ -160,7 +160,7 @@ class SampledPath {
     reach_goal(added);
   }
 
-  /// With the neighbor as parent from which the way is shortest. Neighbors to which it leads on a shorter way move.
+  /// Adds a node below the neighbor with the shortest path. Neighbors that it shortens become its children.
   int add_rewired(int nearest, const Vector3& p_m) {
     const double n = tree_.size() + 1.0;
     tree_.within(p_m, std::min(rewiring_m_ * elementary::cbrt(elementary::log(n) / n), 2.0 * sampling_.step_m),
@@ -181,7 +181,7 @@ class SampledPath {
     return added;
   }
 
-  /// Remembers a node from which the goal is one clear leg away.
+  /// Records a node from which the goal is one clear leg away.
   void reach_goal(int node) {
     const double rest_m = (goal_m_ - tree_.at(node)).norm();
     if (rest_m > sampling_.step_m || !space_.is_clear_segment(tree_.at(node), goal_m_)) return;
@@ -200,7 +200,7 @@ class SampledPath {
   Vector3 goal_m_;
   Random random_;
   Tree tree_;
-  Vector3 min_m_, max_m_;  // where samples may lie
+  Vector3 min_m_, max_m_;  // bounds of samples
   double rewiring_m_ = 0.0;
   std::vector<int> goal_parents_, neighbors_;
   int num_samples_ = 0;
@@ -234,13 +234,13 @@ ClearPath find_sampled_path(const OccupancyView& view, const ClearPathConfig& co
 }
 
 void SamplingConfig::visit(ConfigVisitor& v) {
-  v.field("step_m", step_m, "[m] length of a new branch, at most", Range::between(0.01, 100.0));
-  v.field("goal_share", goal_share, "[-] of the samples that are the goal itself, until there is a path",
+  v.field("step_m", step_m, "[m] greatest length of a new branch", Range::between(0.01, 100.0));
+  v.field("goal_share", goal_share, "[-] share of the samples at the goal itself, until there is a path",
           Range::probability());
-  v.field("margin_m", margin_m, "[m] samples lie in the box of start and goal, so much larger on each side",
+  v.field("margin_m", margin_m, "[m] margin around the box of start and goal in which samples lie",
           Range::between(0.0, 1e4));
-  v.field("max_samples", max_samples, "[-] samples that a search may draw", Range::between(1, 20'000));
-  v.field("seed", seed, "[-] of the samples");
+  v.field("max_samples", max_samples, "[-] largest number of samples", Range::between(1, 20'000));
+  v.field("seed", seed, "[-] random seed of the samples");
 }
 
 }  // namespace swiftlet

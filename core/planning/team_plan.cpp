@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// Columns of air of vehicles: what COPY_MAP_AND_ADD_OBSTACLE lays over a map, without the copy.
+/// Boxes around vehicles, as COPY_MAP_AND_ADD_OBSTACLE adds to a map, without the copy.
 void append_columns(std::span<const Vector3> places_local_m, double width_m, double height_m,
                     std::vector<KeepOut>& columns) {
   columns.reserve(columns.size() + places_local_m.size());
@@ -20,7 +20,8 @@ void append_columns(std::span<const Vector3> places_local_m, double width_m, dou
   }
 }
 
-/// Places above and below which the guide may not fly: where the other one is, or all of its way when both fly at once.
+/// Positions above and below which the guide does not fly: that of the guided vehicle, or its whole path if both fly at
+/// once.
 std::vector<Vector3> columns_of(const TeamPlan& plan, std::span<const PlannedPose> flying) {
   if (flying.empty()) return {plan.secondary_path.front().p_local_m};
   std::vector<Vector3> places_local_m;
@@ -30,7 +31,7 @@ std::vector<Vector3> columns_of(const TeamPlan& plan, std::span<const PlannedPos
   return places_local_m;
 }
 
-/// The nearest place to the goal, in its plane first, that is clear.
+/// The nearest clear position to the goal; vertical distance counts twice.
 std::optional<Vector3> clear_place_near(const ClearSpace& space, const Vector3& goal_local_m, double edge_m,
                                         double radius_m) {
   if (space.is_clear(goal_local_m)) return goal_local_m;
@@ -51,7 +52,7 @@ std::optional<Vector3> clear_place_near(const ClearSpace& space, const Vector3& 
   return nearest;
 }
 
-/// Points at most so far apart; the heading turns evenly from the start to the goal.
+/// Points at most `spacing_m` apart; the heading turns evenly from the start to the goal.
 std::vector<PlannedPose> with_headings(const std::vector<Vector3>& corners_local_m, double spacing_m, double yaw_rad,
                                        double goal_yaw_rad) {
   const double whole_m = length_m(corners_local_m);
@@ -118,7 +119,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   plan.secondary_path =
       with_headings(path_secondary.corners_local_m, config.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
 
-  // Lines 9 to 12: from where to watch it.
+  // Lines 9 to 12: the viewpoints.
   begin(PlanningStage::kViewpoint);
   ViewpointRules rules = config.viewpoint;
   rules.clearance_m = config.primary.clearance_m;
@@ -128,7 +129,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   plan.visible = std::move(viewpoints.visible);
   if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
 
-  // Lines 13 to 20: the primary's path there. A viewpoint behind a gap that is too narrow gives way to the next one.
+  // Lines 13 to 20: the primary's path to the viewpoint; without one, the next viewpoint is tried.
   begin(PlanningStage::kPrimaryPath);
   std::vector<KeepOut> in_the_guides_way = std::move(hovering);
   append_columns(columns_of(plan, traffic.flying), config.secondary_width_m, config.secondary_height_m,
@@ -152,20 +153,21 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
 }
 
 void TeamPlannerConfig::visit(ConfigVisitor& v) {
-  v.field("tolerance_m", tolerance_m, "[m] nearer than this, a goal or a viewpoint is reached", Range::positive());
-  v.field("waypoint_spacing_m", waypoint_spacing_m, "[m] between waypoints of the guided vehicle, at most",
+  v.field("tolerance_m", tolerance_m, "[m] distance within which a goal or a viewpoint is reached", Range::positive());
+  v.field("waypoint_spacing_m", waypoint_spacing_m, "[m] greatest distance between waypoints of the guided vehicle",
           Range{0.01, 100.0});
   v.field("goal_search_m", goal_search_m,
-          "[m] around a goal without the clearance, in which the nearest clear place is the goal instead",
+          "[m] radius in which the nearest clear position replaces a goal without clearance",
           Range::between(0.0, 10.0));
-  v.field("primary_width_m", primary_width_m, "[m] of the air around the guide that is kept free", Range::positive());
-  v.field("primary_height_m", primary_height_m, "[m] of the same, half of it above", Range::positive());
-  v.field("secondary_width_m", secondary_width_m, "[m] of the air around the guided vehicle that is kept free",
+  v.field("primary_width_m", primary_width_m, "[m] width of the box around the guide that is kept free",
           Range::positive());
-  v.field("secondary_height_m", secondary_height_m, "[m] of the same, half of it above", Range::positive());
-  v.object("primary", primary, "how the guide's own path is searched");
-  v.object("secondary", secondary, "how the guided vehicle's path is searched");
-  v.object("viewpoint", viewpoint, "from where the path is watched");
+  v.field("primary_height_m", primary_height_m, "[m] height of that box, half of it above", Range::positive());
+  v.field("secondary_width_m", secondary_width_m, "[m] width of the box around the guided vehicle that is kept free",
+          Range::positive());
+  v.field("secondary_height_m", secondary_height_m, "[m] height of that box, half of it above", Range::positive());
+  v.object("primary", primary, "limits and search of the guide's path");
+  v.object("secondary", secondary, "limits and search of the guided vehicle's path");
+  v.object("viewpoint", viewpoint, "viewpoints of the path");
 }
 
 }  // namespace swiftlet

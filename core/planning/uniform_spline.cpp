@@ -11,7 +11,7 @@ namespace swiftlet {
 
 UniformSpline::UniformSpline(std::vector<Vector3> control_points_m, double interval_s) : interval_s_(interval_s) {
   ENSURE(!control_points_m.empty() && interval_s > 0.0, control_points_m.size(), interval_s);
-  // Three times the same control point: there the curve is at rest.
+  // Triple control points at the ends: the curve is at rest there.
   points_m_.reserve(control_points_m.size() + 4);
   points_m_.assign(2, control_points_m.front());
   points_m_.insert(points_m_.end(), control_points_m.begin(), control_points_m.end());
@@ -39,7 +39,7 @@ double least_distance_m(const UniformSpline& a, const UniformSpline& b) {
   double least_sq = std::numeric_limits<double>::infinity();
   Vector3 before = a.at(0.0).p_m - b.at(0.0).p_m;
   for (double t_s = kStep_s; t_s < end_s + kStep_s; t_s += kStep_s) {
-    // In between the two move nearly straight: the point of closest approach of the relative motion.
+    // Relative motion between samples is nearly straight: its point of closest approach.
     const Vector3 after = a.at(t_s).p_m - b.at(t_s).p_m;
     const Vector3 motion = after - before;
     const double length_sq = motion.squaredNorm();
