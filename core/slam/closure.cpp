@@ -537,26 +537,30 @@ ClosureConfig locating_config() {
 }
 
 void ClosureConfig::visit(ConfigVisitor& v) {
-  v.field("window_xy_m", window_xy_m, "[m] from the estimate, in which a closure is sought at most",
+  v.field("window_xy_m", window_xy_m, "[m] largest horizontal distance of a match from the estimate",
           Range::between(0.0, 50.0));
-  v.field("window_z_m", window_z_m, "[m] the same for the height", Range::between(0.0, 20.0));
-  v.field("window_yaw_deg", window_yaw_deg, "[deg] the same for the heading", Range::between(0.0, 180.0));
-  v.field("cell_m", cell_m, "[m] of the grid that is searched", Range::between(0.1, 5.0));
-  v.field("levels", levels, "[-] of that grid, each twice as coarse", Range::between(1, 8));
-  v.field("points", points, "[-] of the newer submap that are sought in the older one", Range::between(50, 5000));
-  v.field("range_max_m", range_max_m, "[m] points farther from the submap's middle are left out",
+  v.field("window_z_m", window_z_m, "[m] largest vertical distance of a match from the estimate",
+          Range::between(0.0, 20.0));
+  v.field("window_yaw_deg", window_yaw_deg, "[deg] largest heading difference of a match from the estimate",
+          Range::between(0.0, 180.0));
+  v.field("cell_m", cell_m, "[m] edge of a cell of the search grid", Range::between(0.1, 5.0));
+  v.field("levels", levels, "[-] levels of the search grid, each twice as coarse as the one before",
+          Range::between(1, 8));
+  v.field("points", points, "[-] most points of the newer submap used in the search", Range::between(50, 5000));
+  v.field("range_max_m", range_max_m, "[m] points farther from the submap's center are left out",
           Range::between(2.0, 200.0));
-  v.field("budget", budget, "[-] nodes of one search, at most", Range::between(100, 100000000));
+  v.field("budget", budget, "[-] most nodes of one search", Range::between(100, 100000000));
   v.field("histogram_min", histogram_min, "[-] headings whose rotational histograms agree less are not searched",
           Range::probability());
   v.field("score_min", score_min, "[-] share of the points that must lie in occupied cells", Range::probability());
-  v.field("rival_share", rival_share, "[-] of the best score: another place that has it makes the closure doubtful",
+  v.field("rival_share", rival_share, "[-] rejects a closure when another place reaches this share of the best score",
           Range::probability());
-  v.field("rival_distance_m", rival_distance_m, "[m] another place is one at least this far away",
+  v.field("rival_distance_m", rival_distance_m, "[m] least distance at which a match counts as another place",
           Range::between(0.0, 50.0));
-  v.field("overlap_min", overlap_min, "[-] share of the newer submap that must be known in the older one",
+  v.field("overlap_min", overlap_min, "[-] least share of the newer submap that the older one contains",
           Range::probability());
-  v.field("near_min", near_min, "[-] share of that which must lie on its surfaces", Range::probability());
+  v.field("near_min", near_min, "[-] least share of the overlapping points that lie on the older submap's surfaces",
+          Range::probability());
 }
 
 }  // namespace swiftlet

@@ -176,11 +176,14 @@ double CorrectionBlend::peak_share(const Motion& start, double duration_s) const
 
 void CorrectionBlendConfig::visit(ConfigVisitor& v) {
   v.choice("form", form, {"limited", "printed", "released", "none"},
-           "how it is shown: without a step, by eq. 2 of [Orsulic 2021] as printed or as released, or at once");
-  v.field("speed_max_mps", speed_max_mps, "[m/s] of the limited form", Range::positive());
-  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] of the limited form", Range::positive());
-  v.field("jerk_max_mps3", jerk_max_mps3, "[m/s^3] of the limited form", Range::positive());
-  v.field("lever_m", lever_m, "[m] the limits hold for points as near to the vehicle", Range::non_negative());
+           "transition to a new correction: with limited motion, by eq. 2 of [Orsulic 2021] as printed or as released, "
+           "or at once");
+  v.field("speed_max_mps", speed_max_mps, "[m/s] speed limit of the limited form", Range::positive());
+  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] acceleration limit of the limited form",
+          Range::positive());
+  v.field("jerk_max_mps3", jerk_max_mps3, "[m/s^3] jerk limit of the limited form", Range::positive());
+  v.field("lever_m", lever_m, "[m] distance from the vehicle up to which points keep the limits",
+          Range::non_negative());
 }
 
 }  // namespace swiftlet

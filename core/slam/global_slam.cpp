@@ -512,47 +512,50 @@ Matrix6 GlobalSlam::odometry_information(double way_m) const {
 void GlobalSlamConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   v.field("enabled", enabled, "[-] are loops closed and GNSS fixes used?");
-  v.field("latency_s", latency_s, "[s] search and optimization take on board", Range::between(0.0, 60.0));
-  v.field("node_every_m", node_every_m, "[m] of motion, after which a scan becomes a node", Range::between(0.05, 20.0));
-  v.field("submap_m", submap_m, "[m] of the way make a submap", Range::between(0.5, 200.0));
-  v.field("submap_voxel_m", submap_voxel_m, "[m] a submap keeps one point in a cube of this edge",
+  v.field("latency_s", latency_s, "[s] time from a scan to its correction: search and optimization",
+          Range::between(0.0, 60.0));
+  v.field("node_every_m", node_every_m, "[m] flown distance between nodes of the graph", Range::between(0.05, 20.0));
+  v.field("submap_m", submap_m, "[m] flown distance after which the next submap begins", Range::between(0.5, 200.0));
+  v.field("submap_voxel_m", submap_voxel_m, "[m] edge of the cubes in which a submap keeps one point",
           Range::between(0.05, 2.0));
-  v.field("closure_distance_m", closure_distance_m, "[m] submaps as near to each other may be joined", positive);
-  v.field(
-      "covered_share", covered_share,
-      "[-] of the points of a submap that older ones joined with it know, from which on only the others are kept; 1: "
-      "all are",
-      Range::probability());
+  v.field("closure_distance_m", closure_distance_m, "[m] largest distance between two submaps that are compared",
+          positive);
+  v.field("covered_share", covered_share,
+          "[-] share of a submap's points in older joined ones from which on it keeps only the others; 1: keeps all",
+          Range::probability());
   v.field("visits_kept", visits_kept,
           "[-] submaps that begin within half of submap_m of each other, at most: another one is dropped if these know "
           "covered_share of its points; more take more memory",
           Range::between(1, 1000));
-  v.field("closure_gap_m", closure_gap_m, "[m] of the way must lie between them", Range::non_negative());
-  v.field("searches", searches, "[-] for a finished submap, at most", Range::between(0, 100));
+  v.field("closure_gap_m", closure_gap_m, "[m] least flown distance between two submaps that are compared",
+          Range::non_negative());
+  v.field("searches", searches, "[-] most searches for a finished submap", Range::between(0, 100));
   v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,
-          "[m/sqrt(m)] how much the graph distrusts local SLAM, by the way", positive);
-  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude",
+          "[m/sqrt(m)] position noise of local SLAM per root of the flown distance, as assumed by the graph", positive);
+  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m,
+          "[deg/sqrt(m)] attitude noise of local SLAM per root of the flown distance, as assumed by the graph",
           positive);
-  v.field("closure_position_m", closure_position_m, "[m] standard deviation of a closure", positive);
-  v.field("closure_attitude_deg", closure_attitude_deg, "[deg] the same of its attitude", positive);
-  v.field("closure_huber", closure_huber, "[-] closures that are off by more deviations count less", positive);
-  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] of the tilt that local SLAM tells", positive);
-  v.field("use_gnss", use_gnss, "[-] fixes pull the trajectory");
-  v.field("optimize_every_s", optimize_every_s, "[s] with new fixes; a closure does not wait", positive);
-  v.field("fit_spread_m", fit_spread_m, "[m] of the way, from which a start that nobody told is fitted to GNSS",
+  v.field("closure_position_m", closure_position_m, "[m] standard deviation of a closure's position", positive);
+  v.field("closure_attitude_deg", closure_attitude_deg, "[deg] standard deviation of a closure's attitude", positive);
+  v.field("closure_huber", closure_huber,
+          "[-] Huber threshold of closures, in standard deviations; larger residuals count less", positive);
+  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] standard deviation of the tilt from local SLAM", positive);
+  v.field("use_gnss", use_gnss, "[-] do GNSS fixes constrain the trajectory?");
+  v.field("optimize_every_s", optimize_every_s, "[s] interval of optimizations with new fixes; a closure does not wait",
+          positive);
+  v.field("fit_spread_m", fit_spread_m, "[m] extent of the path from which an unknown start is fitted to GNSS",
           positive);
   v.file("map", map,
          "map of an earlier flight, as the recorder `slam_map` writes it: the vehicle localizes itself in it");
   v.field("locate_every_m", locate_every_m,
-          "[m] of the way, after which a vehicle that was told nothing of its start looks for itself in that map again",
+          "[m] flown distance between searches of a vehicle of unknown start in that map", positive);
+  v.field("locate_every_s", locate_every_s, "[s] interval of such searches while it hovers; at most ten from one place",
           positive);
-  v.field("locate_every_s", locate_every_s, "[s] after which one that hovers does so, ten times at most from one place",
-          positive);
-  v.object("locate", locate, "how it looks for itself there, from each submap's middle on");
+  v.object("locate", locate, "search for the own pose in that map, around each submap's center");
   v.object("gnss", gnss, "weight of a fix");
-  v.object("closures", closures, "how they are sought and checked");
-  v.object("graph", graph, "its optimization");
-  v.object("blend", blend, "how a new correction is shown");
+  v.object("closures", closures, "search for closures and their checks");
+  v.object("graph", graph, "optimization of the pose graph");
+  v.object("blend", blend, "transition to a new correction");
   v.object("share", share, "joining the map with those of other vehicles");
 }
 

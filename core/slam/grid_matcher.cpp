@@ -140,13 +140,14 @@ void GridMatchingConfig::visit(ConfigVisitor& v) {
   v.field("voxel_m", voxel_m, "[m] one return in a cube of this edge goes into the map", Range::between(0.01, 5.0));
   v.object("high", high, "points that are matched to the finer grid");
   v.object("low", low, "points that are matched to the coarser grid");
-  v.object("cost", cost, "of a pose");
+  v.object("cost", cost, "cost of a pose");
   v.object("submaps", submaps, "pairs of grids that scans go into");
-  v.field("insert_after_m", insert_after_m, "[m] of motion, after which a scan goes into the map",
+  v.field("insert_after_m", insert_after_m, "[m] motion after which a scan goes into the map", Range::non_negative());
+  v.field("insert_after_deg", insert_after_deg, "[deg] rotation after which a scan goes into the map",
           Range::non_negative());
-  v.field("insert_after_deg", insert_after_deg, "[deg] of turning, after which it does", Range::non_negative());
-  v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
-  v.field("points_per_error", points_per_error, "[-] so many points are taken to share one error: for the covariance",
+  v.field("insert_after_s", insert_after_s, "[s] time after which a scan goes into the map without motion",
+          Range::non_negative());
+  v.field("points_per_error", points_per_error, "[-] points assumed to share one error, for the covariance",
           Range::between(0.01, 1000.0));
 }
 

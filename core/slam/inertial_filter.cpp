@@ -200,9 +200,9 @@ void InertialConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   visit_noise(v);
   v.field("start_velocity_sigma_mps", start_velocity_sigma_mps,
-          "[m/s] of the velocity at the start; a vehicle that is turned on in flight needs its speed", positive);
-  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] of the start pose that was told, against the vertical",
+          "[m/s] standard deviation of the velocity at the start; at least the speed of a vehicle turned on in flight",
           positive);
+  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] standard deviation of the start pose's tilt", positive);
 }
 
 }  // namespace swiftlet

@@ -210,26 +210,27 @@ Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
 void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.object("imu", imu, "noise of the IMU and what is known at the start");
   v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
-  v.field("map_voxel_m", map_voxel_m, "[m] one return in a cube of this edge goes into the map",
+  v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes in which one return goes into the map",
           Range::between(0.01, 5.0));
-  v.field("map_points", map_points, "[-] no more of them go into the map with one scan", Range::between(100, 1000000));
-  v.field("match_voxel_m", match_voxel_m, "[m] one return in a cube of this edge is matched",
+  v.field("map_points", map_points, "[-] most points of a scan that go into the map", Range::between(100, 1000000));
+  v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes in which one return is matched",
           Range::between(0.01, 10.0));
-  v.field("match_points", match_points, "[-] no more of them are matched", Range::between(100, 100000));
+  v.field("match_points", match_points, "[-] most points of a scan that are matched", Range::between(100, 100000));
   v.field("start_scans", start_scans,
-          "[-] the first scans are matched twice, with the biases that they gave; 0: only once",
+          "[-] first scans, which are matched a second time with the biases estimated from them; 0: matched once",
           Range::between(0, 100));
-  v.field("iterations", iterations, "[-] of the update by a scan, at most", Range::between(1, 50));
-  v.field("insert_after_m", insert_after_m, "[m] of motion, after which a scan goes into the map",
+  v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
+  v.field("insert_after_m", insert_after_m, "[m] motion after which a scan goes into the map", Range::non_negative());
+  v.field("insert_after_deg", insert_after_deg, "[deg] rotation after which a scan goes into the map",
           Range::non_negative());
-  v.field("insert_after_deg", insert_after_deg, "[deg] of turning, after which it does", Range::non_negative());
-  v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
+  v.field("insert_after_s", insert_after_s, "[s] time after which a scan goes into the map without motion",
+          Range::non_negative());
   v.field("known_share_min", known_share_min,
-          "[-] a scan of which a smaller share lies where the map has surfaces is not used", Range::probability());
+          "[-] least share of a scan's points near surfaces of the map for the scan to be used", Range::probability());
   v.field("vehicle_radius_m", vehicle_radius_m,
           "[m] returns nearer than this to a tracked vehicle are left out; 0: none are", Range::non_negative());
-  v.object("matching", matching, "of a scan to the map");
-  v.object("map", map, "of surfaces");
+  v.object("matching", matching, "matching of a scan to the map");
+  v.object("map", map, "map of surfaces");
 }
 
 }  // namespace swiftlet

@@ -187,19 +187,23 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
 
 void MapJoinConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  v.field("closures_min", closures_min, "[-] closures that must agree before two maps are joined",
-          Range::between(2, 64));
-  v.field("chi2_max", chi2_max, "[-] of the loop through two closures, with 6 degrees of freedom: more do not agree",
-          positive);
-  v.field("closure_position_m", closure_position_m, "[m] standard deviation of a closure between vehicles", positive);
-  v.field("closure_attitude_deg", closure_attitude_deg, "[deg] the same of its attitude", positive);
+  v.field("closures_min", closures_min, "[-] consistent closures required to join two maps", Range::between(2, 64));
+  v.field(
+      "chi2_max", chi2_max,
+      "[-] largest chi-square of the loop through two closures, with 6 degrees of freedom, for them to be consistent",
+      positive);
+  v.field("closure_position_m", closure_position_m,
+          "[m] standard deviation of the position of a closure between vehicles", positive);
+  v.field("closure_attitude_deg", closure_attitude_deg,
+          "[deg] standard deviation of the attitude of a closure between vehicles", positive);
   v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,
-          "[m/sqrt(m)] of the way from submap to submap, of either vehicle", positive);
-  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude",
-          positive);
-  v.field("closure_huber", closure_huber, "[-] closures that are off by more deviations count less", positive);
-  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] of the tilt of a submap", positive);
-  v.object("graph", graph, "the optimization of both trajectories");
+          "[m/sqrt(m)] position noise of either vehicle's odometry per root of the flown distance", positive);
+  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m,
+          "[deg/sqrt(m)] attitude noise of either vehicle's odometry per root of the flown distance", positive);
+  v.field("closure_huber", closure_huber,
+          "[-] Huber threshold of closures, in standard deviations; larger residuals count less", positive);
+  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] standard deviation of a submap's tilt", positive);
+  v.object("graph", graph, "optimization of both trajectories");
 }
 
 }  // namespace swiftlet

@@ -548,36 +548,42 @@ void MapSharing::append_counters(std::vector<Counter>& counters) const {
 }
 
 void CompactCloudConfig::visit(ConfigVisitor& v) {
-  v.field("voxel_m", voxel_m, "[m] one point in a cube of this edge, of what stands upright", Range::between(0.1, 2.0));
-  v.field("flat_voxel_m", flat_voxel_m, "[m] the same for the ground and all else", Range::between(0.1, 10.0));
-  v.field("range_max_m", range_max_m, "[m] points farther from the submap's middle are left out",
+  v.field("voxel_m", voxel_m, "[m] edge of the cubes that keep one point of upright structure",
+          Range::between(0.1, 2.0));
+  v.field("flat_voxel_m", flat_voxel_m, "[m] edge of the cubes that keep one point of the ground and all else",
+          Range::between(0.1, 10.0));
+  v.field("range_max_m", range_max_m, "[m] points farther from the submap's center are left out",
           Range::between(2.0, 200.0));
-  v.field("upright_points", upright_points, "[-] of what stands upright, roughly: else columns of it are left out",
+  v.field("upright_points", upright_points,
+          "[-] approximate limit of points of upright structure; whole columns beyond it are left out",
           Range::between(100, 50000));
-  v.field("bits", bits, "[-] by which each coordinate tells the place within its voxel", Range::between(1, 10));
-  v.field("chunk_bytes", chunk_bytes, "[B] of the cloud in one message, at most", Range::between(50, 20000));
+  v.field("bits", bits, "[-] bits of each coordinate within its voxel", Range::between(1, 10));
+  v.field("chunk_bytes", chunk_bytes, "[B] most bytes of the cloud in one message", Range::between(50, 20000));
 }
 
 void MapSharingConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  v.field("enabled", enabled, "[-] does it join its map with those of other vehicles by radio?");
-  v.field("latency_s", latency_s, "[s] a search for one submap takes on board", Range::between(0.0, 60.0));
-  v.field("budget_kbps", budget_kbps, "[kbit/s] of all that is said about maps, headers included", positive);
-  v.field("tell_every_s", tell_every_s, "[s] the places of submaps and closures are told again, lest one was lost",
+  v.field("enabled", enabled, "[-] is the map joined with those of other vehicles by radio?");
+  v.field("latency_s", latency_s, "[s] duration of a search for one submap", Range::between(0.0, 60.0));
+  v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included", positive);
+  v.field("tell_every_s", tell_every_s,
+          "[s] interval of repeated reports of submap poses and closures, in case a message was lost",
           Range::between(0.5, 600.0));
-  v.field("ask_again_s", ask_again_s, "[s] without an answer, after which what is missing is asked for again",
+  v.field("ask_again_s", ask_again_s, "[s] time without an answer after which missing data is requested again",
           Range::between(0.1, 600.0));
-  v.field("likeness_min", likeness_min, "[-] submaps whose descriptors agree less are not compared",
+  v.field("likeness_min", likeness_min, "[-] least similarity of the descriptors of two submaps that are compared",
           Range::probability());
-  v.field("search_submaps", search_submaps, "[-] own submaps in which another's is sought at once, at most",
-          Range::between(1, 100));
-  v.field("near_m", near_m, "[m] of an own submap: another's cloud within it is asked for once the maps are joined",
-          positive);
-  v.field("closures_enough", closures_enough, "[-] with one vehicle: when as many agree, no more clouds are asked for",
-          Range::between(2, 32));
-  v.object("cloud", cloud, "what of a submap goes on the air");
-  v.object("search", search, "how another's submap is sought in the own ones, from each one's middle on");
-  v.object("join", join, "when closures are believed, and what they come to");
+  v.field("search_submaps", search_submaps,
+          "[-] most own submaps in which another vehicle's submap is searched at once", Range::between(1, 100));
+  v.field(
+      "near_m", near_m,
+      "[m] largest distance to an own submap at which another vehicle's cloud is requested once the maps are joined",
+      positive);
+  v.field("closures_enough", closures_enough,
+          "[-] consistent closures with one vehicle after which no more clouds are requested", Range::between(2, 32));
+  v.object("cloud", cloud, "part of a submap that is transmitted");
+  v.object("search", search, "search for another vehicle's submap in the own ones, around each one's center");
+  v.object("join", join, "tests of closures and estimation of the transform between the maps");
 }
 
 }  // namespace swiftlet

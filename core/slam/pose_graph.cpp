@@ -351,15 +351,15 @@ Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, doubl
 
 void GnssFactorConfig::visit(ConfigVisitor& v) {
   v.choice("weighting", weighting, {"isotropic", "per_axis", "released"},
-           "of a fix: all axes by the worst, each by its own deviation, or by its square");
-  v.field("a", a, "[-] of the inverse deviation [Orsulic 2021, eq. 7]", Range::non_negative());
-  v.field("b_1_m", b_1_m, "[1/m] of every fix alike", Range::non_negative());
-  v.field("huber", huber, "[-] weighted residuals longer than this count less", Range::positive());
+           "weight of a fix per axis: by the largest deviation, by each axis's own, or by its square");
+  v.field("a", a, "[-] weight of the inverse deviation [Orsulic 2021, eq. 7]", Range::non_negative());
+  v.field("b_1_m", b_1_m, "[1/m] constant weight of every fix", Range::non_negative());
+  v.field("huber", huber, "[-] Huber threshold of weighted residuals; larger ones count less", Range::positive());
 }
 
 void GraphSolverConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] of one optimization, at most", Range::between(1, 1000));
-  v.field("step_min", step_min, "[m, rad] a smaller step is the last one", Range::positive());
+  v.field("iterations", iterations, "[-] most iterations of one optimization", Range::between(1, 1000));
+  v.field("step_min", step_min, "[m, rad] step size below which the optimization ends", Range::positive());
 }
 
 }  // namespace swiftlet

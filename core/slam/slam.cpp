@@ -191,21 +191,22 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
 }  // namespace
 
 void SlamConfig::visit(ConfigVisitor& v) {
-  v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
-  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 0.5));
+  v.field("lidars", lidars, "[-] names of the LiDARs that SLAM uses; none: all");
+  v.field("latency_s", latency_s, "[s] time from a scan to its effect on the estimate", Range::between(0.0, 0.5));
   v.choice("matching", matching, {"surfaces", "grid"},
-           "[-] of scans: to planes; to probability grids, as in [Orsulic 2021]");
+           "[-] matching of scans: to planes; to probability grids, as in [Orsulic 2021]");
   v.object("local", local, "motion from scan to scan");
   v.object("grid", grid, "matching: grid");
-  v.object("global", global, "closures and GNSS: where the local frame lies in the world");
-  v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",
+  v.object("global", global, "closures and GNSS: pose of the local frame in the world");
+  v.field("warn_after_s", warn_after_s,
+          "[s] time without a matching scan, or with degenerate ones, after which the vehicle warns",
           Range::positive());
-  v.field("lidar_timeout_s", lidar_timeout_s, "[s] without a scan that fits, after which the estimate is not valid",
+  v.field("lidar_timeout_s", lidar_timeout_s, "[s] time without a matching scan after which the estimate is not valid",
           Range::positive());
-  v.field("imu_timeout_s", imu_timeout_s, "[s] without the IMU, after which the estimate is not valid",
+  v.field("imu_timeout_s", imu_timeout_s, "[s] time without IMU samples after which the estimate is not valid",
           Range::positive());
-  v.field("position_sigma_max_m", position_sigma_max_m, "[m] more uncertain than this, the estimate is not valid",
-          Range::positive());
+  v.field("position_sigma_max_m", position_sigma_max_m,
+          "[m] standard deviation of the position above which the estimate is not valid", Range::positive());
 }
 
 std::unique_ptr<StateEstimator> make_slam_estimator(const ModuleConfig& config, const AgentSetup& setup) {

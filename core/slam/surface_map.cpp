@@ -209,12 +209,12 @@ std::size_t SurfaceMap::bytes() const {
 void SurfaceMapConfig::visit(ConfigVisitor& v) {
   v.field("cell_m", cell_m, "[m] edge of the largest cells", Range::between(0.1, 10.0));
   v.field("levels", levels, "[-] sizes of cells, each half of the one before", Range::between(1, 6));
-  v.field("fineness", fineness, "[-] points make no cells that are smaller than this times their range",
+  v.field("fineness", fineness, "[-] smallest edge of a cell, as a share of the range of its points",
           Range::non_negative());
-  v.field("points_per_cell", points_per_cell, "[-] a cell takes no more points than these", Range::between(30, 100000));
-  v.field("plane_sigma_m", plane_sigma_m, "[m] points that scatter by more than this about their plane have none",
-          Range::between(1e-3, 1.0));
-  v.field("keep_radius_m", keep_radius_m, "[m] what lies farther away is forgotten", Range::between(5.0, 2000.0));
+  v.field("points_per_cell", points_per_cell, "[-] most points of a cell", Range::between(30, 100000));
+  v.field("plane_sigma_m", plane_sigma_m, "[m] largest scatter of the points about a plane", Range::between(1e-3, 1.0));
+  v.field("keep_radius_m", keep_radius_m, "[m] cells farther from the vehicle are dropped",
+          Range::between(5.0, 2000.0));
 }
 
 }  // namespace swiftlet
