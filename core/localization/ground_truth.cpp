@@ -97,7 +97,7 @@ class GroundTruthEstimator : public StateEstimator {
 }  // namespace
 
 void GroundTruthConfig::visit(ConfigVisitor& v) {
-  v.field("timeout_s", timeout_s, "[s] without a pose, after which the estimate is not valid", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] time without a pose after which the estimate is not valid", Range::positive());
 }
 
 std::unique_ptr<StateEstimator> make_ground_truth_estimator(const ModuleConfig& config, const AgentSetup& setup) {

@@ -318,23 +318,28 @@ void InsConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   const Range not_negative = Range::non_negative();
   visit_noise(v);
-  v.field("start_position_sigma_m", start_position_sigma_m, "[m] of the start pose that was told", positive);
-  v.field("start_velocity_sigma_mps", start_velocity_sigma_mps, "[m/s] the vehicle is taken to be at rest", positive);
-  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] of the start pose that was told", positive);
-  v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] of the start pose that was told", positive);
-  v.field("start_ground_sigma_m", start_ground_sigma_m, "[m] of the height of the ground below the start", positive);
+  v.field("start_position_sigma_m", start_position_sigma_m, "[m] standard deviation of the start pose's position",
+          positive);
+  v.field("start_velocity_sigma_mps", start_velocity_sigma_mps,
+          "[m/s] standard deviation of the start velocity, which is assumed to be zero", positive);
+  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] standard deviation of the start pose's tilt", positive);
+  v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] standard deviation of the start pose's heading", positive);
+  v.field("start_ground_sigma_m", start_ground_sigma_m,
+          "[m] standard deviation of the height of the ground below the start", positive);
   v.field("use_gnss", use_gnss, "[-] position and velocity");
   v.field("use_altimeter", use_altimeter, "[-] height above the surface below");
   v.field("use_compass", use_compass, "[-] heading");
   v.field("use_odometry", use_odometry, "[-] velocity in body axes");
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] of the odometry's velocity", positive);
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps,
+          "[m/s] standard deviation of the odometry's velocity", positive);
   v.field("ground_walk_m_sqrt_m", ground_walk_m_sqrt_m,
-          "[m/sqrt(m)] how much the ground's height changes along the path", not_negative);
-  v.field("gate_sigma", gate_sigma, "[-] measurements farther than this from what is expected are passed over",
+          "[m/sqrt(m)] random walk of the ground's height per root of the path length", not_negative);
+  v.field("gate_sigma", gate_sigma, "[-] innovation in standard deviations beyond which a measurement is rejected",
           positive);
-  v.field("imu_timeout_s", imu_timeout_s, "[s] without the IMU, after which the estimate is not valid", positive);
-  v.field("position_sigma_max_m", position_sigma_max_m, "[m] more uncertain than this, the estimate is not valid",
+  v.field("imu_timeout_s", imu_timeout_s, "[s] time without IMU samples after which the estimate is not valid",
           positive);
+  v.field("position_sigma_max_m", position_sigma_max_m,
+          "[m] standard deviation of the position above which the estimate is not valid", positive);
 }
 
 std::unique_ptr<StateEstimator> make_ins_estimator(const ModuleConfig& config, const AgentSetup& setup) {

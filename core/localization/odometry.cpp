@@ -104,10 +104,10 @@ class OdometryEstimator : public StateEstimator {
 }  // namespace
 
 void OdometryEstimatorConfig::visit(ConfigVisitor& v) {
-  v.field("timeout_s", timeout_s, "[s] without odometry, after which the estimate is not valid", Range::positive());
-  v.field("position_drift", position_drift, "[-] sigma of the position told in the covariance, by distance flown",
+  v.field("timeout_s", timeout_s, "[s] time without odometry after which the estimate is not valid", Range::positive());
+  v.field("position_drift", position_drift, "[-] reported standard deviation of the position per distance flown",
           Range::non_negative());
-  v.field("yaw_drift_degpm", yaw_drift_degpm, "[deg/m] sigma of the heading told in the covariance, by distance flown",
+  v.field("yaw_drift_degpm", yaw_drift_degpm, "[deg/m] reported standard deviation of the heading per distance flown",
           Range::non_negative());
 }
 

@@ -34,28 +34,25 @@ Matrix carried(const Transition& A, const Matrix& P) {
 
 void RelativeFilterConfig::visit(ConfigVisitor& v) {
   v.field("acceleration_mps2_psqrthz", acceleration_mps2_psqrthz,
-          "[m/s^2/sqrt(Hz)] how much the other vehicle maneuvers between its samples: white acceleration",
-          Range::positive());
+          "[m/s^2/sqrt(Hz)] white acceleration of the other vehicle between its samples", Range::positive());
   v.field("odometry_sigma_m", odometry_sigma_m, "[m] white noise of its odometry's position, by axis",
           Range::positive());
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] and of its velocity", Range::positive());
-  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] and of its heading", Range::non_negative());
-  v.field("yaw_rate_sigma_degps", yaw_rate_sigma_degps,
-          "[deg/s] how much its heading may turn against what it told, from its newest odometry on",
-          Range::non_negative());
-  v.field(
-      "bias_sigma_m", bias_sigma_m,
-      "[m] standard deviation, by axis, of what all sightings have in common: it is in the covariance, whatever the "
-      "number of sightings",
-      Range::non_negative());
-  v.field("gate_sigma", gate_sigma, "[-] a sighting more standard deviations off is another thing's",
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] white noise of its odometry's velocity",
           Range::positive());
-  v.field(
-      "drift_factor_max", drift_factor_max,
-      "[-] so many times what it is said to, its odometry may drift and be followed by what is seen; 1: it is taken "
-      "at its word",
-      Range::between(1.0, 1000.0));
-  v.field("history_s", history_s, "[s] how late a sighting or a sample may come", Range::between(0.1, 60.0));
+  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] white noise of its odometry's heading",
+          Range::non_negative());
+  v.field("yaw_rate_sigma_degps", yaw_rate_sigma_degps,
+          "[deg/s] growth of the heading's standard deviation since its newest odometry", Range::non_negative());
+  v.field("bias_sigma_m", bias_sigma_m,
+          "[m] standard deviation by axis of the error common to all sightings; it stays in the covariance, whatever "
+          "their number",
+          Range::non_negative());
+  v.field("gate_sigma", gate_sigma, "[-] residual in standard deviations beyond which a sighting is rejected",
+          Range::positive());
+  v.field("drift_factor_max", drift_factor_max,
+          "[-] largest factor of the odometry's drift that is estimated from sightings; 1: drift as configured",
+          Range::between(1.0, 1000.0));
+  v.field("history_s", history_s, "[s] largest delay of a sighting or an odometry sample", Range::between(0.1, 60.0));
 }
 
 RelativeFilter::RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift)

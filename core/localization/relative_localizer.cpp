@@ -282,42 +282,43 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
           "[-] name of the vehicle to localize, which tells its odometry (follow_guide); empty: the first other one");
   v.field("others", others,
           "[-] names, when there are several; they are told apart by how they move, so let them move differently");
-  v.choice(
-      "source", source, {"detections", "tracks", "markers"},
-      "[-] what is taken as sightings: detections, the clusters on which tracks were corrected, or all that shines "
-      "in a scan");
+  v.choice("source", source, {"detections", "tracks", "markers"},
+           "[-] source of sightings: detections, the clusters on which tracks were corrected, or all bright returns of "
+           "a scan");
   v.field("marker_reflectivity", marker_reflectivity,
-          "[-] a sighting is of the other's markers when its brightest return reflects this much (1: white Lambertian, "
-          "retro-reflectors 10 and more); 0: it has none, all sightings count",
+          "[-] least reflectivity of a sighting's brightest return for it to be of the other's markers (1: white "
+          "Lambertian, retro-reflectors 10 and more); 0: no markers, all sightings count",
           Range::non_negative());
-  v.field("body_radius_m", body_radius_m, "[m] with markers: returns so near to the middle of a vehicle are its own",
+  v.field("body_radius_m", body_radius_m,
+          "[m] with markers: radius around a vehicle's center in which all returns belong to it",
           Range{0.0, 2.0, true});
-  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of that middle, by axis",
+  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of that center, by axis",
           Range::positive());
   v.field("marker_memory_s", marker_memory_s,
-          "[s] with tracks: so long after its last bright return a track is still taken for the other's",
+          "[s] with tracks: time after its last bright return in which a track still counts as the other's",
           Range::non_negative());
   v.field("center_behind_m", center_behind_m,
-          "[m] the center of the other lies so far behind the middle of its returns: only its near side is seen",
+          "[m] distance from the middle of the returns to the center of the other, along the line of sight: only its "
+          "near side is seen",
           Range::between(-1.0, 1.0));
-  v.field("center_above_m", center_above_m, "[m] and so far above it", Range::between(-1.0, 1.0));
+  v.field("center_above_m", center_above_m, "[m] height of that center above the middle of the returns",
+          Range::between(-1.0, 1.0));
   v.choice("clock", clock, {"synchronized", "one_way"},
-           "[-] the other's clock: the own one (NTP), or any, found by its quickest message");
+           "[-] the other's clock: synchronized with the own one (NTP), or any, estimated from the fastest message");
   v.field("clock_sigma_s", clock_sigma_s,
-          "[s] how well its clock is known by that; the alignment finds the rest. 0: exactly",
+          "[s] standard deviation of that clock offset, which the alignment refines; 0: exact",
           Range::between(0.0, 10.0));
-  v.field("least_delay_s", least_delay_s, "[s] with one_way: what the quickest message takes",
-          Range::between(0.0, 10.0));
-  v.field("odometry_gap_max_s", odometry_gap_max_s, "[s] sightings in a longer gap of its odometry are not paired",
+  v.field("least_delay_s", least_delay_s, "[s] with one_way: delay of the fastest message", Range::between(0.0, 10.0));
+  v.field("odometry_gap_max_s", odometry_gap_max_s, "[s] longest gap of its odometry in which sightings are paired",
           Range::positive());
   v.field("position_sigma_max_m", position_sigma_max_m,
-          "[m] greatest standard deviation of its position beyond which it counts as lost", Range::positive());
+          "[m] standard deviation of its position above which it counts as lost", Range::positive());
   v.field("reacquire_s", reacquire_s,
-          "[s] of bright sightings elsewhere, and none where it is expected, after which it counts as lost",
+          "[s] time with bright sightings elsewhere, but none at the expected position, after which it counts as lost",
           Range::positive());
-  v.object("alignment", alignment, "sliding window that finds where its local frame lies");
+  v.object("alignment", alignment, "sliding window that estimates the transform between the local frames");
   v.object("filter", filter, "Kalman filter of its position, velocity and alignment");
-  v.object("drift", drift, "what its odometry may drift");
+  v.object("drift", drift, "drift of its odometry");
   v.check(source != Source::kMarkers || marker_reflectivity > 0.0, "marker_reflectivity", "more than 0 with markers");
   check_names(v, other, others);
 }
@@ -328,8 +329,8 @@ void SharedWorldConfig::visit(ConfigVisitor& v) {
           "first other one");
   v.field("others", others, "[-] names, when there are several");
   v.field("sigma_m", sigma_m, "[m] standard deviation of its position, by axis", Range::positive());
-  v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] and of its heading", Range::positive());
-  v.field("timeout_s", timeout_s, "[s] without a message, after which it is not known where it is", Range::positive());
+  v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] standard deviation of its heading", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] time without a message after which its position is unknown", Range::positive());
   check_names(v, other, others);
 }
 
