@@ -101,17 +101,19 @@ class OccupancyMapper : public Mapper {
 }  // namespace
 
 void OccupancyMapperConfig::visit(ConfigVisitor& v) {
-  v.field("every_column", every_column, "[-] of the columns of a scan one in so many is used (the paper: 4)",
+  v.field("every_column", every_column, "[-] stride of the columns of a scan that are used (the paper: 4)",
           Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] of its rows one in so many", Range::between(1, 10000));
+  v.field("every_row", every_row, "[-] stride of the rows of a scan that are used", Range::between(1, 10000));
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body", Range::non_negative());
-  v.field("clear_range_m", clear_range_m, "[m] beams without return clear up to here; 0: they tell nothing",
+  v.field("clear_range_m", clear_range_m, "[m] length up to which beams without return clear; 0: they are ignored",
           Range::between(0.0, 1000.0));
   v.field("tracked_radius_m", tracked_radius_m,
-          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
+          "[m] returns within this distance of another vehicle are left out, and farther ones with its uncertainty; 0: "
+          "none",
           Range::non_negative());
-  v.field("rays_of", rays_of, "[-] name of the vehicle that tells the rays of its scans; empty: the own LiDARs map");
-  v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle that is told the rays of each scan, in the world");
+  v.field("rays_of", rays_of,
+          "[-] name of the vehicle whose reported rays build the map; empty: the own LiDARs build it");
+  v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle to which the rays of each scan are sent, in the world");
   map.visit(v);
   v.check(rays_of.empty() || tell_rays_to.empty(), "tell_rays_to", "empty where rays_of names who tells");
   v.check(clear_range_m <= map.range_max_m, "clear_range_m", "at most range_max_m");

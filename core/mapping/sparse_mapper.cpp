@@ -72,7 +72,8 @@ void SparseMapperConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range{0.0, 1000.0, true});
   v.field("tracked_radius_m", tracked_radius_m,
-          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
+          "[m] returns within this distance of another vehicle are left out, and farther ones with its uncertainty; 0: "
+          "none",
           Range::non_negative());
   map.visit(v);
 }

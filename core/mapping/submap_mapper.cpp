@@ -313,36 +313,37 @@ class SubmapMapper : public Mapper {
 }  // namespace
 
 void SubmapMapperConfig::visit(ConfigVisitor& v) {
-  v.field("every_column", every_column, "[-] of the columns of a scan one in so many is used",
-          Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] of its rows one in so many", Range::between(1, 10000));
+  v.field("every_column", every_column, "[-] stride of the columns of a scan that are used", Range::between(1, 10000));
+  v.field("every_row", every_row, "[-] stride of the rows of a scan that are used", Range::between(1, 10000));
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] rays hit and clear up to here", Range{0.0, 1000.0, true});
-  v.field("clear_range_m", clear_range_m, "[m] beams without return clear up to here; 0: they tell nothing",
+  v.field("range_max_m", range_max_m, "[m] length up to which rays hit and clear", Range{0.0, 1000.0, true});
+  v.field("clear_range_m", clear_range_m, "[m] length up to which beams without return clear; 0: they are ignored",
           Range::between(0.0, 1000.0));
   v.field("tracked_radius_m", tracked_radius_m,
-          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
+          "[m] returns within this distance of another vehicle are left out, and farther ones with its uncertainty; 0: "
+          "none",
           Range::non_negative());
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
-  v.field("p_hit", p_hit, "[-] that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
-  v.field("p_miss", p_miss, "[-] that a cell is occupied that rays only passed", Range{0.0, 0.5, true, true});
+  v.field("p_hit", p_hit, "[-] probability that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
+  v.field("p_miss", p_miss, "[-] probability that a cell is occupied that rays only passed",
+          Range{0.0, 0.5, true, true});
   v.field("p_occupied", p_occupied,
-          "[-] cells of a finished submap that are surer than this are occupied; from 0.5 up to here they are left out",
+          "[-] probability above which cells of a finished submap are occupied; from 0.5 up to it they are left out",
           Range{0.5, 1.0, false, true});
-  v.field("p_min", p_min, "[-] no cell falls below", Range{0.0, 0.5, true, true});
-  v.field("p_max", p_max, "[-] no cell rises above", Range{0.5, 1.0, true, true});
+  v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
+  v.field("p_max", p_max, "[-] upper limit of a cell's probability", Range{0.5, 1.0, true, true});
   v.field("outvoted_by", outvoted_by,
-          "[-] newer pieces in a row that saw a cell free, until it is no longer occupied; 0: it stays so for ever",
+          "[-] newer pieces in a row that must report a cell free before it is no longer occupied; 0: it always stays "
+          "occupied",
           Range::between(0, 3));
-  v.field("piece_m", piece_m, "[m] from its beginning, after which a submap goes on in another piece",
+  v.field("piece_m", piece_m, "[m] distance from its start after which a submap continues in another piece",
           Range{0.0, 200.0, true});
   v.field("covered_share", covered_share,
-          "[-] of the cells of a piece that newer ones know, from which on only the others are kept; 1: all are",
+          "[-] share of a piece's cells in newer pieces from which on it keeps only the others; 1: keeps all",
           Range::probability());
-  v.field("pieces_max", pieces_max, "[-] pieces that are kept; of more the oldest is forgotten",
-          Range::between(2, 1'000'000));
+  v.field("pieces_max", pieces_max, "[-] most pieces; beyond, the oldest is dropped", Range::between(2, 1'000'000));
   v.field("distance_max_m", distance_max_m,
-          "[m] up to here distances to the nearest occupied cell are kept; others are searched for",
+          "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
           Range{0.0, 1000.0, true});
   v.check(p_occupied < p_max, "p_occupied", "less than p_max");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
