@@ -9,11 +9,11 @@ void LogOddsConfig::visit(ConfigVisitor& v) {
   v.field("voxel_m", voxel_m, "[m] edge of a voxel", Range::between(0.01, 100.0));
   v.field("l_occupied", l_occupied, "[-] log-odds of a hit", Range::positive());
   v.field("l_free", l_free, "[-] log-odds of a miss");
-  v.field("L_min", L_min, "[-] saturation");
-  v.field("L_max", L_max, "[-] saturation");
-  v.field("L_occupied", L_occupied, "[-] from here on confident occupied");
-  v.field("L_free", L_free, "[-] up to here confident free");
-  v.field("center_m", center_m, "[m] of the box", Range::between(-1e5, 1e5));
+  v.field("L_min", L_min, "[-] lower limit of the log-odds");
+  v.field("L_max", L_max, "[-] upper limit of the log-odds");
+  v.field("L_occupied", L_occupied, "[-] log-odds from which a voxel is confident occupied");
+  v.field("L_free", L_free, "[-] log-odds up to which a voxel is confident free");
+  v.field("center_m", center_m, "[m] center of the box", Range::between(-1e5, 1e5));
   v.field("size_m", size_m, "[m] edges of the box", Range{0.0, 1e5, true});
   v.check(l_free < 0.0, "l_free", "a value < 0");
   v.check(L_min < L_free && L_free < L_occupied && L_occupied < L_max, "L_occupied",

@@ -453,15 +453,17 @@ void OccupancyMap::append_voxels(MapVoxels& copy) const {
 
 void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
-  v.field("p_hit", p_hit, "[-] that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
-  v.field("p_miss", p_miss, "[-] that a cell is occupied that rays only passed", Range{0.0, 0.5, true, true});
-  v.field("p_occupied", p_occupied, "[-] from here on a cell counts as occupied", Range{0.0, 1.0, true, true});
-  v.field("p_min", p_min, "[-] no cell falls below", Range{0.0, 0.5, true, true});
-  v.field("p_max", p_max, "[-] no cell rises above", Range{0.5, 1.0, true, true});
-  v.field("range_max_m", range_max_m, "[m] rays hit and clear up to here", Range{0.0, 1000.0, true});
-  v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range{0.0, 1e5, true});
+  v.field("p_hit", p_hit, "[-] probability that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
+  v.field("p_miss", p_miss, "[-] probability that a cell is occupied that rays only passed",
+          Range{0.0, 0.5, true, true});
+  v.field("p_occupied", p_occupied, "[-] probability from which a cell counts as occupied",
+          Range{0.0, 1.0, true, true});
+  v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
+  v.field("p_max", p_max, "[-] upper limit of a cell's probability", Range{0.5, 1.0, true, true});
+  v.field("range_max_m", range_max_m, "[m] length up to which rays hit and clear", Range{0.0, 1000.0, true});
+  v.field("keep_radius_m", keep_radius_m, "[m] cells farther from the vehicle are dropped", Range{0.0, 1e5, true});
   v.field("distance_max_m", distance_max_m,
-          "[m] up to here distances to the nearest occupied cell are kept; others are searched for",
+          "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
           Range{0.0, 1000.0, true});
   v.check(p_occupied > p_miss && p_occupied < p_max, "p_occupied", "more than p_miss and less than p_max");
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");

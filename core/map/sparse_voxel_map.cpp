@@ -290,18 +290,17 @@ CellState SparseVoxelMap::state_of(const Cell& cell) const {
 
 void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
   v.field("edge_m", edge_m, "[m] edge of a voxel", Range::between(0.01, 100.0));
-  v.field("hit_log_odds", hit_log_odds, "[-] gain of a voxel in which a ray ended, once a sweep", Range::positive());
+  v.field("hit_log_odds", hit_log_odds, "[-] gain per sweep of a voxel in which a ray ended", Range::positive());
   v.field("miss_log_odds", miss_log_odds,
-          "[-] loss of a voxel that rays passed through, once a sweep; 0: never cleared, the conservative setting of "
-          "Kamler 2025",
+          "[-] loss per sweep of a voxel that rays passed; 0: never cleared, the conservative setting of Kamler 2025",
           Range::non_negative());
-  v.field("occupied_log_odds", occupied_log_odds, "[-] from here on a voxel counts as an obstacle");
-  v.field("min_log_odds", min_log_odds, "[-] no voxel falls below");
-  v.field("max_log_odds", max_log_odds, "[-] no voxel rises above");
-  v.field("memory_s", memory_s, "[s] a voxel that was not hit for this long is forgotten; 0: never",
+  v.field("occupied_log_odds", occupied_log_odds, "[-] log-odds from which a voxel counts as an obstacle");
+  v.field("min_log_odds", min_log_odds, "[-] lower limit of a voxel's log-odds");
+  v.field("max_log_odds", max_log_odds, "[-] upper limit of a voxel's log-odds");
+  v.field("memory_s", memory_s, "[s] time since its last hit after which a voxel is dropped; 0: never",
           Range::non_negative());
-  v.field("clear_range_m", clear_range_m, "[m] rays clear up to here", Range{0.0, 1000.0, true});
-  v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range{0.0, 1e5, true});
+  v.field("clear_range_m", clear_range_m, "[m] length up to which rays clear", Range{0.0, 1000.0, true});
+  v.field("keep_radius_m", keep_radius_m, "[m] voxels farther from the vehicle are dropped", Range{0.0, 1e5, true});
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
   v.check(max_log_odds > min_log_odds, "max_log_odds", "more than min_log_odds");
   v.check(occupied_log_odds <= max_log_odds, "occupied_log_odds", "at most max_log_odds");

@@ -66,12 +66,12 @@ void VoxelMapConfig::visit(ConfigVisitor& v) {
   v.field("g_occupied", g_occupied, "[-] update coefficient of points of the background");
   v.field("g_unknown", g_unknown, "[-] update coefficient of unknown points and of detections; value at the start");
   v.field("g_free", g_free, "[-] update coefficient of rays and of separate background");
-  v.field("G_confident", G_confident, "[-] from here on confident occupied");
-  v.field("G_tentative", G_tentative, "[-] from here on tentative occupied");
-  v.field("G_uncertain", G_uncertain, "[-] from here on uncertain, below confident free");
+  v.field("G_confident", G_confident, "[-] value from which a voxel is confident occupied");
+  v.field("G_tentative", G_tentative, "[-] value from which a voxel is tentative occupied");
+  v.field("G_uncertain", G_uncertain, "[-] value from which a voxel is uncertain; below, confident free");
   v.choice("extent", extent, {"scrolling", "bounded"},
            "a box that follows the vehicle, or one that stays (operation area)");
-  v.field("center_m", center_m, "[m] of a bounded map's box", Range::between(-1e5, 1e5));
+  v.field("center_m", center_m, "[m] center of a bounded map's box", Range::between(-1e5, 1e5));
   v.field("size_m", size_m, "[m] edges of the box", Range{0.0, 1e5, true});
   v.check(G_confident > G_tentative && G_tentative > G_uncertain, "G_tentative",
           "thresholds that fall from G_confident over G_tentative to G_uncertain");
