@@ -45,9 +45,8 @@ class GroundTruthDetector : public Detector {
 }  // namespace
 
 void GroundTruthDetectorConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] objects farther than this are not seen", Range::positive());
-  v.field("sigma_m", sigma_m, "[m] standard deviation that the detections claim beside the sensor's own",
-          Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] range beyond which objects are not detected", Range::positive());
+  v.field("sigma_m", sigma_m, "[m] standard deviation reported in addition to the sensor's own", Range::non_negative());
   v.field("latency_s", latency_s, "[s] from the measurement to the detection", Range::non_negative());
 }
 

@@ -18,9 +18,9 @@ void VofodChoices::visit(ConfigVisitor& v) {
   v.choice("clustering", clustering, {"points", "voxels"},
            "distances between points (paper) or between centers of voxels that hold points (released code)");
   v.choice("position", position, {"centroid", "box_center"},
-           "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
+           "position of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
   v.choice("close_to", close_to, {"tentative", "confident"},
-           "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
+           "rule A: state of nearby voxels from which a cluster is background (rule: tentative; formula below it: "
            "confident)");
   v.choice("search", search, {"sphere", "octahedron"},
            "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
@@ -52,45 +52,48 @@ void VofodTiming::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("raycasting_latency_s", raycasting_latency_s, "[s] from the start of a ray casting to its effect on the map",
           Range::non_negative());
-  v.field("separation_latency_s", separation_latency_s, "[s] of the removal of separate background",
+  v.field("separation_latency_s", separation_latency_s, "[s] duration of the removal of separate background",
           Range::non_negative());
-  v.field("separation_period_s", separation_period_s, "[s] between the starts of two removals, at least",
+  v.field("separation_period_s", separation_period_s, "[s] least time between the starts of two removals",
           Range::positive());
 }
 
 void VofodConfig::visit(ConfigVisitor& v) {
-  v.field("sensor", sensor, "LiDAR to listen to; empty: all");
+  v.field("sensor", sensor, "name of the LiDAR; empty: all");
   v.object("map", map, "multi-state occupancy map");
   v.choice("clusterer", clusterer, {"swiftlet", "pcl"},
-           "who joins points to clusters, which are the same; pcl: in programs that were built with PCL");
+           "implementation of the clustering, with equal results; pcl: in programs that were built with PCL");
   v.check(has_clusterer(clusterer), "clusterer", "swiftlet: this program was built without PCL");
   v.field("cluster_distance_m", cluster_distance_m,
-          "[m] d_cluster: points as near as this are of one cluster (paper: 0.25)", Range{0.0, 100.0, true});
+          "[m] d_cluster: largest distance between neighboring points of a cluster (paper: 0.25)",
+          Range{0.0, 100.0, true});
   v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range{0.0, 100.0, true});
   v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range{0.0, 100.0, true});
-  v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range{0.0, 1000.0, true});
+  v.field("ray_max_m", ray_max_m, "[m] d_max: largest length of a ray", Range{0.0, 1000.0, true});
   v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal",
           Range::between(0.0, 1e6));
   v.field("empty_returns", empty_returns, "[-] do rays without return clear the voxels up to ray_max_m?");
-  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: between clusters of background",
+  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: distance between clusters of background",
           Range{0.0, 100.0, true});
   v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",
           Range::non_negative());
-  v.field("min_points", min_points, "[-] of a detection; of voxels when these are clustered", Range::between(1, 1e6));
-  v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
-  v.field("max_range_m", max_range_m, "[m] from the sensor to a detection; 0: any", Range::non_negative());
+  v.field("min_points", min_points, "[-] fewest points of a detection; voxels when these are clustered",
+          Range::between(1, 1e6));
+  v.field("max_size_m", max_size_m, "[m] largest diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
+  v.field("max_range_m", max_range_m, "[m] largest range of a detection; 0: any", Range::non_negative());
   v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
            "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
   v.choice("covariance", covariance, {"constant", "pose_noise"},
-           "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
-  v.field("sigma_m", sigma_m, "[m] constant part, by axis", Range::positive());
-  v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: of the range", Range::non_negative());
-  v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: of the sensor's position by axis",
+           "covariance of detections: sigma_m, or in addition the noise of range and pose (sec. IV-A)");
+  v.field("sigma_m", sigma_m, "[m] constant part of the standard deviation, by axis", Range::positive());
+  v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: standard deviation of the range", Range::non_negative());
+  v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: standard deviation of the sensor's position, by axis",
           Range::non_negative());
-  v.field("sigma_attitude_rad", sigma_attitude_rad, "[rad] pose_noise: of its attitude by axis", Range::non_negative());
-  v.object("choices", choices, "interpretations of what is open in the paper");
-  v.object("prior", prior, "what is known beforehand");
-  v.object("timing", timing, "when results are there");
+  v.field("sigma_attitude_rad", sigma_attitude_rad,
+          "[rad] pose_noise: standard deviation of the sensor's attitude, by axis", Range::non_negative());
+  v.object("choices", choices, "interpretations of ambiguous passages of the paper");
+  v.object("prior", prior, "prior knowledge of the world");
+  v.object("timing", timing, "durations of the steps");
   const double reach_m = kMaxReach_voxels * map.voxel_m;
   v.check(separate_distance_m <= reach_m, "separate_distance_m", "at most 50 edges of map.voxel_m");
   v.check(search_distance_m <= reach_m, "search_distance_m", "at most 50 edges of map.voxel_m");
