@@ -51,20 +51,21 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
       "[-] covariance of a measured position: sigma_m^2 I, or that of a point measured by a sensor of uncertain pose "
       "[Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I");
   v.field("sigma_m", sigma_m, "[m] Z, with constant noise", Range::positive());
-  v.field("sigma_initial_m", sigma_initial_m, "[m] P_0,r: of a detection's position, with constant noise",
-          Range::positive());
-  v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: of the range", Range::non_negative());
-  v.field("sigma_position_m", sensor.sigma_position_m, "[m] Sigma_w: of the sensor's position, x y z",
-          Range::non_negative());
-  v.field("sigma_attitude_rad", sensor.sigma_attitude_rad, "[rad] Sigma_w: of the sensor's attitude, about x y z",
-          Range::non_negative());
+  v.field("sigma_initial_m", sigma_initial_m,
+          "[m] P_0,r: standard deviation of a detection's position, with constant noise", Range::positive());
+  v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: standard deviation of the range", Range::non_negative());
+  v.field("sigma_position_m", sensor.sigma_position_m,
+          "[m] Sigma_w: standard deviation of the sensor's position, x y z", Range::non_negative());
+  v.field("sigma_attitude_rad", sensor.sigma_attitude_rad,
+          "[rad] Sigma_w: standard deviation of the sensor's attitude, about x y z", Range::non_negative());
   v.field("sigma_sampling_m", sigma_sampling_m,
-          "[m] with sigma_w: of a cluster's centroid about the target's center, of which one side is seen",
+          "[m] with sigma_w: standard deviation of a cluster's centroid about the target's center, of which one side "
+          "is seen",
           Range::positive());
 }
 
 void CloudTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("buffer_size", buffer_size, "[-] N_buf: clouds through which a late detection can be carried",
+  v.field("buffer_size", buffer_size, "[-] N_buf: clouds through which a late detection can be propagated",
           Range::between(1, 1000));
   v.field("radius_scale", radius_scale, "[-] c_r of eq. (29)", Range::positive());
   v.choice(
@@ -72,20 +73,20 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
       "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "
       "equivalent sphere c_r det(P)^(1/6)");
   v.field("search_radius_min_m", search_radius_min_m, "[m] r_min of eq. (28)", Range::positive());
-  v.field("radius_max_m", radius_max_m, "[m] r_max: a track of greater r_unc is lost", Range::positive());
+  v.field("radius_max_m", radius_max_m, "[m] r_max: largest r_unc of a track; above it the track is lost",
+          Range::positive());
   v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster (paper: 0.25, released code: 1.0)",
           Range::positive());
   v.field("background_distance_m", background_distance_m,
-          "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
-  v.choice(
-      "background", background, {"map", "cloud", "none"},
-      "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
-      "half the cluster's size (released code), or nothing");
+          "[m] d_min: distance to background below which a cluster is background", Range::non_negative());
+  v.choice("background", background, {"map", "cloud", "none"},
+           "[-] reference of d_min: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
+           "half the cluster's size (released code), or nothing");
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
-  v.choice(
-      "position", position, {"centroid", "box_center"},
-      "[-] of a cluster: mean of its points (algorithm 2), or center of the box around it (as in the released code)");
+  v.choice("position", position, {"centroid", "box_center"},
+           "[-] position of a cluster: mean of its points (algorithm 2), or center of the box around it (as in the "
+           "released code)");
   v.choice("assignment", assignment, {"exclusive", "nearest"},
            "[-] a cluster corrects one track at most, all tracks considered together; or each track takes the cluster "
            "nearest to its prediction (algorithm 2)");
@@ -98,7 +99,7 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
       "[m] two tracks nearer than the sum of their radii r_unc, which count as this at most, become one (algorithm 2: "
       "0, never; released code: no bound)",
       Range::non_negative());
-  v.field("min_detections", min_detections, "[-] that a track needs to be told (released code: 2)",
+  v.field("min_detections", min_detections, "[-] detections after which a track is reported (released code: 2)",
           Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
   v.check(radius_max_m >= search_radius_min_m || radius_law == CloudTrackerConfig::RadiusLaw::kPrinted, "radius_max_m",

@@ -192,8 +192,9 @@ void KalmanConfig::visit(ConfigVisitor& v) {
 
 void ImmConfig::visit(ConfigVisitor& v) {
   v.object("constant_velocity", constant_velocity, "noise that a step of process_period_s adds to constant velocity");
-  v.object("constant_acceleration", constant_acceleration, "and to constant acceleration");
-  v.object("coordinated_turn", coordinated_turn, "and to the coordinated turn");
+  v.object("constant_acceleration", constant_acceleration,
+           "noise that a step of process_period_s adds to constant acceleration");
+  v.object("coordinated_turn", coordinated_turn, "noise that a step of process_period_s adds to the coordinated turn");
   v.field("process_period_s", process_period_s,
           "[s] step for which the process noise is given; its variance grows with time; 0: the same in every step",
           Range::non_negative());

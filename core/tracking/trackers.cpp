@@ -131,7 +131,7 @@ void ImmTrackerConfig::visit(ConfigVisitor& v) {
 }
 
 void GroundTruthTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] neighbors farther than this are not seen", Range::positive());
+  v.field("range_max_m", range_max_m, "[m] range beyond which neighbors are not detected", Range::positive());
   v.field("timeout_s", timeout_s, "[s] time without a sample after which a track ends", Range::positive());
   v.object("filter", filter, "motion model, which gives velocity and acceleration");
 }
