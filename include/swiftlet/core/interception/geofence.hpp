@@ -6,7 +6,7 @@
 
 namespace swiftlet {
 
-/// The box of the world in which an interceptor may fly, and how long it waits for a target that has left it.
+/// Flight area of an interceptor: a box in the world, and the waiting time for a target that has left it.
 struct GeofenceConfig {
   Eigen::Vector3d min_m = {-100.0, -100.0, 2.0};
   Eigen::Vector3d max_m = {100.0, 100.0, 50.0};
@@ -15,15 +15,15 @@ struct GeofenceConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The fence as the vehicle's local frame has it now: six half-spaces, which may be turned.
+/// The fence in the present local frame: six half-spaces, not necessarily aligned with its axes.
 class Geofence {
  public:
   Geofence() = default;
   Geofence(const GeofenceConfig& config, const FrameChange& to_local);
 
-  /// By how much the point lies outside; negative inside [m].
+  /// Distance of the point outside of the fence; negative inside [m].
   double excess_m(const Vector3& p_local_m) const;
-  /// The nearest point inside.
+  /// Nearest point inside.
   Vector3 inside(Vector3 p_local_m) const;
   const std::array<Wall, 6>& sides() const { return sides_; }
 

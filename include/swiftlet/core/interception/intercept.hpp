@@ -14,7 +14,7 @@
 
 namespace swiftlet {
 
-/// The plan of `method: mpc`.
+/// Settings of the planner for `method: mpc`.
 struct ChasePlanConfig {
   int steps = 20;
   double horizon_min_s = 1.0;
@@ -32,11 +32,11 @@ struct ChasePlanConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Catches a flying target that the tracker follows [Vrba 2025, sec. VI-B]: predicts it, and flies so that it meets the
+/// Interception of a tracked flying target [Vrba 2025, sec. VI-B]: predicts the target and flies so that it enters the
 /// net as soon as the motion limits allow.
 ///
-/// It looks for a target that it lost where that can be by now. It gives up at the fence. Whatever the method wants, it
-/// flies only on from where braking keeps clear of the ground, of what the map knows, and of everybody else.
+/// A lost target is searched where it can be by now. The pursuit ends at the fence. For any method, motion is limited
+/// to states from which braking keeps clear of the ground, of mapped obstacles, and of all other vehicles.
 struct InterceptConfig : ModuleConfigOf<InterceptConfig> {
   enum class Method { kMpc, kFrpn, kProportionalNavigation, kPurePursuit };
   Method method = Method::kMpc;

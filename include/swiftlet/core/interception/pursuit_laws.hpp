@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// Gains of the laws with which planners of interceptors are compared.
+/// Gains of the guidance laws that serve as baselines.
 struct PursuitGains {
   double pure_pursuit = 1.0;
   double proportional_navigation = 3.0;
@@ -19,26 +19,26 @@ struct PursuitGains {
   void visit(ConfigVisitor& v);
 };
 
-/// Target minus interceptor. Any frame, the same for all arguments.
+/// Target state minus interceptor state. Any frame, the same for all arguments.
 struct RelativeMotion {
   Vector3 p_m = Vector3::Zero();
   Vector3 v_mps = Vector3::Zero();
 };
 
-/// |p| / |v|, within its bounds: it is 0 or infinite when both fly alike.
+/// |p| / |v|, clamped to its bounds: the ratio is 0 or infinite when the relative motion vanishes.
 double time_to_go_s(const PursuitGains& gains, const RelativeMotion& relative);
 
-// Accelerations that the laws want, however large. Any frame, the same for all arguments.
+// Commanded accelerations, without limits. Any frame, the same for all arguments.
 
 /// Toward the target: G p.
 Vector3 pure_pursuit_mps2(const PursuitGains& gains, const RelativeMotion& relative);
 /// Proportional navigation in its linear form: N (p + v t) / t^2 with the time to go t.
 Vector3 proportional_navigation_mps2(const PursuitGains& gains, const RelativeMotion& relative);
-/// Fast response proportional navigation (Pliska et al., IEEE RA-L 9(10), 2024): G ((1 - W) (p + v t) / t^2 + W p).
-/// The second term pulls on when both fly alike.
+/// Fast response proportional navigation (Pliska et al., IEEE RA-L 9(10), 2024): G ((1 - W) (p + v t) / t^2 + W p). The
+/// second term keeps accelerating when the velocities are equal.
 Vector3 frpn_mps2(const PursuitGains& gains, const RelativeMotion& relative);
 
-/// Shortened to the limits of acceleration, direction kept. Any frame, the same for all arguments.
+/// Scales the acceleration to its limits and keeps the direction. Any frame, the same for all arguments.
 Vector3 within_acceleration(const Vector3& a_mps2, const MotionLimits& limits);
 
 }  // namespace swiftlet

@@ -7,8 +7,8 @@
 
 namespace swiftlet {
 
-/// An intruder to be caught: flies about in a box in one of the ways that are usual to compare interceptors with. What
-/// is not configured is drawn by its seed, so that a hundred seeds are a hundred trajectories.
+/// Intruder to be intercepted: flies in a box with one of the usual motions of benchmarks for interceptors. Parameters
+/// that are not configured are drawn from the seed, so each seed gives another trajectory.
 struct TargetConfig : ModuleConfigOf<TargetConfig> {
   enum class Motion { kHover, kLine, kCircle, kFigureEight, kRandom, kEvasive };
   Motion motion = Motion::kRandom;

@@ -13,29 +13,30 @@ struct TargetPredictionConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Where a target will be: each motion model of its track goes on, and the mixture by their probabilities is told.
+/// Prediction of a target: each motion model of its track is extrapolated and the results are mixed by the model
+/// probabilities.
 ///
-/// - Constant velocity goes on for ever.
-/// - Constant acceleration dies away with a time constant, because nobody accelerates for long.
-/// - The coordinated turn goes on at its rate.
+/// - Constant velocity: extrapolated without limit.
+/// - Constant acceleration: decays with a time constant, because accelerations of vehicles are short.
+/// - Coordinated turn: continues at its turn rate.
 ///
-/// A track of one model goes on like constant acceleration.
+/// A track with one model is extrapolated like constant acceleration.
 class TargetPrediction {
  public:
   TargetPrediction() = default;
-  /// `modes` may be null. `now` is when `ahead_s` counts from.
+  /// `modes` may be null. `now` is the origin of `ahead_s`.
   TargetPrediction(const TargetPredictionConfig& config, const Track& track, const TrackModes* modes, TimeNs now);
 
   /// Position and velocity; no acceleration.
   PointState at(double ahead_s) const;
-  /// Standard deviation of the position along the worst axis, if its velocity stays what it is [m].
+  /// Standard deviation of the position along the worst axis, for constant velocity [m].
   double sigma_m(double ahead_s) const;
 
  private:
   TargetPredictionConfig config_;
   TrackModes modes_;
   Eigen::Matrix<double, 9, 9> covariance_ = Eigen::Matrix<double, 9, 9>::Identity();
-  double age_s_ = 0.0;  // of the track
+  double age_s_ = 0.0;  // age of the track
 };
 
 }  // namespace swiftlet

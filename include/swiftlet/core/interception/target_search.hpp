@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// How a lost target is looked for.
+/// Search for a lost target.
 struct TargetSearchConfig {
   double timeout_s = 20.0;
   double acceleration_mps2 = 2.0;
@@ -23,24 +23,24 @@ struct TargetSearchConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Where a lost target can be by now: particles that fly on at random from where it was last seen. Those that the
-/// vehicle would see, and does not, lose their weight.
+/// Distribution of a lost target's position: particles that move at random from the last sighting. Particles that the
+/// vehicle should see, and does not, lose weight.
 class TargetSearch {
  public:
   explicit TargetSearch(const TargetSearchConfig& config);
 
-  /// The target was lost here, with these standard deviations.
+  /// Initializes the particles at the last state of the target, with these standard deviations.
   void begin(const PointState& target, double sigma_m, double sigma_mps);
-  /// Time goes on; targets stay inside the fence.
+  /// Moves the particles; they stay inside the fence.
   void advance(double dt_s, const Geofence& fence);
-  /// The vehicle looks for `dt_s` and sees nothing. `map` may be null.
+  /// Updates the weights after looking for `dt_s` without a detection. `map` may be null.
   void look(const Vector3& eye_local_m, double dt_s, const OccupancyView* map);
-  /// Where the target most probably is.
+  /// Most probable position of the target.
   Vector3 most_probable() const;
-  /// Height of the highest place that is still possible, of those within 4 m of here on the level. Far below all when
+  /// Height of the highest possible position within 4 m horizontally of this one. Lowest representable number when
   /// there is none.
   double highest_near_m(const Vector3& p_local_m) const;
-  /// The share of the places that are still possible; falls as more of them are seen to be empty.
+  /// Mean weight of the particles: remaining share of the search space; falls as parts of it are observed to be empty.
   double remaining() const { return remaining_; }
   void append_overlay(std::vector<Overlay>& overlays) const;
 
