@@ -12,12 +12,12 @@ inline constexpr double kStandardGravity_mps2 = 9.81;
 /// Rotation by the vector `angle` (axis times angle) [rad]. Any frame, the same for all arguments.
 Eigen::Quaterniond rotation_by(const Vector3& angle_rad);
 
-/// Motion of the body; z is vertical. Any frame, the same for all arguments.
+/// State of the body; z is vertical. Any frame, the same for all arguments.
 struct NavState {
   TimeNs t = 0;
   Vector3 p_m = Vector3::Zero();
   Vector3 v_mps = Vector3::Zero();
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< body to that frame
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< rotation from the body to the frame of p_m
   Vector3 omega_body_radps = Vector3::Zero();
 
   bool all_finite() const {
@@ -25,27 +25,27 @@ struct NavState {
   }
 };
 
-/// One strapdown step: specific force and body rate constant over dt; attitude exact, the force turned at mid-step.
+/// One strapdown step: specific force and body rate constant over dt; attitude exact, the force rotated at mid-step.
 void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_body_mps2, double dt_s);
 
-/// Carries a pose of the past, or one that comes rarely, to the present. It uses the IMU's samples, or constant
-/// velocity and body rate when there is no IMU. It keeps the last 256 samples, so a pose may come late by that much.
+/// Propagates a delayed or low-rate pose to the present by IMU samples, or by constant velocity and body rate without
+/// an IMU. Keeps the last 256 samples, which limits the delay of a pose.
 class DeadReckoning {
  public:
   void push(const ImuSample& sample);
-  /// Keeps the sample for the next restart(), which must come before the next push() or at().
+  /// Stores the sample for the next restart(), which must come before the next push() or at().
   void keep(const ImuSample& sample);
-  /// Starts over from a known state; samples after its time are applied at once.
+  /// Restarts from a known state and applies the samples after its time.
   void restart(const NavState& state);
-  /// The state at t; what lies beyond the last sample is extrapolated.
+  /// State at t; extrapolated beyond the last sample.
   NavState at(TimeNs t) const;
-  /// Time of the newest sample; of the last restart when there is none.
+  /// Time of the newest sample, or of the last restart when there is none.
   TimeNs latest() const { return state_.t; }
 
  private:
   static constexpr int kCapacity = 256;
   const ImuSample& sample(int age) const { return ring_[(newest_ - age + kCapacity) % kCapacity]; }
-  bool take(const ImuSample& sample);  // false: not a sample that comes next
+  bool take(const ImuSample& sample);  // false: the sample is invalid or out of order
   void apply(const ImuSample& sample);
 
   NavState state_;

@@ -13,34 +13,34 @@ namespace swiftlet {
 
 struct SubmapPoses;
 
-/// Another vehicle, as the agent's own sensors and radio know it. In the local frame.
+/// Another vehicle observed by the agent's sensors and radio. Local frame.
 struct SeenVehicle {
   TimeNs t = 0;
   Vector3 position_local_m = Vector3::Zero();
   Vector3 velocity_local_mps = Vector3::Zero();
 };
 
-/// Where am I? A scenario chooses by name who answers. The local frame begins at the start
-/// (AgentSetup::T_local_body_start) and stays smooth; what is learned of the world goes into the correction.
+/// Interface of state estimators. A scenario selects the implementation by name. The local frame begins at the start
+/// pose (AgentSetup::T_local_body_start) and stays smooth; information about the world changes only the correction.
 class StateEstimator {
  public:
   virtual ~StateEstimator() = default;
-  /// Takes in one observation; the state at its time `t`. Samples that are not finite are passed over. The result
-  /// belongs to the estimator. Not valid when the sensors that it needs have been silent for too long.
+  /// Processes one observation; returns the state at its time `t`. Samples that are not finite are ignored. The result
+  /// belongs to the estimator. Not valid when required sensors have been silent for too long.
   virtual const StateEstimate& update(const Observation& observation, Outbox& outbox) = 0;
-  /// Other vehicles as they were known at the end of the last step: not part of the surroundings that stand still.
+  /// Other vehicles as of the end of the last step, to be excluded from the static surroundings.
   virtual void see(std::span<const SeenVehicle>) {}
-  /// Why the estimate is not valid, in a few words; empty while it is.
+  /// Short reason why the estimate is not valid; empty while it is.
   virtual const char* fault() const = 0;
-  /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
+  /// Short description of a degradation while the estimate is still valid; empty otherwise.
   virtual const char* warning() const { return ""; }
-  /// Does a vehicle that was told nothing of its start look for itself in a map? Until it has found itself, nothing
-  /// that is told in the world means anything to it.
+  /// State of global relocalization in a prior map, for a vehicle with an unknown start pose. Until it succeeds, the
+  /// vehicle cannot use positions in the world frame.
   enum class Search { kNone, kLooks, kInVain };
   virtual Search search() const { return Search::kNone; }
   virtual void append_counters(std::vector<Counter>&) const {}
-  /// Of one that keeps a pose graph: where its submaps lie as of the last update; null: it keeps none. Stays the
-  /// estimator's.
+  /// Submap poses of an estimator with a pose graph, as of the last update; null: no pose graph. Owned by the
+  /// estimator.
   virtual const SubmapPoses* submap_poses() const { return nullptr; }
   virtual void append_overlays(std::vector<Overlay>&) const {}
 };

@@ -5,17 +5,17 @@
 
 namespace swiftlet {
 
-/// Carries goals of the world into the vehicle's local frame, and what the vehicle says of itself back into the world.
-/// Without a correction it changes no bit.
+/// Transforms goals from the world into the vehicle's local frame, and outputs back into the world. Without a
+/// correction the values stay bit-identical.
 class FrameChange {
  public:
-  FrameChange() = default;  ///< to the same frame
+  FrameChange() = default;  ///< identity
   static FrameChange to_world(const StateEstimate& estimate);
   static FrameChange to_local(const StateEstimate& estimate);
 
   Vector3 point(const Vector3& p_from_m) const { return same_ ? p_from_m : Vector3(T_to_from_ * p_from_m); }
   Vector3 direction(const Vector3& v_from) const { return same_ ? v_from : Vector3(T_to_from_.linear() * v_from); }
-  /// Both frames have z up, so that headings and heights change by a constant.
+  /// Both frames have z up, so headings and heights change by a constant.
   double yaw(double yaw_rad) const;
   double height(double z_from_m) const { return same_ ? z_from_m : z_from_m + T_to_from_.translation().z(); }
   Pose pose(const Pose& T_from_body) const { return same_ ? T_from_body : T_to_from_ * T_from_body; }
@@ -33,7 +33,7 @@ class FrameChange {
   bool same_ = true;
 };
 
-/// Turns by a heading and takes one point onto another.
+/// Level transform with the given yaw that maps p_from_m to p_to_m.
 Pose level_alignment(double yaw_rad, const Vector3& p_to_m, const Vector3& p_from_m);
 
 }  // namespace swiftlet

@@ -9,8 +9,8 @@
 
 namespace swiftlet {
 
-/// The pose from outside (Observation::pose), carried to the present by the IMU when it comes more rarely than the
-/// tick. A vehicle that was not told its pose learns by the first one where its local frame lies in the world.
+/// External pose (Observation::pose), propagated to the present by the IMU when its rate is below the tick rate. With
+/// an unknown start pose, the first sample determines the pose of the local frame in the world.
 struct GroundTruthConfig : ModuleConfigOf<GroundTruthConfig> {
   double timeout_s = 0.5;
 

@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// Noise of an IMU as filters take it; defaults: ADIS16448 as in RotorS and PX4.
+/// Noise model of an IMU for filters; defaults: ADIS16448 as in RotorS and PX4.
 struct ImuNoise {
   double gyro_noise_radps_sqrt_hz = 3.39e-4;
   double gyro_walk_radps2_sqrt_hz = 3.88e-5;

@@ -12,17 +12,17 @@
 
 namespace swiftlet {
 
-/// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry. A
-/// vehicle that was not told its heading needs a compass before it can use its GNSS. One that was told nothing takes
-/// its position from the first fix after that.
+/// Inertial navigation aided by the available sensors: GNSS, altimeter, compass, velocity from odometry. With an
+/// unknown start heading, GNSS is used only after a compass sample. With an unknown start position, the first fix after
+/// that sets the position.
 struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
-  // Uncertainty of what the operator told.
+  // Uncertainty of the start pose given by the operator.
   double start_position_sigma_m = 0.1;
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 1.0;
   double start_yaw_sigma_deg = 3.0;
   double start_ground_sigma_m = 2.0;
-  // What is used, and how.
+  // Sensors in use, and their processing.
   bool use_gnss = true;
   bool use_altimeter = true;
   bool use_compass = true;
@@ -36,13 +36,12 @@ struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Error-state Kalman filter on (position, velocity, attitude, accelerometer bias, gyroscope bias, height of the
-/// ground).
+/// Error-state Kalman filter on (position, velocity, attitude, accelerometer bias, gyroscope bias, ground height).
 ///
 /// J. Solà, "Quaternion kinematics for the error-state Kalman filter", arXiv 1711.02508, sec. 5-6, local attitude error
-/// (R_true = R exp(theta)); covariance updates in Joseph form. The sixteenth state lets the altimeter, which measures
-/// the height above whatever lies below, help over uneven ground. Measurements of the past (by their stamps) are
-/// compared with the state of that time, and correct the present one.
+/// (R_true = R exp(theta)); covariance updates in Joseph form. The sixteenth state makes the altimeter, which measures
+/// the height above the ground below, usable over uneven ground. Delayed measurements (by their stamps) are compared
+/// with the state at their time, and correct the present one.
 class InsFilter {
  public:
   static constexpr int kStates = 16;
@@ -51,14 +50,14 @@ class InsFilter {
 
   InsFilter(const InsConfig& config, const Pose& T_local_body_start);
 
-  /// Forward by the time since the last sample.
+  /// Propagates the state by the time since the last sample.
   void predict(const ImuSample& sample);
   void update(const GnssSample& sample);
   void update(const AltimeterSample& sample);
   void update(const CompassSample& sample);
   void update(const OdometrySample& sample);
 
-  /// At the last IMU sample; the body rate is free of its estimated bias.
+  /// State at the last IMU sample; the body rate is corrected by its estimated bias.
   const NavState& state() const { return nominal_; }
   const Vector3& accel_bias_mps2() const { return accel_bias_; }
   const Vector3& gyro_bias_radps() const { return gyro_bias_; }
@@ -83,7 +82,7 @@ class InsFilter {
   double ground_m_ = 0.0;
   bool ground_known_ = false;
   Covariance P_ = Covariance::Zero();
-  std::array<NavState, kHistory> history_;  // at the last IMU samples, for measurements that come late
+  std::array<NavState, kHistory> history_;  // states at the last IMU samples, for delayed measurements
   int newest_ = -1, count_ = 0;
   std::array<int, kSources> rejected_in_a_row_{};
   int num_rejected_ = 0;

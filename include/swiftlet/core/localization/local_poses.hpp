@@ -7,24 +7,24 @@
 
 namespace swiftlet {
 
-/// A pose in whatever frame its holder names.
+/// A stamped pose; the frame is defined by the user.
 struct TimedPose {
   TimeNs t = 0;
   Pose T = Pose::Identity();
 };
 
-/// The pose at time t between two others; position linear, rotation along the shortest arc. Outside: the nearer one.
+/// Pose at time t between two others; position linear, rotation along the shortest arc. Outside: the nearer one.
 Pose interpolate(const TimedPose& before, const TimedPose& after, TimeNs t);
 
-/// Where the vehicle was in its local frame during the last two seconds: the estimates of the last 512 ticks.
+/// Poses of the vehicle in its local frame during the last two seconds: the estimates of the last 512 ticks.
 class LocalPoses {
  public:
-  /// Every estimate, in order of time. Those that are not valid are passed over.
+  /// Adds an estimate, in order of time. Invalid estimates are ignored.
   void push(const StateEstimate& estimate);
-  /// Of the body at time t: interpolated, or the nearest known. Not before the first push.
+  /// Body pose at time t: interpolated, or the nearest known. Requires a previous push.
   Pose at(TimeNs t) const;
   int size() const { return count_; }
-  /// From the oldest on.
+  /// Poses in order of time, from the oldest.
   const TimedPose& operator[](int i) const { return ring_[(first_ + i) % kCapacity]; }
 
  private:

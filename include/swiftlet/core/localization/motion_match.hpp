@@ -7,29 +7,28 @@
 #include "swiftlet/core/localization/relative_filter.hpp"
 #include "swiftlet/core/localization/relative_odometry.hpp"
 
-/// Who is who? Several vehicles with markers are seen, and nobody knows where they are. What tells them apart is how
-/// they move [Zhu 2025, by trajectory matching].
+/// Association of anonymous marked vehicles at unknown poses by their motion [Zhu 2025, by trajectory matching].
 namespace swiftlet {
 
-/// How well one vehicle's odometry explains where something was seen, whatever the pose of its local frame.
+/// Agreement of one vehicle's odometry with a set of sightings, for any pose of its local frame.
 struct MotionMatch {
-  int count = 0;                ///< sightings of whose instants it told
-  double spread_m = 0.0;        ///< RMS distance of those from their mean, in the plane
-  double residual_sigma = 0.0;  ///< RMS by axis of what is left after the best alignment, in standard deviations
+  int count = 0;                ///< sightings with a reported odometry at their time
+  double spread_m = 0.0;        ///< RMS horizontal distance of those from their mean
+  double residual_sigma = 0.0;  ///< RMS residual per axis after the best alignment, in standard deviations
 };
 MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry& told, const OdometryDrift& drift,
                          double clock_s, double gap_max_s);
 
-/// Sightings one after the other that are of one thing, because it can't have come from anywhere else.
+/// Groups successive sightings of one object: the step between them is within a vehicle's reach.
 class SightingChains {
  public:
   struct Chain {
-    std::vector<Sighting> sightings;  ///< some a second, of the last seconds
+    std::vector<Sighting> sightings;  ///< samples of the last seconds, a few per second
     Sighting newest;
   };
 
   void push(const Sighting& sighting);
-  /// Those that ended are forgotten.
+  /// Drops chains that ended before.
   void forget_before(TimeNs t);
   void clear() { chains_.clear(); }
   std::span<const Chain> chains() const { return chains_; }

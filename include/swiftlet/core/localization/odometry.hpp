@@ -9,14 +9,14 @@
 
 namespace swiftlet {
 
-/// Odometry alone, visual-inertial or any other. At the first sample its frame is laid onto the vehicle's local frame,
-/// once, by position and heading at the start. Both frames have z up. From there its drift is the vehicle's drift. A
-/// vehicle that was not told its heading learns it from the first sample of a compass, if it carries one. Otherwise its
-/// world stays its local frame. The IMU fills the time between samples.
+/// State estimation from odometry alone, visual-inertial or any other. The first sample aligns its frame with the
+/// vehicle's local frame by position and heading at the start. Both frames have z up. From then on the drift of the
+/// odometry is the drift of the estimate. An unknown start heading is taken from the first compass sample, if there is
+/// a compass; otherwise the correction stays the identity. The IMU fills the time between samples.
 struct OdometryEstimatorConfig : ModuleConfigOf<OdometryEstimatorConfig> {
   double timeout_s = 0.5;
-  double position_drift = 0.01;   ///< sigma by distance flown
-  double yaw_drift_degpm = 0.02;  ///< sigma by distance flown
+  double position_drift = 0.01;   ///< standard deviation per distance flown
+  double yaw_drift_degpm = 0.02;  ///< standard deviation per distance flown
 
   void visit(ConfigVisitor& v) override;
 };

@@ -8,25 +8,24 @@
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/localization/relative_odometry.hpp"
 
-/// Where another vehicle's local frame ("other") lies in one's own ("local"). It is found from places at which the
-/// other was seen and from what its odometry told of the same instants. Both frames have z up. So four numbers are
-/// unknown: three of the position, and the heading [Pritzl, Fusion of Visual-Inertial Odometry with LiDAR Relative
-/// Localization, 2023].
+/// Pose of another vehicle's local frame ("other") in the own one ("local"), estimated from sightings of the other and
+/// its reported odometry at the same times. Both frames have z up, so there are four unknowns: three of the position,
+/// and the heading [Pritzl, Fusion of Visual-Inertial Odometry with LiDAR Relative Localization, 2023].
 namespace swiftlet {
 
-/// One place of the other vehicle in both frames.
+/// Position of the other vehicle in both frames at one time.
 struct AlignmentPair {
   TimeNs t = 0;
-  Vector3 p_local_m = Vector3::Zero();  ///< where it was seen
+  Vector3 p_local_m = Vector3::Zero();  ///< measured position
   Matrix3 covariance = Matrix3::Identity();
-  Vector3 p_other_m = Vector3::Zero();  ///< where it said to be, with its clock taken to be `clock_s` behind
+  Vector3 p_other_m = Vector3::Zero();  ///< reported position, for an assumed clock offset `clock_s`
   Vector3 v_other_mps = Vector3::Zero();
   double clock_s = 0.0;
-  Flown flown;  ///< by the other vehicle until then
+  Flown flown;  ///< distance, turning and time flown by the other vehicle until then
 };
 
-/// Carries points of the other frame into the own one. The heading turns about an anchor, a place of the other vehicle
-/// near the data. About its far origin, errors of heading and position would be nearly the same thing.
+/// Transform from the other frame into the own one. The heading rotates about an anchor, a position of the other
+/// vehicle near the data. About its distant origin, errors of heading and position would be almost fully correlated.
 struct FrameAlignment {
   using Covariance = Eigen::Matrix<double, 4, 4>;
 
@@ -34,16 +33,16 @@ struct FrameAlignment {
   Vector3 anchor_local_m = Vector3::Zero();
   double yaw_rad = 0.0;
   Covariance covariance = Covariance::Identity();  ///< anchor_local_m [m], yaw [rad]
-  double clock_s = 0.0;                            ///< the other clock is so much behind the own one
+  double clock_s = 0.0;                            ///< lag of the other clock behind the own one
   double clock_sigma_s = 0.0;
 
   Pose T_local_other() const;
   Vector3 point(const Vector3& p_other_m) const;
 };
 
-/// The alignment with the least sum of weighted squares in closed form: S. Umeyama, "Least-squares estimation of
-/// transformation parameters between two point patterns", IEEE PAMI 13(4), 1991, restricted to turns about the
-/// vertical. Nothing when the horizontal places of either do not spread at all. Anchor: the weighted mean.
+/// Weighted least-squares alignment in closed form: S. Umeyama, "Least-squares estimation of transformation parameters
+/// between two point patterns", IEEE PAMI 13(4), 1991, restricted to rotations about the vertical. Nothing when the
+/// horizontal positions in either frame coincide. Anchor: the weighted mean.
 std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_local_m,
                                                    std::span<const Vector3> p_other_m, std::span<const double> weights);
 
@@ -63,13 +62,13 @@ struct RelativeAlignmentConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What the clock of the other vehicle is known to be before any motion tells more.
+/// Prior of the other vehicle's clock offset, before any motion constrains it.
 struct ClockPrior {
   double clock_s = 0.0;
   double sigma_s = 0.0;  ///< 0: known exactly
 };
 
-/// Why there is no alignment yet.
+/// Reason why there is no alignment yet.
 enum class AlignmentFault { kNone, kFewPairs, kFewInliers, kNoSpread, kHeadingUnsure };
 constexpr const char* reason_of(AlignmentFault fault) {
   constexpr const char* kReasons[] = {"", "too few sightings", "sightings that do not fit what it told",
@@ -77,26 +76,25 @@ constexpr const char* reason_of(AlignmentFault fault) {
   return kReasons[static_cast<std::size_t>(fault)];
 }
 
-/// Sliding window of pairs and the robust non-linear least squares over it.
+/// Robust non-linear least squares over a sliding window of pairs.
 ///
-/// Gauss-Newton with Levenberg's damping. Its normal equations are 5 x 5 (anchor, heading, clock) and are solved here,
-/// because the bits of a library for larger problems depend on its build. It starts from the last result. Without one,
-/// it starts from the best of the alignments by two pairs each, in a fixed order. False sightings do not reach that
-/// one.
+/// Gauss-Newton with Levenberg's damping. The 5 x 5 normal equations (anchor, heading, clock) are solved here, because
+/// results of a library for larger problems depend on its build. The initial guess is the last result, or the best of
+/// the alignments by two pairs each, in a fixed order, which is robust to false sightings.
 class RelativeAlignment {
  public:
   RelativeAlignment(const RelativeAlignmentConfig& config, const OdometryDriftConfig& drift);
 
-  /// In order of time. The window goes by motion: while the other vehicle rests, its newest pair replaces the one
-  /// before.
+  /// Adds a pair, in order of time. The window advances with motion: while the other vehicle rests, its newest pair
+  /// replaces the previous one.
   void push(const AlignmentPair& pair);
   void clear();
-  /// The odometry drifts more than it is said to: its variance by this factor.
+  /// Scales the variance of the odometry drift by this factor, for an odometry worse than configured.
   void set_drift_variance_factor(double factor) { drift_factor_ = factor; }
   int num_pairs() const { return static_cast<int>(pairs_.size()); }
-  std::span<const AlignmentPair> pairs() const { return pairs_; }  ///< the window, oldest first
+  std::span<const AlignmentPair> pairs() const { return pairs_; }  ///< pairs of the window, oldest first
 
-  /// The alignment as of now, when the other vehicle was at `anchor`; nothing, and a fault, when it is not observable.
+  /// Alignment as of now, with the other vehicle at `anchor`; nothing, and a fault, when it is not observable.
   const std::optional<FrameAlignment>& fit(const OtherMotion& anchor, const ClockPrior& clock);
   AlignmentFault fault() const { return fault_; }
 
@@ -130,7 +128,7 @@ class RelativeAlignment {
   std::optional<FrameAlignment> result_;
   AlignmentFault fault_ = AlignmentFault::kFewPairs;
   int num_inliers_ = 0;
-  // Of one fit.
+  // Scratch of one fit.
   Vector3 anchor_other_m_ = Vector3::Zero();
   ClockPrior clock_;
   std::vector<Matrix3> information_;

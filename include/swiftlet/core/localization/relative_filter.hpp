@@ -25,56 +25,57 @@ struct RelativeFilterConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A place of the other vehicle as a sensor saw it.
+/// Measured position of another vehicle.
 struct Sighting {
   TimeNs t = 0;
   Vector3 p_local_m = Vector3::Zero();
   Matrix3 covariance = Matrix3::Identity();
 };
 
-/// Where another vehicle is in one's own local frame. A Kalman filter on its position and velocity there, and on the
-/// alignment of its own local frame, which drifts as its odometry does:
+/// State of another vehicle in the own local frame: a Kalman filter on its position and velocity, and on the alignment
+/// of its own local frame, which drifts with its odometry:
 ///
-///   position   moves at a velocity that white acceleration changes
+///   position   integrates a velocity with white acceleration noise
 ///   sighting   = position + noise
 ///   odometry   = position, by the alignment, and velocity, by its heading
-///   alignment  walks by what the odometry flew since its last sample
+///   alignment  random walk with what the odometry flew since its last sample
 ///
-/// Everything is taken in at its own time. What comes late is put in its place in a short history, and what came after
-/// is done again. Without sightings the odometry carries it on, without odometry the velocity. The covariance tells how
-/// far. The window's alignment starts it and is no measurement of it, because it is made of the same sightings.
+/// Measurements are applied at their own times. A delayed measurement is inserted into a short history, and the later
+/// ones are applied again. Without sightings the odometry propagates the state, without odometry the velocity does, and
+/// the covariance grows accordingly. The alignment of the window only initializes the filter: it is made of the same
+/// sightings and is no independent measurement.
 ///
-/// An odometry may drift more than it is said to. Then its samples lie farther from where sightings expect them than
-/// the covariance allows. By what factor its variance is greater, from 1 on, is estimated on the way. A step goes along
-/// the gradient of the logarithm of the likelihood, over Fisher's information.
+/// The odometry may drift more than configured. Then the innovations of its samples exceed the predicted covariance.
+/// The factor of its variance, at least 1, is estimated online by steps along the gradient of the log-likelihood,
+/// divided by Fisher's information.
 class RelativeFilter {
  public:
   RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift);
 
   bool started() const { return started_; }
   void stop();
-  /// From an alignment whose anchor is where the odometry was at `anchor`. What was learned of the drift remains.
+  /// Initializes from an alignment anchored where the odometry was at `anchor`. The estimated drift factor is kept.
   void start(const FrameAlignment& alignment, const OtherMotion& anchor);
 
-  /// False when it is older than the history.
+  /// False when the sample is older than the history.
   bool push(const OtherMotion& odometry);
-  /// Squared distance in standard deviations from where it is expected.
+  /// Squared Mahalanobis distance of the sighting from its prediction.
   double squared_sigmas(const Sighting& sighting) const;
-  /// Twice its negative logarithm of the likelihood, but for a constant.
+  /// Twice the negative log-likelihood of the sighting, up to a constant.
   double unlikelihood(const Sighting& sighting) const;
-  /// False when it is older than the history, or no sighting of this vehicle by gate_sigma.
+  /// False when the sighting is older than the history, or fails the gate of gate_sigma.
   bool push(const Sighting& sighting);
 
-  /// Position, velocity, heading and covariance at any time from the start of the history on.
+  /// Position, velocity, heading and covariance at any time since the start of the history.
   RelativeEstimate at(TimeNs t) const;
-  /// The alignment as it is now, about the newest odometry.
+  /// Present alignment, anchored at the newest odometry.
   FrameAlignment alignment() const;
-  /// How many times greater the variance of the drift is than it is said to be.
+  /// Estimated factor of the drift variance relative to the configured one.
   double drift_variance_factor() const;
 
  private:
   static constexpr int kStates = 10;
-  static constexpr double kLogFactorVariance = 1.0;  // before anything was flown
+  static constexpr double kLogFactorVariance = 1.0;  // prior, before any flight
   enum Index { kP = 0, kV = 3, kAnchor = 6, kYaw = 9 };
   using Vector = Eigen::Matrix<double, kStates, 1>;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
@@ -82,11 +83,11 @@ class RelativeFilter {
     TimeNs t = 0;
     Vector x = Vector::Zero();
     Covariance P = Covariance::Zero();
-    OtherMotion odometry;  // the newest, where the alignment is anchored
+    OtherMotion odometry;  // newest odometry, the anchor of the alignment
     TimeNs seen = 0;
-    double log_factor = 0.0, log_factor_variance = kLogFactorVariance;  // on the variance of the drift
+    double log_factor = 0.0, log_factor_variance = kLogFactorVariance;  // log of the drift factor
   };
-  /// A measurement, and the state after it.
+  /// A measurement and the state after it.
   struct Entry {
     TimeNs t = 0;
     bool is_odometry = false;
@@ -98,7 +99,7 @@ class RelativeFilter {
   bool insert(Entry entry);
   struct Expected {
     Vector3 p_local_m;
-    Matrix3 covariance;  // of how far the sighting may be off
+    Matrix3 covariance;  // innovation covariance
   };
   Expected expected(const Sighting& sighting) const;
   const State& before(TimeNs t) const;
@@ -115,8 +116,8 @@ class RelativeFilter {
   RelativeFilterConfig config_;
   OdometryDrift drift_;
   bool started_ = false;
-  State base_;                  // before the history
-  std::vector<Entry> history_;  // by time
+  State base_;                  // state before the history
+  std::vector<Entry> history_;  // in order of time
 };
 
 }  // namespace swiftlet

@@ -15,40 +15,40 @@
 
 namespace swiftlet {
 
-/// What relative localization knows in one tick.
+/// Inputs of relative localization in one tick.
 struct RelativeInput {
   const Observation& observation;  ///< messages
   const StateEstimate& estimate;   ///< valid
-  const LocalPoses& poses;         ///< where the vehicle was in the last seconds
+  const LocalPoses& poses;         ///< poses of the vehicle in the last seconds
   std::span<const Detection> detections = {};
-  bool has_tracks = false;  ///< they were updated in this tick
+  bool has_tracks = false;  ///< `tracks` was updated in this tick
   std::span<const Track> tracks = {};
-  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< finished in this tick, if requested
 };
 
-/// Where are the other members of the team? A scenario chooses by name who answers.
+/// Interface of relative localization: states of teammates. A scenario selects the implementation by name.
 class RelativeLocalizer {
  public:
   virtual ~RelativeLocalizer() = default;
-  /// Does it look at clouds itself?
+  /// True when the implementation uses clouds itself.
   virtual bool needs_clouds() const { return false; }
-  /// Appends an estimate, as of now and in the own local frame, for everybody whose place and heading are known.
+  /// Appends an estimate, as of now and in the own local frame, for every teammate with known position and heading.
   virtual void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox& outbox) = 0;
-  /// What may help to understand it in a picture; called only when one is taken.
+  /// Geometry for debugging in pictures; called only when a snapshot is taken.
   virtual void append_overlays(std::vector<Overlay>&) const {}
-  /// What did not fit its settings so far.
+  /// Appends counters of events that exceeded the settings.
   virtual void append_counters(std::vector<Counter>&) const {}
 };
 
-/// Nobody is localized.
+/// No relative localization.
 struct NoRelativeConfig : ModuleConfigOf<NoRelativeConfig> {
   void visit(ConfigVisitor&) override {}
 };
 std::unique_ptr<RelativeLocalizer> make_no_relative_localizer(const ModuleConfig& config, const AgentSetup& setup);
 
-/// Vehicles with markers that tell their odometry. Bright sightings of the own detector or tracker are aligned with
-/// what one tells over a sliding window, and filtered [Pritzl 2024, sec. II-B]. Nothing is known before of where it is
-/// or heads. Several are told apart by how they move.
+/// Relative localization of marked vehicles that report their odometry. Bright detections or tracks are aligned with
+/// the reported odometry over a sliding window, and filtered [Pritzl 2024, sec. II-B]. No prior position or heading is
+/// required. Several vehicles are associated by their motion.
 struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
   enum class Source { kDetections, kTracks, kMarkers };
   enum class Clock { kSynchronized, kOneWay };
@@ -76,8 +76,8 @@ struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
 };
 std::unique_ptr<RelativeLocalizer> make_sliding_window_localizer(const ModuleConfig& config, const AgentSetup& setup);
 
-/// All vehicles know their place in one world: what another tells of itself is where it is. For teams with GNSS, and,
-/// with ground truth, to see what relative localization costs.
+/// Relative localization in a common world frame: teammates report their own position. For teams with GNSS, and, with
+/// ground truth, as a reference for the cost of relative localization.
 struct SharedWorldConfig : ModuleConfigOf<SharedWorldConfig> {
   std::string other;
   std::vector<std::string> others;

@@ -9,10 +9,10 @@
 
 namespace swiftlet {
 
-/// What an odometry may drift: a random walk by distance flown, by turning and by time (sim/sensors/odometry has the
-/// same law). The defaults are those of the preset odometry_vio.
+/// Drift model of an odometry: a random walk over distance flown, turning and time (as in sim/sensors/odometry). The
+/// defaults are those of the preset odometry_vio.
 struct OdometryDriftConfig {
-  double position_m_psqrtm = 0.058;  ///< by axis
+  double position_m_psqrtm = 0.058;  ///< per axis
   double position_m_psqrtturn = 0.03;
   double position_m_psqrts = 0.0012;
   double yaw_deg_psqrtm = 0.1;
@@ -22,7 +22,7 @@ struct OdometryDriftConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// How much was flown: path, turning, time. They only grow.
+/// Accumulated distance, turning and time; non-decreasing.
 struct Flown {
   double path_m = 0.0, turn_rad = 0.0, time_s = 0.0;
 
@@ -31,11 +31,11 @@ struct Flown {
   }
 };
 
-/// Variances that the drift adds over what was flown.
+/// Drift variances accumulated over a flight.
 class OdometryDrift {
  public:
   explicit OdometryDrift(const OdometryDriftConfig& config);
-  double position_variance_m2(const Flown& flown) const { return variance(position_, flown); }  ///< by axis
+  double position_variance_m2(const Flown& flown) const { return variance(position_, flown); }  ///< per axis
   double yaw_variance_rad2(const Flown& flown) const { return variance(yaw_, flown); }
 
  private:
@@ -48,25 +48,26 @@ class OdometryDrift {
   Rates position_, yaw_;
 };
 
-/// Where another vehicle says that it is, in its own local frame, which drifts.
+/// Odometry reported by another vehicle, in its own local frame, which drifts.
 struct OtherMotion {
-  TimeNs t = 0;      ///< by the own clock
-  TimeNs stamp = 0;  ///< by its own
+  TimeNs t = 0;      ///< time by the own clock
+  TimeNs stamp = 0;  ///< time by the other vehicle's clock
   Vector3 p_other_local_m = Vector3::Zero();
   Vector3 v_other_local_mps = Vector3::Zero();
-  double yaw_rad = 0.0;  ///< in that frame
+  double yaw_rad = 0.0;  ///< heading in that frame
   double yaw_rate_radps = 0.0;
-  Flown flown;  ///< since the first sample
+  Flown flown;  ///< accumulated since the first sample
 };
 
-/// What another vehicle told of its odometry: the last 64 samples, half a minute of two a second.
+/// Odometry reports of another vehicle: the last 64 samples, half a minute at 2 Hz.
 class RelativeOdometry {
  public:
-  /// False when it is not newer than the newest, or not finite; `flown` is found here.
+  /// Adds a sample; `flown` is computed here. False when it is not newer than the newest one, or not finite.
   bool push(OtherMotion sample);
   bool empty() const { return count_ == 0; }
   const OtherMotion& newest() const { return (*this)[count_ - 1]; }
-  /// Between two samples, by a cubic through positions and velocities; nothing outside, or in a gap longer than this.
+  /// State at a time between two samples, by cubic interpolation of positions and velocities; nothing outside, or in a
+  /// gap longer than gap_max_s.
   std::optional<OtherMotion> at(TimeNs t, double gap_max_s) const;
 
  private:
