@@ -5,13 +5,13 @@
 
 namespace swiftlet {
 
-/// What may be asked of the map of the static surroundings, O of algorithm 2 [Vrba 2025, sec. III-F]: the occupied
+/// Query interface of the map of the static surroundings, O of algorithm 2 [Vrba 2025, sec. III-F]: the occupied
 /// voxels.
 class BackgroundQuery {
  public:
   virtual ~BackgroundQuery() = default;
-  /// Is there a voxel that is at least tentative occupied with its center within `radius_m` of the point? A point
-  /// outside of the map, or one that is not finite, has nothing near it.
+  /// True when the center of a voxel that is at least tentative lies within `radius_m` of the point. False for a point
+  /// outside of the map, or one that is not finite.
   virtual bool occupied_within(const Vector3& p_local_m, double radius_m) const = 0;
 };
 

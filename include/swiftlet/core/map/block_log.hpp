@@ -11,14 +11,14 @@
 
 namespace swiftlet {
 
-/// The blocks that a map forgot last, and in which revision.
+/// Log of the blocks that a map dropped last, with their revisions.
 class BlockLog {
  public:
   void note(std::uint64_t revision, const Cell& block) {
     if (entries_.empty()) entries_.resize(kMost);
     entries_[count_++ % kMost] = {revision, block};
   }
-  /// Are all that were forgotten after this revision still here?
+  /// True when the log contains all blocks dropped after this revision.
   bool knows_since(std::uint64_t revision) const {
     return count_ <= kMost || entries_[count_ % kMost].revision <= revision;
   }
@@ -35,8 +35,8 @@ class BlockLog {
     std::uint64_t revision = 0;
     Cell block = Cell::Zero();
   };
-  std::vector<Entry> entries_;  // a ring
-  std::size_t count_ = 0;       // ever
+  std::vector<Entry> entries_;  // ring buffer
+  std::size_t count_ = 0;       // total number of entries ever added
 };
 
 }  // namespace swiftlet

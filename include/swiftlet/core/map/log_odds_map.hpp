@@ -15,7 +15,7 @@
 
 namespace swiftlet {
 
-/// The conventional occupancy map, for comparison [Vrba 2025, eqs. 1-5]. The defaults are OctoMap's: hit 0.7, miss 0.4,
+/// Conventional occupancy map, as a baseline [Vrba 2025, eqs. 1-5]. The defaults are OctoMap's: hit 0.7, miss 0.4,
 /// clamped to 0.1192 and 0.971, occupied from 0.5 on; free below the prior by one miss.
 struct LogOddsConfig {
   double voxel_m = 0.25;
@@ -31,7 +31,7 @@ struct LogOddsConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// L of a cell after a measurement, eqs. (3) and (4) with saturation.
+/// Log-odds of a cell after a measurement, eqs. (3) and (4) with saturation.
 inline double log_odds_updated(double L, double l, const LogOddsConfig& config) {
   return std::min(std::max(L + l, config.L_min), config.L_max);
 }
@@ -41,14 +41,14 @@ class LogOddsMap {
  public:
   explicit LogOddsMap(const LogOddsConfig& config);
 
-  /// One scan: cells that hold a point move by l_occupied, other cells that a ray passes by l_free, once each.
-  /// @param ends_m  of the rays; those marked in `is_point` are points; the rays only pass through the rest
+  /// Inserts one scan: cells that contain a point change by l_occupied, other cells on a ray by l_free, once each.
+  /// @param ends_m  end points of the rays; those not marked in `is_point` only clear cells
   void insert(const Vector3& origin_m, std::span<const Vector3> ends_m, std::span<const std::uint8_t> is_point);
 
   const VoxelGrid& grid() const { return grid_; }
   float value(std::ptrdiff_t index) const { return values_[index]; }
   double probability(std::ptrdiff_t index) const { return 1.0 / (1.0 + elementary::exp(-values_[index])); }
-  /// Eq. (5): confident occupied, confident free, or uncertain.
+  /// State by eq. (5): confident occupied, confident free, or uncertain.
   VoxelState state(std::ptrdiff_t index) const {
     if (values_[index] >= config_.L_occupied && values_[index] != 0.0F) return VoxelState::kConfident;
     return values_[index] <= config_.L_free ? VoxelState::kFree : VoxelState::kUncertain;

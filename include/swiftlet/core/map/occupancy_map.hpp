@@ -17,7 +17,7 @@
 
 namespace swiftlet {
 
-/// The model of OctoMap [Hornung 2013]; the defaults are its library's.
+/// Sensor model of OctoMap [Hornung 2013]; the defaults are its library's.
 struct OccupancyMapConfig {
   double edge_m = 0.1;
   double p_hit = 0.7;
@@ -30,16 +30,16 @@ struct OccupancyMapConfig {
   double distance_max_m = 1.5;
 
   void visit(ConfigVisitor& v);
-  /// What the map may need, about: all of its ball seen, a tenth of it near surfaces, distances asked for in a quarter.
+  /// Estimated memory: the whole ball observed, a tenth of it near surfaces, distances requested in a quarter.
   double bytes() const;
-  /// Blocks that may be kept side by side.
+  /// Capacity of the block table along an axis.
   double places_across() const;
 };
 
-/// What is around a vehicle, cell for cell as OctoMap's library would have it after the same scans. Log-odds are in
-/// single precision, the way from cell to cell is the library's, and each cell counts once a scan. Cells that were
-/// never hit are counted by bits, 64 at a time: how often they were missed says all about them. Only cells that were
-/// hit at some time have a number of their own. So a block of 512 cells of free space takes 320 bytes.
+/// Occupancy map around a vehicle, identical cell by cell to OctoMap's library after the same scans. Log-odds are in
+/// single precision, rays are traversed as in the library, and each cell is updated once per scan. For cells that were
+/// never hit, the number of misses determines the log-odds; it is counted in bit planes, 64 cells at a time. Only cells
+/// that were hit store a value. So a block of 512 cells of free space takes 320 bytes.
 class OccupancyMap : public OccupancyView, private OccupiedBlocks {
  public:
   explicit OccupancyMap(const OccupancyMapConfig& config);
@@ -48,14 +48,14 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   struct Ray {
     Eigen::Vector3f origin_local_m;
     Eigen::Vector3f end_local_m;
-    bool hit = true;  ///< false: nothing was met up to the end
+    bool hit = true;  ///< false: free up to the end
   };
 
-  /// One scan. A cell in which any ray ends is hit once; every other cell that a ray passes is missed once. A ray that
-  /// is longer than range_max_m hits nothing and passes cells up to there, as the library has it. The library knows one
-  /// origin a scan; here each ray has its own.
+  /// Inserts one scan. A cell in which any ray ends is hit once; every other cell on a ray is missed once. A ray longer
+  /// than range_max_m hits nothing and clears cells up to that range, as in the library. The library has one origin per
+  /// scan; here each ray has its own.
   void insert(std::span<const Ray> rays, TimeNs now);
-  /// Forgets what lies farther than keep_radius_m from here.
+  /// Drops blocks farther than keep_radius_m from this position.
   void keep_around(const Vector3& center_local_m);
 
   double edge_m() const override { return config_.edge_m; }
@@ -71,13 +71,13 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   void append_voxels(MapVoxels& copy) const override;
 
-  /// What is known of a block, as `state` tells it; false: nothing.
+  /// Copies the states of a block; false: all its cells are unknown.
   bool look_at(const Cell& block, CellBlock& states) const;
-  /// All blocks. Cells count as occupied that are so with more than this probability, and as free below p_occupied.
-  /// Those between are left out.
+  /// All blocks. Cells count as occupied above this probability, and as free below p_occupied; those between are
+  /// omitted.
   std::vector<CellBlock> blocks_surer_than(double p) const;
 
-  /// Of the cell with these coordinates; 0 when nothing is known of it.
+  /// Log-odds of the cell with these coordinates; 0 when it is unknown.
   float log_odds(const Cell& cell) const;
   bool known(const Cell& cell) const;
   std::size_t num_blocks() const { return blocks_.size() - free_blocks_.size(); }
@@ -85,36 +85,36 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
  private:
   static constexpr int kSide = RayCells::kSide;
   static constexpr int kCells = kSide * kSide * kSide;
-  static constexpr int kMostMisses = 7;  // that are counted by bits
+  static constexpr int kMostMisses = 7;  // largest number of misses that is counted in bits
   using Bits = RayCells::Bits;
-  /// Cells by bits: a word for each z, a byte for each y.
+  /// Bit sets of cells: a word for each z, a byte for each y.
   struct alignas(64) Block {
-    Bits misses_1{}, misses_2{}, misses_4{};  // of cells that were never hit, as binary numbers; 0: unknown
-    Bits valued{};                            // cells whose log-odds stand in the page
+    Bits misses_1{}, misses_2{}, misses_4{};  // miss count of cells that were never hit, as binary number; 0: unknown
+    Bits valued{};                            // cells with log-odds in the page
     Bits occupied{};
   };
   struct Page {
     std::array<float, kCells> log_odds;
-    std::array<std::uint32_t, kCells> scan;  // in which it was hit last
+    std::array<std::uint32_t, kCells> scan;  // scan of the last hit
   };
-  /// What one looks at without looking into a block.
+  /// Properties of a block that are used without access to it.
   struct About {
     Cell at = Cell::Zero();
-    std::uint32_t page = 0;  // counted from 1; 0: none
+    std::uint32_t page = 0;  // index + 1; 0: none
     bool used = false;
-    std::uint64_t changed = 0;  // the revision in which a state changed last
+    std::uint64_t changed = 0;  // revision of the last change of a state
   };
-  /// Occupied cells of a block that came or went in the last scan, and which of them are occupied now.
+  /// Cells of a block whose occupancy changed in the last scan, and those of them that are occupied now.
   struct Touched {
     Cell at;
     Bits cells{}, occupied{};
   };
-  /// What is remembered of a place in the table: when occupied cells came or went last, and what did so in the last
-  /// scan.
+  /// Change record of a slot of the table: revision of the last change of its occupied cells, and index of the changes
+  /// in the last scan.
   struct OccupiedChange {
-    std::uint32_t revision = 0, touched = 0;  // counted from 1; 0: none
+    std::uint32_t revision = 0, touched = 0;  // index + 1; 0: none
   };
-  static constexpr std::size_t kChunk = 1024;  // blocks or pages that are allocated at once
+  static constexpr std::size_t kChunk = 1024;  // number of blocks or pages per allocation
 
   Cell cell_of(const Vector3& p_local_m) const { return (p_local_m.array() * cells_per_m_).floor().cast<int>(); }
   Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * config_.edge_m; }
@@ -140,22 +140,22 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   const Bits* occupied_of(const Cell& block) const override;
   void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
                       std::vector<Change>& changes) const override;
-  /// fn(block, index of the cell in it, center) for every occupied cell of the blocks that reach into the box.
+  /// Calls fn(block, index of the cell in it, center) for every occupied cell of the blocks that overlap the box.
   template <class Fn>
   void for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
 
   OccupancyMapConfig config_;
   double cells_per_m_;
   float hit_, miss_, occupied_, min_, max_;            // log-odds
-  std::array<float, kMostMisses + 1> after_misses_{};  // log-odds of a cell that was never hit
-  int most_misses_ = 0;                                // more change nothing, or need a number
+  std::array<float, kMostMisses + 1> after_misses_{};  // log-odds of a cell that was never hit, by number of misses
+  int most_misses_ = 0;  // miss count at which the log-odds are clamped or a value is needed
   RayCells rays_;
-  int bits_ = 0, mask_ = 0;                       // of a block's coordinates in the table
-  std::vector<std::int32_t> places_;              // block; -1: none
-  std::vector<OccupiedChange> occupied_changes_;  // of a place
-  std::vector<std::uint64_t> occupied_places_;    // a bit for each place whose block has an occupied cell
-  std::vector<Touched> touched_;                  // in the last scan,
-  std::uint64_t touched_after_ = 0;               // after this revision
+  int bits_ = 0, mask_ = 0;                       // bits and mask of a block coordinate in the table
+  std::vector<std::int32_t> places_;              // block index; -1: none
+  std::vector<OccupiedChange> occupied_changes_;  // indexed by slot of the table
+  std::vector<std::uint64_t> occupied_places_;    // a bit for each slot whose block has an occupied cell
+  std::vector<Touched> touched_;                  // changes of the last scan
+  std::uint64_t touched_after_ = 0;               // revision before the last scan
   std::vector<std::unique_ptr<Block[]>> chunks_;
   std::vector<About> blocks_;
   std::vector<int> free_blocks_;
@@ -163,7 +163,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   std::vector<std::uint32_t> free_pages_;
   std::uint32_t scan_ = 0;
   std::uint64_t revision_ = 0;
-  std::vector<TimeNs> scan_times_;  // of the last scans, in a ring
+  std::vector<TimeNs> scan_times_;  // times of the last scans, in a ring buffer
   BlockLog forgotten_;
   Vector3 kept_around_local_m_;
   mutable DistanceTiles distances_;

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// A place to keep clear of that no map shows: another vehicle with the air below its rotors, a fence.
+/// Keep-out volume that no map shows: another vehicle with the air below its rotors, a fence.
 struct KeepOut {
   enum class Shape { kBox, kColumn };
   Shape shape = Shape::kBox;
@@ -21,15 +21,15 @@ struct KeepOut {
     return {Shape::kColumn, center_local_m, {diameter_m, diameter_m, height_m}};
   }
 
-  /// To its surface; 0 inside.
+  /// Distance to its surface; 0 inside.
   double distance_m(const Vector3& p_local_m) const;
   bool contains(const Vector3& p_local_m) const { return distance_m(p_local_m) <= 0.0; }
-  /// From the beginning of a segment to where it enters; 0 when it begins inside.
+  /// Distance from the start of a segment to its entry; 0 when it starts inside.
   std::optional<double> entered_after_m(const Vector3& from_local_m, const Vector3& to_local_m) const;
 };
 
-/// A map with places to keep clear of laid over it: nothing is copied. A cell is occupied, too, when its center lies in
-/// such a place. Distances are those to the place itself. The map below must outlive it.
+/// View of a map with keep-out volumes, without a copy. A cell is also occupied when its center lies in a keep-out
+/// volume. Distances are those to the volume itself. The underlying map must outlive the view.
 class OverlaidOccupancy : public OccupancyView {
  public:
   OverlaidOccupancy(const OccupancyView& below, std::vector<KeepOut> keep_outs)
@@ -54,7 +54,7 @@ class OverlaidOccupancy : public OccupancyView {
   Vector3 center_of_cell(const Vector3& p_local_m) const {
     return ((p_local_m.array() / edge_m()).floor() + 0.5) * edge_m();
   }
-  /// Centers of cells of the places that reach into the box and are not occupied below.
+  /// Centers of cells of keep-out volumes that overlap the box and are not occupied in the underlying map.
   template <class Accept>
   void append_cells(const Vector3& min_local_m, const Vector3& max_local_m, std::vector<Vector3>& centers_local_m,
                     Accept&& accept) const;

@@ -11,23 +11,23 @@
 
 namespace swiftlet {
 
-/// Which cells the rays of one sweep pass, each cell once, and in which they end. It is the traversal of OctoMap's
-/// library to the last bit [Hornung 2013; Amanatides and Woo, 1987]. Rays are followed four at a time, in lanes. Cells
-/// are bits of a window around the origins. It is made of blocks of 8 x 8 x 8 cells, 64 bytes each. Any frame, the same
+/// Cells that the rays of one sweep pass, each cell once, and cells in which rays end. The traversal is bit-identical
+/// to OctoMap's library [Hornung 2013; Amanatides and Woo, 1987]. Four rays are traversed at a time, in SIMD lanes.
+/// Cells are bits of a window around the origins, in blocks of 8 x 8 x 8 cells with 64 bytes each. Any frame, the same
 /// for all arguments.
 class RayCells {
  public:
-  static constexpr int kSide = 8;                 ///< cells along the edge of a block
+  static constexpr int kSide = 8;                 ///< edge of a block in cells
   using Bits = std::array<std::uint64_t, kSide>;  ///< cells of a block: a word for each z, a byte for each y
-  static constexpr double bytes(double reach_m, double edge_m);  ///< of the window, about
+  static constexpr double bytes(double reach_m, double edge_m);  ///< approximate size of the window
 
   explicit RayCells(double edge_m) : edge_m_(edge_m), cells_per_m_(1.0 / edge_m) {}
 
-  /// Starts a sweep whose rays begin in the box and are no longer than the reach.
+  /// Begins a sweep with rays that start in the box and are no longer than the reach.
   void begin(const Eigen::AlignedBox3d& origins_m, double reach_m);
-  /// One ray passes the cells from its origin up to its end, whose cell is left out. Nothing happens when it is not
-  /// finite, leaves the window or the library's range of 2^16 cells.
-  /// @param ends  whether the cell of its end counts as one in which a ray ends
+  /// Adds one ray: marks the cells from its origin up to its end, without the cell of the end. A ray is ignored when it
+  /// is not finite, or leaves the window or the library's range of 2^16 cells.
+  /// @param ends  true: the cell of the end is one in which a ray ends
   void add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& end_m, bool ends);
 
   /// Ends the sweep. Calls visit(block, bits) for every block with cells that were passed and in which no ray ended;
@@ -49,14 +49,14 @@ class RayCells {
       }
     }
   }
-  /// Cells in which rays ended, in the order of the rays; some several times. Valid until the next sweep.
+  /// Cells in which rays ended, in the order of the rays, with duplicates. Valid until the next sweep.
   std::span<const Cell> ends() const { return ends_; }
 
  private:
   static constexpr int kLanes = 4;
-  static constexpr int kMargin = 4;  // rounding leads no ray farther out
-  /// Rays on their way, side by side. Places are coordinates spread over the bits of an index into the window, all
-  /// other bits set. Adding to one carries over the bits between, and the index is what all three have in common.
+  static constexpr int kMargin = 4;  // margin for rounding of ray ends
+  /// Rays in progress, one per lane. A coordinate is spread over the bits of an index into the window, with all other
+  /// bits set, so that additions carry over the bits between. The index is the bitwise and of the three coordinates.
   struct alignas(32) Lanes {
     double next[3][kLanes], per_cell[3][kLanes], length[kLanes];
     std::int64_t place[3][kLanes], step[3][kLanes], end[kLanes];
@@ -74,14 +74,14 @@ class RayCells {
   void finish();
 
   double edge_m_, cells_per_m_;
-  int bits_ = 0;  // of a block's coordinates in the window
+  int bits_ = 0;  // bits of a block coordinate in the window
   Cell first_block_ = Cell::Zero();
-  std::array<std::int64_t, 3> fields_{};  // the bits of each axis
+  std::array<std::int64_t, 3> fields_{};  // index bits of each axis
   std::vector<Bits> blocks_;              // all 0 between sweeps
   Lanes lanes_;
-  unsigned busy_ = 0;                                    // lanes that have a ray
-  std::int64_t passed_ = -1;                             // a cell that is marked anyway
-  Cell low_ = Cell::Zero(), high_ = Cell::Constant(-1);  // cells of the window from which and to which rays go
+  unsigned busy_ = 0;                                    // lanes with a ray
+  std::int64_t passed_ = -1;                             // a marked cell, target of idle lanes
+  Cell low_ = Cell::Zero(), high_ = Cell::Constant(-1);  // bounds of the cells that rays can pass
   std::vector<std::int64_t> end_indices_;
   std::vector<Cell> ends_;
 };

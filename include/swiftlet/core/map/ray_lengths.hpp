@@ -9,28 +9,29 @@
 
 namespace swiftlet {
 
-/// How far rays travel in each voxel, summed over the rays of a sweep [Vrba 2025, sec. III-C]. The sums lie in a dense
-/// window around the sensor that is no larger than the map. Any frame, the same for all arguments.
+/// Ray length in each voxel, summed over the rays of a sweep [Vrba 2025, sec. III-C]. The sums are stored in a dense
+/// window around the sensor, no larger than the map. Any frame, the same for all arguments.
 ///
-/// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and its two ends
-/// alone tell which, and how long. So the pieces are computed side by side, not one after the other as in the walk of
-/// Amanatides and Woo. The lengths are the same to the rounding of single precision.
+/// A ray is cut by the planes of its steepest axis. Between two planes it crosses at most three voxels, determined by
+/// the ends of that piece alone. So the pieces are computed in parallel, not sequentially as in the traversal of
+/// Amanatides and Woo. The lengths are equal up to the rounding of single precision.
 class RayLengths {
  public:
-  /// Starts a sweep whose rays begin in the box and are no longer than the reach. Lengths start from 0.
-  /// @param within  what lies outside of it is not counted, so that the window is no larger; null: everything is
+  /// Begins a sweep with rays that start in the box and are no longer than the reach. Resets the lengths to 0.
+  /// @param within  region outside of which lengths are ignored, which limits the window; null: unlimited
   void begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m, const VoxelGrid* within = nullptr);
-  /// One ray. Nothing happens when it is not finite, begins outside of the box or is longer than the reach.
+  /// Adds one ray. Ignored when it is not finite, starts outside of the box or is longer than the reach.
   /// @param direction  unit vector
   void add(const Vector3& origin_m, const Vector3& direction, double length_m);
-  /// These voxels are not touched by apply(), whatever went through them.
+  /// Excludes voxels from apply(), regardless of the rays through them.
   void leave_out(std::span<const Cell> cells);
-  /// Eqs. (9), (12), (22): every voxel met goes towards g_free by n = updates_per_edge * length / edge. Ends the sweep.
+  /// Eqs. (9), (12), (22): updates every voxel on a ray toward g_free with n = updates_per_edge * length / edge. Ends
+  /// the sweep.
   void apply(double updates_per_edge, VoxelMap& map);
 
-  /// Length in a voxel so far [m].
+  /// Accumulated length in a voxel [m].
   double length_m(const Cell& cell) const;
-  /// Every voxel met, in the order of the window.
+  /// All voxels on rays, in the order of the window.
   std::vector<Cell> cells() const;
   const VoxelGrid& window() const { return window_; }
 
@@ -39,12 +40,12 @@ class RayLengths {
   double exit_edges(const Vector3& origin, const Vector3& direction) const;
 
   VoxelGrid window_;
-  bool cut_ = false;  // can rays leave the window?
+  bool cut_ = false;  // true: rays can leave the window
   Eigen::AlignedBox3d origins_m_;
   double reach_m_ = 0.0, edges_per_m_ = 1.0;
-  Vector3 first_cell_ = Vector3::Zero();  // of the window
-  std::vector<float> lengths_;            // in edges; all 0 between sweeps
-  std::vector<float> weights_;            // of a row, scratch
+  Vector3 first_cell_ = Vector3::Zero();  // first cell of the window
+  std::vector<float> lengths_;            // in voxel edges; all 0 between sweeps
+  std::vector<float> weights_;            // scratch: weights of a row
 };
 
 }  // namespace swiftlet

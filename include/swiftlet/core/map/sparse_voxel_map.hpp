@@ -13,8 +13,8 @@
 
 namespace swiftlet {
 
-/// How a sparse map remembers and forgets. `miss_log_odds` = 0 and `memory_s` = 0: it never forgets, the conservative
-/// setting of Kamler 2025, sec. 3.4, with which leaves stay in the map as ghosts.
+/// Memory of a sparse map. `miss_log_odds` = 0 and `memory_s` = 0 keep all voxels forever: the conservative setting of
+/// Kamler 2025, sec. 3.4, in which moving leaves remain as false obstacles.
 struct SparseVoxelMapConfig {
   double edge_m = 0.2;
   double hit_log_odds = 0.85;
@@ -29,9 +29,9 @@ struct SparseVoxelMapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in [Kamler 2025, sec. 3.2.4]). Only
-/// voxels that were hit at some time are stored, and only within keep_radius_m of the vehicle. A block is found without
-/// searching, in a table of places that repeats itself beyond twice that radius.
+/// Occupied voxels around a vehicle, in blocks (the role of Bonxai in [Kamler 2025, sec. 3.2.4]). Only voxels that were
+/// hit are stored, and only within keep_radius_m of the vehicle. Blocks are addressed directly in a table that wraps
+/// around beyond twice that radius.
 class SparseVoxelMap : public OccupancyView {
  public:
   explicit SparseVoxelMap(const SparseVoxelMapConfig& config);
@@ -40,21 +40,21 @@ class SparseVoxelMap : public OccupancyView {
   struct Ray {
     Eigen::Vector3f origin_local_m;
     Eigen::Vector3f end_local_m;
-    bool hit = true;  ///< false: nothing was met up to the end
+    bool hit = true;  ///< false: free up to the end
   };
 
-  /// One sweep: of all rays that end in one voxel the first counts (the voxel-grid filter of Kamler 2025, sec. 3.2.3).
-  /// Voxels hit in this sweep gain, those that a ray passed through lose.
+  /// Inserts one sweep: of all rays that end in one voxel the first counts (the voxel-grid filter of Kamler 2025, sec.
+  /// 3.2.3). The log-odds of hit voxels increase, those of voxels on a ray decrease.
   void insert(std::span<const Ray> rays, TimeNs now);
 
-  /// Forgets what lies farther than keep_radius_m from here.
+  /// Drops blocks farther than keep_radius_m from this position.
   void keep_around(const Vector3& center_local_m);
 
-  /// For what is asked from now on: voxels not hit for memory_s are forgotten.
+  /// Sets the time of later queries: voxels without a hit for memory_s no longer count as occupied.
   void set_time(TimeNs now);
 
   double edge_m() const override { return config_.edge_m; }
-  /// Free: it was hit at some time and lost it again.
+  /// kFree: the voxel was occupied, and is cleared by misses or older than memory_s.
   CellState state(const Vector3& p_local_m) const override;
   void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
                        std::vector<Vector3>& centers_local_m) const override;
@@ -63,29 +63,30 @@ class SparseVoxelMap : public OccupancyView {
   double distance_m(const Vector3& p_local_m, double max_m) const override;
   std::optional<SegmentHit> first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const override;
   std::uint64_t revision() const override { return revision_; }
-  /// By blocks. Not known of a map that forgets by time, and of what lies too many forgotten blocks back.
+  /// Boxes are blocks. False for a map with memory_s, and when the log of dropped blocks does not reach back far
+  /// enough.
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   /// Values are log-odds.
   void append_voxels(MapVoxels& copy) const override;
 
-  /// What a map takes that has seen something in every block within a radius.
+  /// Memory of a map with an occupied voxel in every block within a radius.
   static double most_bytes(const SparseVoxelMapConfig& config, double radius_m);
 
   std::size_t num_blocks() const { return blocks_.size() - free_.size(); }
 
  private:
-  static constexpr int kSide = 8;  // voxels along the edge of a block
+  static constexpr int kSide = 8;  // edge of a block in voxels
   static constexpr int kVoxels = kSide * kSide * kSide;
   struct Voxel {
     float log_odds = 0.0F;
-    std::uint32_t sweep = 0;   // in which it was hit last
-    std::uint32_t passed = 0;  // in which it was passed through last
+    std::uint32_t sweep = 0;   // sweep of the last hit
+    std::uint32_t passed = 0;  // sweep of the last pass
   };
   struct Block {
     Cell at = Cell::Zero();
     bool used = false;
-    std::uint64_t changed = 0;               // the revision in which a voxel's state changed last
-    std::array<std::uint64_t, kSide> known;  // voxels that were hit at some time: a word a layer
+    std::uint64_t changed = 0;               // revision of the last change of a voxel's state
+    std::array<std::uint64_t, kSide> known;  // voxels that were ever hit: a word for each layer
     std::array<Voxel, kVoxels> voxels;
     bool knows(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
   };
@@ -103,11 +104,11 @@ class SparseVoxelMap : public OccupancyView {
   }
   Block& block_for(const Cell& block);
   bool occupied(const Voxel& voxel) const { return voxel.log_odds >= threshold_ && voxel.sweep >= remembered_; }
-  /// The first sweep at or after a time.
+  /// First sweep at or after a time.
   std::uint32_t sweep_at(TimeNs t) const;
   CellState state_of(const Cell& cell) const;
   Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * config_.edge_m; }
-  /// fn(voxel, its center) for every occupied one of the blocks that reach into the box.
+  /// Calls fn(voxel, center) for every occupied voxel of the blocks that overlap the box.
   template <class Fn>
   void for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
   bool first_in_sweep(const Cell& cell);
@@ -115,16 +116,16 @@ class SparseVoxelMap : public OccupancyView {
 
   SparseVoxelMapConfig config_;
   double cells_per_m_;
-  float threshold_;                    // of log-odds: occupied
-  int bits_ = 0, mask_ = 0;            // of a block's coordinates in the table
-  std::vector<std::uint32_t> places_;  // block, counted from 1; 0: none
+  float threshold_;                    // log-odds from which a voxel is occupied
+  int bits_ = 0, mask_ = 0;            // bits and mask of a block coordinate in the table
+  std::vector<std::uint32_t> places_;  // block index + 1; 0: none
   std::vector<Block> blocks_;
-  std::vector<std::uint32_t> free_;  // blocks to use again
-  std::vector<const Ray*> passing_;  // of this sweep: those that take away
-  std::vector<std::uint64_t> ends_;  // voxels in which rays without a hit ended: open addressing
+  std::vector<std::uint32_t> free_;  // blocks for reuse
+  std::vector<const Ray*> passing_;  // scratch: rays of this sweep that clear voxels
+  std::vector<std::uint64_t> ends_;  // end voxels of rays without a hit; open addressing
   std::uint32_t sweep_ = 0;
-  std::vector<TimeNs> times_;     // of the sweeps, from 1 on, ascending
-  std::uint32_t remembered_ = 0;  // the first sweep that is
+  std::vector<TimeNs> times_;     // times of the sweeps, from 1 on, ascending
+  std::uint32_t remembered_ = 0;  // first sweep within memory_s
   std::uint64_t revision_ = 0;
   BlockLog forgotten_;
 };

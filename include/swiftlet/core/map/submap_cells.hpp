@@ -12,30 +12,30 @@
 
 namespace swiftlet {
 
-/// What is known of 8 x 8 x 8 cells. Cells that are in neither are unknown; none is in both.
+/// States of a block of 8 x 8 x 8 cells. Cells in neither set are unknown; no cell is in both.
 struct CellBlock {
   Cell at = Cell::Zero();  ///< block b spans cells 8 b to 8 b + 7
   RayCells::Bits occupied{}, free{};
 };
 
-/// A piece of a map in a frame of its own: what was occupied and what was free there, as far as it was seen. It never
-/// changes. Where it lies is told apart from it, and may change.
+/// A piece of a map in its own frame: observed occupied and free cells. Immutable. Its pose is stored elsewhere, and
+/// may change.
 class SubmapCells {
  public:
   static constexpr int kSide = RayCells::kSide;
-  static constexpr int kGroup = 4;  ///< blocks along the edge of a group
+  static constexpr int kGroup = 4;  ///< edge of a group in blocks
   using Bits = RayCells::Bits;
 
-  /// Blocks of which nothing is known are left out.
-  /// @param blocks  no two of them at the same place
+  /// Blocks without known cells are omitted.
+  /// @param blocks  at most one per position
   SubmapCells(double edge_m, std::span<const CellBlock> blocks);
-  /// A cloud in the frame of the piece, such as a submap's that nobody has cast rays for: nothing is free.
+  /// Cells of a cloud in the frame of the piece, such as a submap's without cast rays: no cell is free.
   static SubmapCells of_points(double edge_m, std::span<const Eigen::Vector3f> points_cells_m);
 
   double edge_m() const { return edge_m_; }
   bool empty() const { return at_.empty(); }
   std::size_t num_blocks() const { return at_.size(); }
-  /// Index of a block; -1: nothing is known there.
+  /// Index of a block; -1: all its cells are unknown.
   int find(const Cell& block) const;
   const Cell& at(int i) const { return at_[static_cast<std::size_t>(i)]; }
   const Bits& free_of(int i) const { return free_[static_cast<std::size_t>(i)]; }
@@ -46,10 +46,10 @@ class SubmapCells {
   }
   std::size_t num_occupied() const { return num_occupied_; }
   std::size_t num_free() const { return num_free_; }
-  /// Of the box around its blocks, in its own frame.
+  /// Center of the box around its blocks, in the frame of the piece.
   Vector3 middle_m() const { return middle_m_; }
-  double reach_m() const { return reach_m_; }  ///< from there to a corner of the box
-  /// In which groups of 4 x 4 x 4 blocks anything is known.
+  double reach_m() const { return reach_m_; }  ///< from the center to a corner of the box
+  /// Groups of 4 x 4 x 4 blocks with known cells.
   std::span<const Cell> groups() const { return groups_; }
   std::size_t bytes() const;
 
@@ -59,18 +59,18 @@ class SubmapCells {
   double edge_m_;
   std::vector<Cell> at_;
   std::vector<Bits> free_;
-  std::vector<std::uint32_t> occupied_place_;  // counted from 1; 0: none
+  std::vector<std::uint32_t> occupied_place_;  // index + 1; 0: none
   std::vector<Bits> occupied_;
-  std::vector<std::uint32_t> slots_;  // block, counted from 1: open addressing
+  std::vector<std::uint32_t> slots_;  // block index + 1; open addressing
   std::vector<Cell> groups_;
   std::size_t num_occupied_ = 0, num_free_ = 0;
   Vector3 middle_m_ = Vector3::Zero();
   double reach_m_ = 0.0;
 };
 
-/// Cells that hang on a submap of a pose graph.
+/// Cells attached to a submap of a pose graph.
 struct MapPiece {
-  int submap = 0;  ///< by its number
+  int submap = 0;  ///< number of the submap
   Pose T_submap_cells = Pose::Identity();
   std::shared_ptr<const SubmapCells> cells;
 };

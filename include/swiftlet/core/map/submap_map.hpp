@@ -20,36 +20,35 @@ struct SubmapMapConfig {
   double distance_max_m = 2.0;
 };
 
-/// A map made of pieces that lie in the local frame, and that may be moved, added and taken out. What a cell is follows
-/// from the pieces and where they lie now, and from nothing else. So nothing is left behind when a piece moves.
+/// Map composed of pieces in the local frame that may be moved, added and removed. The state of a cell depends only on
+/// the pieces and their present poses. So a moved piece leaves no traces.
 ///
-/// - A cell is occupied when a piece has an occupied cell there: the center of one of the two lies in the other. So a
-///   turn makes no holes in walls. It is free when some piece has a free cell at its center and none an occupied one.
-/// - What an older piece saw occupied goes when `outvoted_by` newer ones in a row saw it free; with 0 it stays for
-/// ever.
-/// - Poses are taken to a quarter of a cell, in the middle of a piece and at its rim.
+/// - A cell is occupied when a piece has an occupied cell there: the center of one of the two lies in the other. So
+///   rotations make no holes in walls. It is free when a piece has a free cell at its center and no piece an occupied
+///   one.
+/// - Occupied cells of an older piece are cleared when `outvoted_by` newer pieces in a row observe them free; 0: never.
+/// - Poses are rounded to a quarter of a cell, at the center of a piece and at its rim.
 ///
-/// Nothing is worked out before it is asked for. A block of 8 x 8 x 8 cells is made from the pieces that reach into it.
-/// It is made anew when one of these came, went or moved. So moving many pieces costs little, and the answers do not
-/// hang on what was asked before.
+/// Evaluation is lazy. A block of 8 x 8 x 8 cells is composed from the pieces that overlap it, and recomposed after one
+/// of them was added, removed or moved. So moving many pieces is cheap, and results do not depend on earlier queries.
 class SubmapMap : public OccupancyView, private OccupiedBlocks {
  public:
   explicit SubmapMap(const SubmapMapConfig& config);
 
-  /// Returns a number by which to name the piece.
-  /// @param age   pieces with a greater one are newer; of equal ones that which is added later
-  /// @param seen  when its last scan was made
+  /// Returns the index of the piece.
+  /// @param age   pieces with a greater age are newer; for equal ages, the one added later
+  /// @param seen  time of its last scan
   int add(std::shared_ptr<const SubmapCells> cells, const Pose& T_local_cells, int age, TimeNs seen);
-  /// False when it lies there already.
+  /// False when the pose is unchanged.
   bool move(int piece, const Pose& T_local_cells);
   void remove(int piece);
-  /// The piece that still grows, newest of all; null: none. Its cells lie on those of this map, so many blocks from its
-  /// own origin. To be told again whenever it has grown.
+  /// Sets the growing piece, the newest of all; null: none. Its cells are aligned with those of this map, with a block
+  /// offset from its own origin. Must be called after every change of the growing piece.
   void set_growing(const OccupancyMap* growing, const Cell& offset_blocks);
 
   double edge_m() const override { return config_.edge_m; }
   CellState state(const Vector3& p_local_m) const override;
-  /// Of a cell that pieces saw occupied counts when the newest of these made its last scan.
+  /// The hit time of a cell is that of the last scan of the newest piece in which it is occupied.
   void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
                        std::vector<Vector3>& centers_local_m) const override;
   void occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
@@ -60,27 +59,27 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   std::uint64_t revision() const override { return revision_; }
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   void append_voxels(MapVoxels& copy) const override;
-  /// What is known of each block, in cells of the map.
+  /// Appends the states of all blocks, in cells of the map.
   void append_blocks(std::vector<CellBlock>& blocks) const;
-  /// All occupied cells.
+  /// Appends the centers of all occupied cells.
   void append_occupied(std::vector<Vector3>& centers_local_m) const;
 
-  /// Of the cells of a piece, which share do newer pieces know? One block in `every` is looked at.
+  /// Share of a piece's cells that are known in newer pieces, sampled in one block of `every`.
   double share_known_by_newer(int piece, int every) const;
-  /// The cells of a piece without which the map would be another one, by all that lies where it lies now.
+  /// Cells of a piece that affect the present map.
   std::shared_ptr<const SubmapCells> needed_of(int piece) const;
-  /// Takes these in place of the cells of a piece, which lies where it did.
+  /// Replaces the cells of a piece without changing its pose.
   void replace(int piece, std::shared_ptr<const SubmapCells> cells);
 
   int num_pieces() const { return num_pieces_; }
   const SubmapCells& cells(int piece) const { return *pieces_[static_cast<std::size_t>(piece)].cells; }
-  /// As it is used.
+  /// Pose in use, rounded.
   const Pose& T_local_cells(int piece) const { return pieces_[static_cast<std::size_t>(piece)].T_local_cells; }
-  /// How often a piece was put somewhere else.
+  /// Number of pose changes of pieces.
   std::uint64_t num_moved() const { return num_moved_; }
-  /// How often a block was worked out.
+  /// Number of composed blocks.
   std::uint64_t num_composed() const { return num_composed_; }
-  /// All that it holds but the pieces themselves.
+  /// Memory of the map without the pieces themselves.
   std::size_t bytes() const;
 
  private:
@@ -88,33 +87,33 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   static constexpr int kGroup = SubmapCells::kGroup;
   using Bits = RayCells::Bits;
   struct Piece {
-    std::shared_ptr<const SubmapCells> cells;  // null: taken out
+    std::shared_ptr<const SubmapCells> cells;  // null: removed
     int age = 0;
-    std::uint64_t number = 0;  // of all that were ever added
+    std::uint64_t number = 0;  // serial number
     TimeNs seen = 0;
-    Vector3 middle_cells_m = Vector3::Zero();  // of the cells that came with it: its pose is taken to a lattice by them
+    Vector3 middle_cells_m = Vector3::Zero();  // center of the original cells; rounding of the pose refers to it
     double reach_m = 0.0;
-    Pose T_local_cells = Pose::Identity();  // as it is used
-    bool aligned = false;                   // its blocks are those of the map
-    Cell offset_blocks = Cell::Zero();      // when they are
-    // From cells of the map to those of the piece and back: p_cells = M p_local + o_cells, in cells of each.
+    Pose T_local_cells = Pose::Identity();  // pose in use, rounded
+    bool aligned = false;                   // blocks coincide with those of the map
+    Cell offset_blocks = Cell::Zero();      // block offset, if aligned
+    // Cell coordinates of the map to those of the piece and back: p_cells = M p_local + o_cells.
     Matrix3 M = Matrix3::Identity(), M_back = Matrix3::Identity();
     Vector3 o_cells = Vector3::Zero();
-    std::vector<std::uint32_t> groups;  // into which it reaches
+    std::vector<std::uint32_t> groups;  // groups that the piece overlaps
   };
   struct Composed {
     Bits occupied{}, free{};
   };
-  /// Of a block of the map.
+  /// Composition state of a block of the map.
   struct Slot {
-    std::uint64_t changed = 0, composed = 0;  // revisions: when the growing piece changed it, when it was worked out
-    std::int32_t block = -1;                  // none: nothing was ever known there
+    std::uint64_t changed = 0, composed = 0;  // revisions: last change by the growing piece, last composition
+    std::int32_t block = -1;                  // -1: never known
     bool any_occupied = false;
   };
   struct Group {
     Cell at = Cell::Zero();
-    std::uint64_t moved = 0;            // the revision in which a piece came, went or moved last
-    std::vector<std::uint32_t> pieces;  // from the oldest on
+    std::uint64_t moved = 0;            // revision at which a piece was added, removed or moved last
+    std::vector<std::uint32_t> pieces;  // sorted from old to new
     std::array<Slot, kGroup * kGroup * kGroup> slots;
   };
 
@@ -131,15 +130,15 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   Pose snapped(const Piece& piece, const Pose& T_local_cells) const;
   void place(std::uint32_t piece, const Pose& T_local_cells);
   void displace(std::uint32_t piece);
-  /// What a piece knows of a block; false: nothing.
+  /// Copies the cells of a piece in a block; false: all unknown.
   bool look(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const;
-  /// The same, at least of the wanted cells.
+  /// Copies at least the wanted cells.
   bool look(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied, Bits& free) const;
   bool look_turned(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied, Bits& free) const;
   bool look_growing(const Cell& block, Bits& occupied, Bits& free) const;
   static constexpr std::uint32_t kAll = 0xFFFFFFFFU;
   void compose(const Group& group, const Cell& block, std::uint32_t but, Composed& made) const;
-  /// As of now; null: nothing is known there.
+  /// Present cells of a block; null: all unknown.
   const Composed* composed(const Cell& block) const;
   const Composed* composed(Group& group, const Cell& block) const;
   CellState state_of(const Cell& cell) const;
@@ -165,15 +164,15 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   std::uint64_t revision_ = 0;
   std::uint64_t num_moved_ = 0;
 
-  // Made when it is asked for.
+  // Lazily computed.
   static constexpr std::size_t kChunk = 256;
   std::vector<std::unique_ptr<Group>> groups_;
-  std::vector<std::uint32_t> group_slots_;  // counted from 1: open addressing
-  mutable Group* last_group_ = nullptr;     // asked for
+  std::vector<std::uint32_t> group_slots_;  // index + 1; open addressing
+  mutable Group* last_group_ = nullptr;     // group of the last query
   mutable std::vector<std::unique_ptr<Composed[]>> chunks_;
   mutable std::size_t num_blocks_ = 0;
   mutable std::uint64_t num_composed_ = 0;
-  mutable std::vector<int> near_;  // scratch: blocks of a piece
+  mutable std::vector<int> near_;  // scratch: block indices of a piece
   mutable DistanceTiles distances_;
 };
 

@@ -10,25 +10,24 @@
 
 namespace swiftlet {
 
-/// Where the submaps of a pose graph lie in the local frame, as far as the estimator knows by now. The surroundings
-/// of the vehicle stand still there, and with them the submap that still grows. When the graph moves, older submaps
-/// move. This happens at once, because the vehicle's pose in the local frame is right at once. Only what the vehicle
-/// tells of the world follows little by little.
+/// Poses of the submaps of a pose graph in the local frame, as estimated by now. The vehicle's surroundings stay fixed
+/// in it, and so does the growing submap. When the graph changes, older submaps move at once, because the vehicle's
+/// pose in the local frame is continuous. Only the correction to the world is blended gradually.
 struct SubmapPoses {
-  /// A submap is dropped when it is finished and older ones know what it saw. The next submap has the same number.
+  /// A finished submap is dropped when older ones cover what it observed. The next submap gets its number.
   struct Dropped {
-    std::uint64_t count = 0;  ///< dropped submaps so far; all other fields are about the last one
+    std::uint64_t count = 0;  ///< number of dropped submaps so far; the other fields refer to the last one
     int submap = 0;           ///< number
-    int into = 0;             ///< number of the older submap to which its cells belong from now on
+    int into = 0;             ///< number of the older submap that takes over its cells
     Pose T_into_submap = Pose::Identity();
   };
 
-  std::uint64_t revision = 0;     ///< grows whenever a pose changes or a submap begins
-  std::vector<Pose> T_local_own;  ///< by number, in the order in which they began; the last one grows
+  std::uint64_t revision = 0;     ///< increases when a pose changes or a submap begins
+  std::vector<Pose> T_local_own;  ///< indexed by number, in the order of their beginning; the last one grows
   Dropped dropped;
-  std::size_t num_given = 0;        ///< submaps of an earlier flight's map
-  std::vector<Pose> T_local_given;  ///< of these; none until it is known where they lie
-  std::vector<MapPiece> given;      ///< what was seen of these; none until then, and the same from then on
+  std::size_t num_given = 0;        ///< number of submaps of the prior map
+  std::vector<Pose> T_local_given;  ///< poses of these; empty before relocalization
+  std::vector<MapPiece> given;      ///< cells of these; empty before relocalization, constant afterwards
 };
 
 }  // namespace swiftlet

@@ -15,7 +15,7 @@
 
 namespace swiftlet {
 
-/// States of eq. (7), by growing confidence of occupancy.
+/// States of eq. (7), in order of increasing confidence of occupancy.
 enum class VoxelState : std::uint8_t { kFree, kUncertain, kTentative, kConfident };
 
 /// Multi-state occupancy map [Vrba 2025, sec. III-A]; the defaults are Table II.
@@ -35,8 +35,8 @@ struct VoxelMapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The map M: a value G for every voxel of a box, dense. Beside the values it keeps one bit for each voxel that is at
-/// least tentative, which makes the questions about what is occupied cheap. Any frame, the same for all arguments.
+/// The map M: a value G for every voxel of a box, dense. A bit set of the voxels that are at least tentative
+/// accelerates occupancy queries. Any frame, the same for all arguments.
 class VoxelMap : public BackgroundQuery {
  public:
   explicit VoxelMap(const VoxelMapConfig& config);
@@ -44,7 +44,7 @@ class VoxelMap : public BackgroundQuery {
   const VoxelMapConfig& config() const { return config_; }
   const VoxelGrid& grid() const { return grid_; }
 
-  // Values. What is outside is unknown.
+  // Values. Voxels outside of the box are unknown.
   float value(std::ptrdiff_t index) const { return values_[index]; }
   float value_at(const Cell& cell) const { return grid_.contains(cell) ? values_[grid_.index(cell)] : g_unknown_; }
   VoxelState state_of(float value) const {
@@ -56,33 +56,33 @@ class VoxelMap : public BackgroundQuery {
   VoxelState state_at(const Vector3& p_m) const;
 
   // Updates. Voxels of the prior map (+-infinity) never change.
-  /// Eq. (12): n updates towards g, for any real n >= 0; infinity sets the value to g.
+  /// Eq. (12): n updates toward g, for any real n >= 0; infinity sets the value to g.
   void update(std::ptrdiff_t index, double n, double g);
   void set(std::ptrdiff_t index, float value);
-  /// update(index, n, g_free) for a row of voxels along x; n = 0 leaves one alone.
+  /// Calls update(index, n, g_free) for a row of voxels along x; voxels with n = 0 keep their values.
   void move_to_free(const Cell& first, std::span<const float> n);
-  /// Sec. III-E: occupied voxels become +infinity, free ones -infinity; where both are claimed, occupied.
+  /// Sec. III-E: occupied voxels become +infinity, free ones -infinity; occupied takes precedence.
   void set_prior(const PriorMap& prior);
   std::size_t num_prior() const { return prior_free_.size() + prior_occupied_.size(); }
-  /// Voxels of the prior that the map has no room for. A scrolling map comes to them, so there it is all of them or
-  /// none: all until the first one enters.
+  /// Number of prior voxels that do not fit into the map. A scrolling map reaches them later, so there it is all of
+  /// them until the first one enters the box, and 0 from then on.
   std::size_t num_prior_outside() const { return num_prior_outside_; }
-  /// A scrolling map follows the vehicle: what leaves the box is forgotten, what enters is unknown (or prior).
+  /// Scrolls the box with the vehicle: voxels that leave are dropped, voxels that enter are unknown (or prior).
   void follow(const Vector3& p_m);
   void clear();
 
-  // Questions about voxels that are at least tentative occupied.
+  // Queries of voxels that are at least tentative.
   bool occupied(std::ptrdiff_t index) const { return values_[index] >= G_tentative_; }
   std::ptrdiff_t num_occupied() const;
-  /// Centers in the order of their indices.
+  /// Appends centers in the order of their indices.
   void append_centers(VoxelState at_least, std::vector<Vector3>& centers) const;
-  /// A copy of all voxels but those that are exactly unknown, by their indices. Values are G.
+  /// Appends a copy of all voxels except those with the unknown value, by index. Values are G.
   void append_voxels(MapVoxels& copy) const;
-  /// Is the center of one within the radius of a point?
+  /// True when the center of such a voxel is within the radius of a point.
   bool occupied_within(const Vector3& p_m, double radius_m) const override {
     return any_within(p_m, radius_m, VoxelState::kTentative);
   }
-  /// The same of a state that is at least tentative.
+  /// True when the center of a voxel of at least this state, which is at least tentative, is within the radius.
   bool any_within(const Vector3& p_m, double radius_m, VoxelState at_least) const;
   /// Calls visit(index) for each, in the order of their indices.
   template <class Visit>
@@ -97,7 +97,7 @@ class VoxelMap : public BackgroundQuery {
     }
   }
 
-  // The bits: rows along x, row = z * size.y + y; bit i of a row is cell min_cell.x + i.
+  // Bit set: rows along x, row = z * size.y + y; bit i of a row is cell min_cell.x + i.
   int words_per_row() const { return words_per_row_; }
   std::ptrdiff_t num_rows() const { return static_cast<std::ptrdiff_t>(grid_.size.y()) * grid_.size.z(); }
   const std::uint64_t* row_bits(std::ptrdiff_t row) const { return bits_.data() + row * words_per_row_; }
@@ -107,7 +107,7 @@ class VoxelMap : public BackgroundQuery {
   void rebuild_bits();
   std::uint64_t bits_of(std::ptrdiff_t row, int word) const;
   void set_bit(std::ptrdiff_t index, bool occupied);
-  /// Calls visit(x) for the occupied cells of a row between two cells, in order, until it says no.
+  /// Calls visit(x) for the occupied cells of a row between two cells, in order, until it returns false.
   template <class Visit>
   bool visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const;
   template <class Visit>
