@@ -14,29 +14,29 @@
 
 namespace swiftlet {
 
-/// What a mapper knows in one tick: all values, nothing kept.
+/// Inputs of a mapper in one tick; references are valid for this call only.
 struct MapperInput {
   const Observation& observation;
   const StateEstimate& estimate;                                   ///< valid
-  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
-  std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
-  std::span<const RelativeEstimate> relatives = {};                ///< members of the team, who are none either
-  std::span<const NeighborSample> neighbors = {};                  ///< whom guidance keeps from; none are obstacles
-  const SubmapPoses* submaps = nullptr;                            ///< of an estimator that keeps a pose graph
-  const LocalPoses* poses = nullptr;                               ///< where the vehicle was; null: as it is now
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< finished in this tick
+  std::span<const Track> tracks = {};                              ///< tracked flying objects, excluded from the map
+  std::span<const RelativeEstimate> relatives = {};                ///< teammates, excluded from the map
+  std::span<const NeighborSample> neighbors = {};  ///< neighbors that guidance avoids, excluded from the map
+  const SubmapPoses* submaps = nullptr;            ///< null: the estimator keeps no pose graph
+  const LocalPoses* poses = nullptr;               ///< recent poses of the vehicle; null: the present one is used
 };
 
-/// What is around? A scenario chooses by name who answers. A vehicle has one such map, which
-/// everybody asks.
+/// Interface of mappers. A scenario selects the implementation by name. A vehicle has one such map, shared by all its
+/// stages.
 class Mapper {
  public:
   virtual ~Mapper() = default;
   virtual void step(const MapperInput& input, Outbox& outbox) = 0;
-  /// The map as of the last step; stays the mapper's.
+  /// Map as of the last step; owned by the mapper.
   virtual const OccupancyView& map() const = 0;
-  /// Does its map hang on the submaps of a pose graph?
+  /// True when the map is attached to the submaps of a pose graph.
   virtual bool needs_submaps() const { return false; }
-  /// What it has seen so far of the submaps of this flight, for a map that is saved.
+  /// Appends the cells of this flight's submaps, for a saved map.
   virtual void append_pieces(std::vector<MapPiece>&) const {}
   virtual void append_overlays(std::vector<Overlay>&) const {}
   virtual void append_counters(std::vector<Counter>&) const {}

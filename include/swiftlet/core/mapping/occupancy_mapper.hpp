@@ -10,8 +10,8 @@
 
 namespace swiftlet {
 
-/// What is occupied, free and unknown around the vehicle, by the own LiDARs [Pritzl 2024, sec. III]. They may be those
-/// of another vehicle instead, which knows its place in the same world.
+/// Occupied, free and unknown cells around the vehicle, from its own LiDARs [Pritzl 2024, sec. III], or from the rays
+/// of another vehicle that is localized in the same world.
 struct OccupancyMapperConfig : ModuleConfigOf<OccupancyMapperConfig> {
   int every_column = 4;
   int every_row = 1;

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Voxels that the own LiDARs hit, near the vehicle.
+/// Voxels near the vehicle that its own LiDARs hit.
 struct SparseMapperConfig : ModuleConfigOf<SparseMapperConfig> {
   double range_min_m = 0.6;
   double range_max_m = 40.0;

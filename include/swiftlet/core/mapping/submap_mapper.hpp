@@ -10,9 +10,8 @@
 
 namespace swiftlet {
 
-/// A map made of the submaps of the pose graph by which the vehicle localizes itself [Orsulic 2021, sec. IV]. Each
-/// submap has the cells that the scans during it saw occupied and free. When the graph moves its submaps, the map moves
-/// with them.
+/// Map made of the submaps of the localization's pose graph [Orsulic 2021, sec. IV]. Each submap has the cells observed
+/// occupied and free by its scans. When the graph changes, the map moves with its submaps.
 struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
   int every_column = 4;
   int every_row = 1;
@@ -35,7 +34,7 @@ struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
   void visit(ConfigVisitor& v) override;
   OccupancyMapConfig growing() const;
   SubmapMapConfig whole() const { return {edge_m, outvoted_by, distance_max_m}; }
-  /// What the map may need, about: as many pieces as there may be, a quarter of what each may reach seen.
+  /// Estimated memory: pieces_max pieces, a quarter of the reachable volume of each observed.
   double bytes() const;
 };
 
