@@ -7,15 +7,14 @@
 
 namespace swiftlet {
 
-/// Which row goes to which column. As many as possible are paired, and among those pairings the sum of costs is the
-/// least. The method is shortest augmenting paths (Jonker and Volgenant, Computing 38, 1987). Keeps its memory from
-/// call to call.
+/// Assignment of rows to columns: the maximum number of pairs, and among those the smallest sum of costs. Shortest
+/// augmenting paths (Jonker and Volgenant, Computing 38, 1987). Reuses its memory from call to call.
 class Assignment {
  public:
   static constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
   /// @param costs  (rows x cols), row-major, finite or kForbidden
-  /// @return for each row its column, or -1
+  /// @return column of each row, or -1
   std::span<const int> solve(std::span<const double> costs, int rows, int cols);
 
  private:

@@ -5,18 +5,18 @@
 
 namespace swiftlet {
 
-/// How long something takes on board: a configured number, so that no result depends on how fast the machine is.
+/// Processing time on board: a configured number, so that results do not depend on the speed of the machine.
 class Latency {
  public:
   explicit Latency(double latency_s) : length_(from_seconds(latency_s)) {}
-  /// Is what began at `start` ready?
+  /// True when work that began at `start` is finished.
   bool is_over(TimeNs start, TimeNs now) const { return now >= start + length_; }
 
  private:
   TimeNs length_;
 };
 
-/// A part of a stage that does one job at a time: idle, or at work until its latency is over.
+/// A part of a stage with one job at a time: idle, or busy until its latency is over.
 class Worker {
  public:
   explicit Worker(double latency_s) : latency_(latency_s) {}

@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// FNV-1a: names of purposes and entities become stream numbers, so that adding a vehicle or a sensor changes no
-/// other one's numbers.
+/// FNV-1a hash: names of purposes and entities become stream numbers, so that adding a vehicle or a sensor changes no
+/// other stream.
 constexpr std::uint32_t stream_id(std::string_view name) {
   std::uint32_t hash = 2166136261U;
   for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
@@ -21,8 +21,8 @@ constexpr std::uint32_t stream_id(std::string_view name) {
 class Random {
  public:
   Random() = default;
-  /// @param purpose  what the numbers are for, such as "lidar.range"
-  /// @param entity   whose they are, such as "uav1/os1"
+  /// @param purpose  use of the numbers, such as "lidar.range"
+  /// @param entity   owner of the stream, such as "uav1/os1"
   Random(std::uint64_t seed, std::string_view purpose, std::string_view entity = {});
 
   /// 128 random bits.
@@ -37,8 +37,8 @@ class Random {
   /// Three independent standard normals from one index (own counter domain: does not collide with normal()).
   std::array<double, 3> normal3(std::uint32_t tick, std::uint32_t index) const;
 
-  /// out[i] as a pure function of (tick, first_index + i), whatever the span's split; single precision. About 2 ns
-  /// each.
+  /// out[i] as a pure function of (tick, first_index + i), independent of the span's split; single precision. About 2
+  /// ns each.
   void fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const;
   void fill_normal(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const;
 
