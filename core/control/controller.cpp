@@ -14,17 +14,16 @@ namespace {
 constexpr double kGravity_mps2 = 9.81;
 constexpr double kAirDensity_kgpm3 = 1.225;
 
-/// Gains that the airframe's motors allow; where the configuration gives a number, that number.
+/// Gains derived from the airframe's motors; numbers in the configuration override them.
 ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {
   const auto given_or = [](double given, double derived) { return given > 0.0 ? given : derived; };
-  // What the rate loop has to live with: the part of the lag that is not compensated, and one and a half ticks of
-  // delay.
+  // Delay in the rate loop: the part of the lag that is not compensated, and one and a half ticks.
   const double motor_lag_s = 0.5 * (airframe.motor_time_constant_up_s + airframe.motor_time_constant_down_s);
   const double lag_s = (1.0 - config.motor_lead) * motor_lag_s + 1.5 * tick_s;
   const double rate = given_or(config.rate_radps, std::clamp(0.5 / lag_s, 4.0, 35.0));
   const double attitude = given_or(config.attitude_radps, rate / 4.0);  // critically damped with the rate loop
   const double position = given_or(config.position_radps, std::min(attitude / 2.5, 2.5));
-  const double yaw_rate = given_or(config.yaw_rate_radps, rate / 4.0);  // yaw torque is scarce
+  const double yaw_rate = given_or(config.yaw_rate_radps, rate / 4.0);  // yaw torque is small
   const double yaw_attitude = given_or(config.yaw_attitude_radps, yaw_rate / 4.0);
 
   ControlGains gains;
@@ -63,9 +62,9 @@ Vector3 attitude_error(const Matrix3& R_local_body, const Matrix3& R_local_wante
     error.x() = -b3.y() * (angle / sine);
     error.y() = b3.x() * (angle / sine);
   } else if (b3.z() < 0.0) {
-    error.x() = std::numbers::pi;  // exactly upside down: any axis does
+    error.x() = std::numbers::pi;  // exactly upside down: the axis is arbitrary
   }
-  // Heading: the twist about e3 that is left (swing-twist of the quaternion of E); undefined when upside down.
+  // Heading: the remaining twist about e3 (swing-twist of the quaternion of E); undefined when upside down.
   const double w2 = std::max(0.0, 1.0 + E.trace());
   const double twist = elementary::atan2(E(1, 0) - E(0, 1), w2);
   error.z() = b3.z() > -0.99 ? std::remainder(2.0 * twist, 2.0 * std::numbers::pi) : 0.0;
@@ -79,20 +78,21 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
   v.field("position_radps", position_radps, "[rad/s] natural frequency of the position loop; 0: from the airframe",
           range);
   v.field("position_damping", position_damping, "[-] damping ratio of the position loop", Range::positive());
-  v.field("integral_time_s", integral_time_s, "[s] of the position loop; 0: no integral part", range);
-  v.field("integral_max_mps2", integral_max_mps2, "[m/s^2] most that the integral part holds against, such as wind",
-          range);
-  v.field("feedback_max_mps2", feedback_max_mps2, "[m/s^2] most that position and velocity errors ask for",
+  v.field("integral_time_s", integral_time_s, "[s] integral time of the position loop; 0: no integral part", range);
+  v.field("integral_max_mps2", integral_max_mps2, "[m/s^2] limit of the integral part, which compensates wind", range);
+  v.field("feedback_max_mps2", feedback_max_mps2, "[m/s^2] limit of the feedback of position and velocity errors",
           Range::positive());
-  v.field("attitude_radps", attitude_radps, "[rad/s] rate asked for per rad of tilt error; 0: from the airframe",
+  v.field("attitude_radps", attitude_radps, "[rad/s] commanded rate per rad of tilt error; 0: from the airframe",
           range);
   v.field("rate_radps", rate_radps, "[1/s] acceleration per roll or pitch rate error; 0: from the airframe", range);
   v.field("yaw_attitude_radps", yaw_attitude_radps, "[rad/s] rate per rad of heading error; 0: from the airframe",
           range);
   v.field("yaw_rate_radps", yaw_rate_radps, "[1/s] acceleration per yaw rate error; 0: from the airframe", range);
-  v.field("tilt_max_deg", tilt_max_deg, "[deg] of the thrust from the vertical", Range{0.0, 85.0, true, false});
-  v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] roll and pitch rate asked for", Range::positive());
-  v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] yaw rate asked for", Range::positive());
+  v.field("tilt_max_deg", tilt_max_deg, "[deg] limit of the angle between thrust and vertical",
+          Range{0.0, 85.0, true, false});
+  v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] limit of commanded roll and pitch rates",
+          Range::positive());
+  v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] limit of the commanded yaw rate", Range::positive());
   v.field("motor_lead", motor_lead, "[-] share of the motors' lag that is compensated", Range::between(0.0, 0.9));
   v.field("drag_compensation", drag_compensation, "[-] feed forward the airframe's drag in still air");
 }
@@ -101,7 +101,7 @@ MultirotorController::MultirotorController(const Airframe& airframe, const Contr
     : airframe_(airframe), config_(config), mixer_(airframe), gains_(derive_gains(airframe, config, tick_s)) {
   tan_tilt_max_ = elementary::tan(config.tilt_max_deg * kRadPerDeg);
   max_acceleration_mps2_ = airframe.max_thrust_N() / airframe.mass_kg;
-  // Until commands tell otherwise, the motors are taken to hover.
+  // Initial rotor speeds are those of hovering.
   const double hover_speed =
       std::sqrt(airframe.mass_kg * kGravity_mps2 / (airframe.num_rotors() * airframe.thrust_constant_N_per_radps2));
   rotor_speed_radps_.fill(hover_speed);
@@ -130,12 +130,12 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   dt_s = std::clamp(dt_s, 1e-4, 0.1);
   follow_motors(dt_s);
 
-  // Specific thrust, local frame: what accelerates as wanted and carries the weight; never far from upright.
+  // Specific thrust in the local frame for the wanted acceleration and the weight, bounded to stay near upright.
   const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
   thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
   const double level = elementary::hypot(thrust_mps2.x(), thrust_mps2.y());
-  // Carrying the weight goes before moving sideways when there is not thrust for both.
+  // With too little thrust for both, lift takes precedence over horizontal acceleration.
   const double level_max = std::min(
       tan_tilt_max_ * thrust_mps2.z(),
       std::sqrt(std::max(max_acceleration_mps2_ * max_acceleration_mps2_ - thrust_mps2.z() * thrust_mps2.z(), 1e-6)));
@@ -181,7 +181,7 @@ Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate,
   return wanted;
 }
 
-/// Acceleration by body and rotor drag in still air, in the plane of the rotors and along the axis as it is now.
+/// Acceleration by body and rotor drag in still air, in the plane of the rotors and along the present axis.
 Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const {
   const Vector3 v_body = R_local_body.transpose() * v_local_mps;
   double speed_sum = 0.0;
@@ -191,13 +191,13 @@ Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vecto
   return cut(R_local_body * force_body / airframe_.mass_kg, 5.0);
 }
 
-/// Where the rotors got to under the last command (first-order lag, exact over the step).
+/// Predicts the rotor speeds under the last command (first-order lag, exact over the step).
 void MultirotorController::follow_motors(double dt_s) {
   if (dt_s != decay_dt_s_) {
     decay_dt_s_ = dt_s;
     decay_up_ = elementary::exp(-dt_s / airframe_.motor_time_constant_up_s);
     decay_down_ = elementary::exp(-dt_s / airframe_.motor_time_constant_down_s);
-    // A motor asked for this much of the difference behaves like one whose lag is (1 - lead) of the real one.
+    // A motor that is commanded this share of the difference has an effective lag of (1 - lead) of its own.
     const double rest = 1.0 - config_.motor_lead;
     const auto lead = [&](double tau, double decay) {
       return (1.0 - elementary::exp(-dt_s / (rest * tau))) / (1.0 - decay);

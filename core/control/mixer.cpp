@@ -30,14 +30,14 @@ Mixer::Mixer(const Airframe& airframe) : num_rotors_(airframe.num_rotors()) {
   min_force_N_ = force_at(airframe.rotor_speed_min_radps);
   max_force_N_ = force_at(airframe.rotor_speed_max_radps);
 
-  // A rotor that turns ccw drags the body cw: its torque is opposite to its sense of rotation.
+  // A ccw rotor exerts cw drag torque on the body, opposite to its sense of rotation.
   for (int i = 0; i < num_rotors_; ++i) {
     const Rotor& rotor = airframe.rotors[i];
     effectiveness_.col(i) << 1.0, rotor.position_m.y(), -rotor.position_m.x(),
         -rotor.direction() * airframe.torque_to_thrust_m;
   }
 
-  // Rows scaled to comparable size, so that the test of rank does not depend on the vehicle's size.
+  // Rows are scaled to comparable size, so that the rank test does not depend on the vehicle's size.
   const Eigen::Vector4d scale(1.0, 1.0 / airframe.arm_length_m, 1.0 / airframe.arm_length_m,
                               1.0 / airframe.torque_to_thrust_m);
   const Eigen::Matrix<double, 4, kMaxRotors> scaled = scale.asDiagonal() * effectiveness_;
@@ -60,7 +60,7 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const int n = num_rotors_;
   Column tilt = inverse_.col(1) * wanted.torque_body_Nm.x() + inverse_.col(2) * wanted.torque_body_Nm.y();
 
-  // Roll and pitch: shrink together when they ask for more than the span of a rotor.
+  // Roll and pitch are scaled together if they exceed the span of a rotor.
   const double span = max_force_N_ - min_force_N_;
   const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
   double part = std::min(1.0, span / std::max(tilt_span, 1e-12));
@@ -71,8 +71,8 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   }
   tilt *= part;
 
-  // Thrust: move it so that roll and pitch fit. (Equal rotors share the thrust almost equally; the share of each is in
-  // column 0, so the bounds are taken per rotor.)
+  // Thrust is shifted so that roll and pitch fit. Column 0 has the share of each rotor, so the bounds are taken per
+  // rotor.
   double least = 0.0, greatest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < n; ++i) {
     const double share = inverse_(i, 0);
@@ -83,7 +83,7 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const double thrust = least <= greatest ? std::clamp(wanted.thrust_N, least, greatest) : 0.5 * (least + greatest);
   const Column base = inverse_.col(0) * thrust + tilt;
 
-  // Yaw gets what is left.
+  // Yaw takes the remaining range.
   const Column yaw = inverse_.col(3) * wanted.torque_body_Nm.z();
   const Column total = base + largest_share(base, yaw, n, min_force_N_, max_force_N_) * yaw;
   Forces out{};

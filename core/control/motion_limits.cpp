@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-// Of slow, medium, fast, agile: horizontal speed, acceleration, jerk; vertical the same; heading rate, acceleration.
+// Limits of slow, medium, fast, agile: horizontal speed, acceleration, jerk; vertical ones; heading rate, acceleration.
 constexpr MotionLimits kSets[] = {{1.0, 1.0, 20.0, 1.0, 1.0, 20.0, 0.5, 1.0},
                                   {4.0, 2.0, 40.0, 2.0, 1.0, 40.0, 1.0, 1.0},
                                   {8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0},

@@ -10,9 +10,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLongestStep_s = 0.02;  // longer steps are cut into equal parts
-constexpr double kBrakingShare = 0.85;   // of the acceleration limit planned for braking; the rest is for corrections
-constexpr double kFastestPole_radps = 6.0;  // of the position error close to the goal
+constexpr double kLongestStep_s = 0.02;  // longer steps are divided equally
+// Share of the acceleration limit that braking plans use; the rest is for corrections.
+constexpr double kBrakingShare = 0.85;
+constexpr double kFastestPole_radps = 6.0;  // pole of the position error close to the goal
 
 double wrap_angle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -39,8 +40,8 @@ struct AxisLimits {
   double speed, acceleration, jerk;
 };
 
-/// A curve of "how fast, this far from the aim" that can be followed with a bounded derivative along the motion:
-/// linear (exponential approach) near the aim, a square root (constant deceleration) beyond, joined smoothly.
+/// Approach speed as a function of the distance to the goal, with a bounded derivative along the motion: linear
+/// (exponential approach) near the goal, a square root (constant deceleration) beyond, joined smoothly.
 struct ApproachCurve {
   double value, slope;
 };
@@ -58,8 +59,8 @@ double velocity_until_level(double a, double jerk, double dt) {
   return (a * a - rest * rest) / (2.0 * jerk) + 0.5 * rest * dt;
 }
 
-/// True when the motion keeps the speed limit now and also when it levels off at once. The set of allowed velocities
-/// is convex and levelling off moves the velocity along a line, so the two ends speak for all between.
+/// True when the motion keeps the speed limit now and when it levels off at once. The set of allowed velocities is
+/// convex and levelling off moves the velocity along a line, so both ends suffice.
 template <int N>
 bool is_viable(const Motion<N>& m, const AxisLimits& limits, double dt) {
   const double limit_sq = limits.speed * limits.speed * (1.0 + 1e-12);
@@ -69,7 +70,7 @@ bool is_viable(const Motion<N>& m, const AxisLimits& limits, double dt) {
   return (m.v + m.a * (velocity_until_level(a, limits.jerk, dt) / a)).squaredNorm() <= limit_sq;
 }
 
-/// The jerk that is closest to the wanted one, on the way from levelling off, and leads into a viable state.
+/// The jerk between levelling off and the wanted one, nearest to the latter, that leads to a viable state.
 template <int N>
 Vec<N> viable_jerk(const Motion<N>& m, const Vec<N>& wanted, const AxisLimits& limits, double dt) {
   if (is_viable(m.after(wanted, dt), limits, dt)) return wanted;
@@ -83,14 +84,14 @@ Vec<N> viable_jerk(const Motion<N>& m, const Vec<N>& wanted, const AxisLimits& l
   return level_off + good * (wanted - level_off);
 }
 
-/// Where to accelerate to: error -> velocity -> acceleration, each along its approach curve.
+/// Cascade from position error to velocity to acceleration, each along its approach curve.
 template <int N>
 Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const AxisLimits& limits, double speed_limit,
                            double gain) {
   const Vec<N> to_goal = goal.p - m.p;
   const Vec<N> w = m.v - goal.v;
 
-  // What the goal's own acceleration leaves over is there for braking.
+  // Braking has the acceleration that the goal's own leaves.
   const double braking = kBrakingShare * std::max(limits.acceleration - goal.a.norm(), 0.25 * limits.acceleration);
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;
@@ -116,11 +117,11 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   return cut<N>(a_wanted, limits.acceleration);
 }
 
-/// One step. Returns the jerk; `m` becomes the motion at its end.
+/// One step. Returns the jerk; updates `m` to the end of the step.
 template <int N>
 Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, const AxisLimits& limits,
               double speed_limit, double dt) {
-  // A goal that can be reached within this step and is a state that the governor may be in: take it as it is.
+  // A goal that is reachable within this step and viable is taken as it is.
   const Vec<N> jerk_to_goal = (goal.a - m.a) / dt;
   if (jerk_to_goal.norm() <= limits.jerk && goal.a.norm() <= limits.acceleration && is_viable(goal, limits, dt)) {
     const Motion<N> reached = m.after(jerk_to_goal, dt);
@@ -131,7 +132,7 @@ Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, 
     }
   }
 
-  // Poles at -3 gain (three times) close to the goal; slower where jerk is scarce or the step is long.
+  // Poles at -3 gain (three times) close to the goal; slower if jerk is small or the step long.
   const double gain = std::min({kFastestPole_radps, 0.4 * limits.jerk / limits.acceleration, 0.04 / dt});
   Vec<N> goal_jerk = (goal.a - goal_a_before) / dt;
   if (goal_jerk.norm() > limits.jerk) goal_jerk.setZero();
@@ -139,14 +140,14 @@ Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, 
   const Vec<N> a_wanted = wanted_acceleration<N>(coasted, goal, limits, speed_limit, gain);
   Vec<N> jerk = cut<N>(goal_jerk + 9.0 * gain * (a_wanted - coasted.a), limits.jerk);
 
-  // Cutting the next acceleration to its ball moves it no farther than the jerk did: projections do not expand.
+  // Projecting the next acceleration onto its ball keeps the jerk within its limit: projections do not expand.
   jerk = (cut<N>(m.a + dt * jerk, limits.acceleration) - m.a) / dt;
   jerk = viable_jerk<N>(m, jerk, limits, dt);
   m = m.after(jerk, dt);
   return jerk;
 }
 
-/// One step with the wanted acceleration. What would lead beyond the speed limit turns the velocity instead.
+/// One step with the wanted acceleration. At the speed limit it turns the velocity instead.
 template <int N>
 Vec<N> push(Motion<N>& m, const Vec<N>& wanted, const AxisLimits& limits, double dt) {
   Vec<N> a = cut<N>(wanted, limits.acceleration);
@@ -160,7 +161,7 @@ Vec<N> push(Motion<N>& m, const Vec<N>& wanted, const AxisLimits& limits, double
   return jerk;
 }
 
-/// Second order: heading, rate; limits of rate and acceleration.
+/// Second-order tracking of the heading, with limits of rate and acceleration.
 void follow_heading(double& yaw, double& rate, const Reference& goal, double goal_rate_before,
                     const MotionLimits& limits, double dt) {
   const double max_rate = limits.heading_rate_radps;
