@@ -10,8 +10,8 @@
 
 namespace swiftlet {
 
-/// A vehicle that does not know yet where it is stays where it began and turns, so that its LiDAR sees all around. When
-/// it has looked in vain, it goes on to stay there.
+/// Motion of a vehicle that is not localized yet: it holds its position and turns, so that its LiDAR sees all around.
+/// When the search has failed, it holds its pose.
 class LookAround {
  public:
   void step(double dt_s, const StateEstimate& estimate, StateEstimator::Search search, GuidanceOutput& output) {

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// No software at all: rotors at idle. For dummies that stand on the ground.
+/// No software: rotors at idle. For dummies on the ground.
 struct NoneConfig : ModuleConfigOf<NoneConfig> {
   void visit(ConfigVisitor&) override {}
 };

@@ -27,7 +27,7 @@
 namespace swiftlet {
 namespace {
 
-/// A reference that starts where and as the vehicle is.
+/// A reference with the vehicle's present pose and velocity.
 Reference at_rest_with(const StateEstimate& estimate) {
   Reference reference;
   reference.position_m = estimate.T_local_body.translation();
@@ -36,7 +36,7 @@ Reference at_rest_with(const StateEstimate& estimate) {
   return reference;
 }
 
-/// All stages work in the local frame; what leaves the vehicle (`action_`) is told in the world.
+/// All stages work in the local frame; outputs (`action_`) are in the world.
 class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public TellsStages {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
@@ -67,7 +67,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   const Action& step(const Observation& observation) override {
     ENSURE(observation.self == self_, observation.self, self_);
     const double dt_s = started_ ? to_seconds(observation.t - last_t_) : tick_s_;
-    if (started_ && dt_s <= 0.0) return action_;  // the same instant again: nothing new to do
+    if (started_ && dt_s <= 0.0) return action_;  // no time has passed
     last_t_ = observation.t;
     started_ = true;
     outbox_.take_back(action_.messages);
@@ -144,7 +144,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     if (begins_) begins_(stage);
   }
 
-  /// Scans become clouds in the local frame, once for all stages that look at them.
+  /// Converts scans to clouds in the local frame, once for all stages.
   void place_scans(const Observation& observation) {
     begin(AgentStage::kClouds);
     registrar_.push(action_.estimate);
@@ -206,7 +206,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));
   }
 
-  /// It looks at the next scans without the vehicles that are known by now.
+  /// Reports known vehicles to localization, which ignores them in the next scans.
   void tell_localization() {
     if (!stages_.tracker && !stages_.relative_localization) return;
     seen_.clear();
@@ -239,7 +239,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
       look_around_.step(dt_s, action_.estimate, search, wanted_);
       looks_around_ = true;
     } else {
-      if (looks_around_) wanted_ = {};  // guidance says only what it changes
+      if (looks_around_) wanted_ = {};  // guidance sets only what it changes
       looks_around_ = false;
       ask_guidance(observation, dt_s);
     }
@@ -283,7 +283,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     trail_.push(action_.estimate.t, reference.position_m);
   }
 
-  /// Without knowing where it is, a multirotor cannot fly on.
+  /// Without a valid estimate a multirotor cannot fly: stops the rotors.
   void give_up(double dt_s) {
     begin(AgentStage::kOther);
     action_.rotor_command = controller_.idle(dt_s);
@@ -315,29 +315,29 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   CloudRegistrar registrar_;
   ReferenceGovernor reference_governor_;
   MultirotorController controller_;
-  const JoinsMaps* joins_maps_;             // null: localization does not
-  std::function<void(AgentStage)> begins_;  // who listens
+  const JoinsMaps* joins_maps_;             // null: localization joins no maps
+  std::function<void(AgentStage)> begins_;  // called when a stage begins; may be empty
 
   Outbox outbox_;
   Action action_;
-  // Of this tick, in the local frame.
+  // State of this tick, in the local frame.
   FrameChange to_world_;
   LocalCloudPool cloud_pool_;
   std::vector<std::shared_ptr<const LocalCloud>> clouds_;
   DetectorOutput found_;
-  std::vector<Track> tracks_;            // the newest
-  std::vector<TrackModes> track_modes_;  // theirs, when guidance asks for them
+  std::vector<Track> tracks_;            // newest tracks
+  std::vector<TrackModes> track_modes_;  // modes of the tracks, if guidance needs them
   std::vector<RelativeEstimate> relatives_;
   std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
   LookAround look_around_;
-  bool looks_around_ = false;  // in place of what guidance wants
+  bool looks_around_ = false;  // instead of guidance
 
   TrackOverlays track_overlays_;
   Trail trail_;
   TimeNs last_t_ = 0;
   bool started_ = false;
-  bool tracking_ = false;  // the tracked reference goes on from where it was
+  bool tracking_ = false;  // the reference continues from the last tick
   bool lost_ = false;
 };
 
@@ -352,14 +352,14 @@ StackConfig::StackConfig()
       guidance(guidance_module_types(), "hover") {}
 
 void StackConfig::visit(ConfigVisitor& v) {
-  v.module("localization", localization, estimator_module_types(), "where am I");
-  v.module("detector", detector, detector_module_types(), "who flies near me");
-  v.module("tracker", tracker, tracker_module_types(), "where they fly and will fly");
+  v.module("localization", localization, estimator_module_types(), "estimate of the vehicle's own pose");
+  v.module("detector", detector, detector_module_types(), "detection of flying objects nearby");
+  v.module("tracker", tracker, tracker_module_types(), "tracks of flying objects");
   v.module("relative_localization", relative_localization, relative_localizer_module_types(),
-           "where the other members of the team are");
-  v.module("mapping", mapping, mapper_module_types(), "what is around me");
-  v.module("guidance", guidance, guidance_module_types(), "where to go");
-  v.object("control", control, "how to fly there");
+           "poses of other vehicles of the team");
+  v.module("mapping", mapping, mapper_module_types(), "map of the surroundings");
+  v.module("guidance", guidance, guidance_module_types(), "goals of the flight");
+  v.object("control", control, "reference governor and controller");
 }
 
 std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& control, const AgentSetup& setup) {
@@ -397,7 +397,7 @@ std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& confi
   const auto& stack = dynamic_cast<const StackConfig&>(config);
   std::vector<std::string> names = {"reference", "tracks", "tracks.covariance"};
   bool all_told = true;
-  // Of every type, so that a camera need not change with the stages that are chosen.
+  // Overlays of all types, so that a camera need not change with the chosen stages.
   const auto add = [&](const auto& registry, const Module& chosen) {
     for (const auto& row : registry.rows()) {
       std::istringstream drawn(row.overlays != nullptr ? row.overlays : "");

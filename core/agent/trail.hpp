@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// The last 30 s of a path, for pictures.
+/// The last 30 s of a path, as an overlay.
 class Trail {
  public:
   void push(TimeNs t, const Vector3& p_local_m) {
