@@ -43,7 +43,7 @@ constexpr DetectorType kDetectorTypes[] = {
      make_track_before_detect,
      need_for_track_before_detect,
      "detections"},
-    {{"ground_truth", "what a mutual-localization sensor says; an ideal one is added where there is none",
+    {{"ground_truth", "measurements of a mutual-localization sensor; an ideal one is added if there is none",
       make_module_config<GroundTruthDetectorConfig>},
      make_ground_truth_detector,
      need_neighbors_to_detect,

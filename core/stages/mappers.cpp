@@ -31,7 +31,7 @@ void need_for_submaps(const ModuleConfig& config, AgentNeeds& needs) {
 }
 
 constexpr MapperType kMapperTypes[] = {
-    {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper, nullptr, ""},
+    {{"none", "no map of the surroundings", make_module_config<NoMapperConfig>}, make_no_mapper, nullptr, ""},
     {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
       make_module_config<SparseMapperConfig>},
      make_sparse_mapper,

@@ -5,13 +5,13 @@ namespace swiftlet {
 namespace {
 
 constexpr RelativeLocalizerType kRelativeLocalizerTypes[] = {
-    {{"none", "nobody is localized", make_module_config<NoRelativeConfig>}, make_no_relative_localizer, ""},
+    {{"none", "no relative localization", make_module_config<NoRelativeConfig>}, make_no_relative_localizer, ""},
     {{"sliding_window",
-      "one vehicle with markers, by sightings and the odometry that it tells [Pritzl 2024, sec. II-B]",
+      "one vehicle with markers, by sightings and the odometry that it reports [Pritzl 2024, sec. II-B]",
       make_module_config<SlidingWindowConfig>},
      make_sliding_window_localizer,
      "relative relative.window"},
-    {{"shared_world", "one vehicle that tells its place in the world that both know",
+    {{"shared_world", "one vehicle that reports its position in a common world frame",
       make_module_config<SharedWorldConfig>},
      make_shared_world_localizer,
      ""},
