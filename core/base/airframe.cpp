@@ -29,8 +29,8 @@ void Airframe::visit(ConfigVisitor& v) {
           Range::between(1e-12, 1.0));
   v.field("torque_to_thrust_m", torque_to_thrust_m, "[m] drag torque of a rotor = this * thrust",
           Range{0.0, 10.0, true});
-  v.field("rotor_inertia_kgm2", rotor_inertia_kgm2, "[kg m^2] of motor bell and propeller about the axis",
-          Range::between(0.0, 1.0));
+  v.field("rotor_inertia_kgm2", rotor_inertia_kgm2,
+          "[kg m^2] moment of inertia of motor bell and propeller about the axis", Range::between(0.0, 1.0));
   v.field("motor_time_constant_up_s", motor_time_constant_up_s, "[s] first-order lag when speeding up",
           Range::between(1e-4, 10.0));
   v.field("motor_time_constant_down_s", motor_time_constant_down_s, "[s] first-order lag when slowing down",
@@ -44,7 +44,7 @@ void Airframe::visit(ConfigVisitor& v) {
   v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the frame at the LiDAR's wavelength",
           Range::probability());
   v.list("rotors", rotors, "in the order of the commands");
-  // For any body, each principal moment is at most the sum of the others; the margin is for rounded data sheets.
+  // Each principal moment is at most the sum of the others; the margin allows for rounded data sheets.
   v.check(2.0 * inertia_diagonal_kgm2.maxCoeff() <= 1.0001 * inertia_diagonal_kgm2.sum(), "inertia_diagonal_kgm2",
           "moments of inertia of which none exceeds the sum of the other two");
   v.check(rotor_speed_max_radps > rotor_speed_min_radps, "rotor_speed_max_radps", "more than rotor_speed_min_radps");
@@ -52,7 +52,7 @@ void Airframe::visit(ConfigVisitor& v) {
 }
 
 double Airframe::circumscribed_radius_m() const {
-  // The ends of the skids stand out to twice the body's radius (sim/world draws them so).
+  // The ends of the skids extend to twice the body's radius (sim/world draws them so).
   double radius_m = std::max(elementary::hypot(body_radius_m, 0.5 * body_height_m),
                              elementary::hypot(2.0 * body_radius_m, leg_height_m));
   for (const Rotor& rotor : rotors) {

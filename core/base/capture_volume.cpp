@@ -9,11 +9,11 @@
 namespace swiftlet {
 
 void CaptureVolume::visit(ConfigVisitor& v) {
-  v.field("offset_m", offset_m, "[m] its middle from the vehicle's center: ahead, left, up; level whatever the tilt");
-  v.field("radius_m", radius_m, "[m] of the opening", Range::positive());
-  v.field("height_m", height_m, "[m] of the volume; 0: a disc", Range::non_negative());
-  v.field("rearm_m", rearm_m,
-          "[m] a target that was captured counts again once it has been farther than this from the middle",
+  v.field("offset_m", offset_m,
+          "[m] center of the volume relative to the vehicle's: ahead, left, up; level at any tilt");
+  v.field("radius_m", radius_m, "[m] radius of the opening", Range::positive());
+  v.field("height_m", height_m, "[m] height of the volume; 0: a disc", Range::non_negative());
+  v.field("rearm_m", rearm_m, "[m] distance from the center beyond which a captured target can be captured again",
           Range::non_negative());
 }
 
@@ -24,7 +24,7 @@ Vector3 CaptureVolume::center(const Vector3& p_m, double yaw_rad) const {
 
 std::optional<double> CaptureVolume::met_m(const Vector3& from_net_m, const Vector3& to_net_m) const {
   const Vector3 way_m = to_net_m - from_net_m;
-  // The part of the way that lies between bottom and top.
+  // The part of the segment between bottom and top.
   double first = 0.0, last = 1.0;
   const double low = -0.5 * height_m - from_net_m.z(), high = 0.5 * height_m - from_net_m.z();
   if (way_m.z() == 0.0) {
@@ -36,7 +36,7 @@ std::optional<double> CaptureVolume::met_m(const Vector3& from_net_m, const Vect
     last = std::min(last, b);
     if (first > last) return std::nullopt;
   }
-  // On it, the place nearest to the axis.
+  // Its point nearest to the axis.
   const double length_sq = way_m.head<2>().squaredNorm();
   const double nearest = length_sq > 0.0 ? -from_net_m.head<2>().dot(way_m.head<2>()) / length_sq : first;
   const double at = std::clamp(nearest, first, last);

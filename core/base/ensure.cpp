@@ -14,8 +14,8 @@ void append_number(std::string& text, Number value) {
   text.append(digits.data(), end);
 }
 
-/// The file as the reader of the message knows it: a header as it is included (cmake/Rooms.cmake links to it), a source
-/// from the root of the sources, which this file tells.
+/// The file's path for the message: a header as it is included (through the link folders of cmake/Rooms.cmake), a
+/// source from the root of the sources, which is derived from this file's path.
 std::string_view from_root(std::string_view file) {
   constexpr std::string_view kThis = __FILE__;
   constexpr std::string_view kFromRoot = "core/base/ensure.cpp";
