@@ -10,12 +10,12 @@ namespace swiftlet {
 
 std::span<const int> Assignment::solve(std::span<const double> costs, int rows, int cols) {
   ENSURE(rows >= 0 && cols >= 0 && costs.size() == static_cast<std::size_t>(rows) * cols, costs.size(), rows, cols);
-  // A forbidden pair, or a row without partner, costs so much that one of them outweighs all the rest.
+  // A forbidden pair, or a row without a partner, costs more than all allowed pairs of an assignment together.
   double span = 0.0;
   for (const double c : costs) {
     if (c < kForbidden) span = std::max(span, std::abs(c));
   }
-  // Each row may stay alone, in a column of its own behind the others: few rows and many columns stay cheap.
+  // Each row may stay unassigned, in a column of its own after the others: few rows and many columns stay cheap.
   const int n = rows, m = cols + rows;
   const double dear = (span + 1.0) * 4.0 * (n + 1);
   padded_.assign(static_cast<std::size_t>(n) * m, dear);
@@ -23,7 +23,7 @@ std::span<const int> Assignment::solve(std::span<const double> costs, int rows, 
     for (int c = 0; c < cols; ++c) padded_[static_cast<std::size_t>(r) * m + c] = std::min(costs[r * cols + c], dear);
   }
 
-  // Columns are numbered from 1; column 0 is where the row that looks for a partner stands.
+  // Columns are numbered from 1; column 0 holds the row to be assigned.
   potential_row_.assign(n + 1, 0.0);
   potential_col_.assign(m + 1, 0.0);
   row_of_col_.assign(m + 1, 0);

@@ -56,7 +56,7 @@ double Random::normal(std::uint32_t tick, std::uint32_t index) const {
 }
 
 std::array<double, 3> Random::normal3(std::uint32_t tick, std::uint32_t index) const {
-  // Two Box-Muller pairs of 32-bit uniforms give four normals, of which three are used.
+  // Two Box-Muller pairs of 32-bit uniforms give four normals; three are used.
   const auto r = draw(seed_, purpose_, entity_, Domain::kNormal3, tick, index);
   const auto unit = [](std::uint32_t word) { return (static_cast<double>(word) + 1.0) * 0x1.0p-32; };
   const Lanes2d radius = (-2.0 * log_of_unit({unit(r[0]), unit(r[2])})).sqrt();
@@ -74,9 +74,9 @@ void Random::fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::sp
 }
 
 void Random::fill_normal(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const {
-  // Number i is word i % 4 of block i / 4: two Box-Muller pairs a block. Four blocks at a time, so that logarithm, sine
-  // and cosine run in SIMD lanes (Eigen's, which do the same in every lane and on every machine; its square root does
-  // not).
+  // Number i is word i % 4 of block i / 4: two Box-Muller pairs per block. Four blocks at a time, so that logarithm,
+  // sine and cosine run in SIMD lanes. Eigen's give equal results in every lane and on every machine; its square root
+  // does not.
   constexpr std::uint32_t kBlocks = 4;
   using Lanes = Eigen::Array<float, 2 * kBlocks, 1>;
   for (std::size_t k = 0; k < out.size();) {
