@@ -19,7 +19,7 @@
 namespace swiftlet {
 namespace {
 
-// What vehicles can say to each other: a new kind is one line here.
+// Message kinds of vehicles: a new kind is one line here.
 constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
     message_kind<MapRays>(),          message_kind<SharedPath>(),     message_kind<SubmapDescriptor>(),
@@ -27,14 +27,14 @@ constexpr MessageKind kKinds[] = {
     message_kind<MapClosures>(),      message_kind<ToldTracks>(),     message_kind<ChaseReport>(),
 };
 
-/// What recordings add to the content of a message.
+/// Fields that recordings add to a message.
 struct Reception {
   VehicleId from = kNoVehicle;
   TimeNs received = 0;
 
   static void visit(auto& r, auto& v) {
-    v.vehicle("sender", r.from, "[-] who sent it");
-    v.time("received_s", r.received, "[s] when it came");
+    v.vehicle("sender", r.from, "[-] sending vehicle");
+    v.time("received_s", r.received, "[s] time of reception");
   }
 };
 
