@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An agent of your own: all the software of a vehicle in one class. This one holds a place with two loops, position to
-// thrust and attitude to torque.
+// A custom agent: all the software of a vehicle in one class. This one holds a position with two cascaded loops,
+// position to thrust and attitude to torque.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,7 +20,7 @@ struct KeeperConfig : ModuleConfigOf<KeeperConfig> {
   double attitude_radps = 8.0;
 
   void visit(ConfigVisitor& v) override {
-    v.field("place_m", place_m, "[m] to hold, world");
+    v.field("place_m", place_m, "[m] position to hold, world");
     v.field("position_radps", position_radps, "[rad/s] natural frequency of the position loop", Range::positive());
     v.field("attitude_radps", attitude_radps, "[rad/s] natural frequency of the attitude loop", Range::positive());
   }
@@ -33,7 +33,7 @@ class Keeper : public Agent {
     action_.mission = MissionStatus::kEndless;
   }
 
-  /// An agent knows nothing but its setup and its observations. What it returns holds until the next step.
+  /// The inputs of an agent are its setup and its observations. The returned action holds until the next step.
   const Action& step(const Observation& observation) override {
     action_.clear_outputs();
     if (observation.pose.empty()) return action_;
@@ -49,7 +49,7 @@ class Keeper : public Agent {
     const double k = config_.position_radps, a = config_.attitude_radps;
     const Vector3 error_m = config_.place_m - pose.T_world_body.translation();
     const Vector3 thrust_mps2 = k * k * error_m - 2.0 * k * pose.v_world_mps + 9.81 * Vector3::UnitZ();
-    // The rotation that takes the body's z axis to the wanted thrust, for small angles.
+    // Small-angle rotation of the body's z axis to the desired thrust.
     const Vector3 tilt_body = R_world_body.transpose() * R_world_body.col(2).cross(thrust_mps2.normalized());
     const Vector3 turn_radps2 = a * a * tilt_body - 2.0 * a * pose.omega_body_radps;
     return {airframe_.mass_kg * thrust_mps2.dot(R_world_body.col(2)),
@@ -65,7 +65,7 @@ class Keeper : public Agent {
     }
   }
 
-  /// For metrics and recorders; nothing flies by it.
+  /// For metrics and recorders only; control does not use it.
   void tell_estimate(const PoseSample& pose) {
     action_.estimate.t = pose.t;
     action_.estimate.valid = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A batch from your own program: how well does a vehicle hold its place in gusts? One scenario, many seeds, one world.
+// A batch in your own program: position error of a hovering vehicle in gusts. One scenario, many seeds, one world.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,7 @@ sim::Scenario hover_in_gusts() {
   return scenario;
 }
 
-/// @param world  shared by all runs: it depends on the world's seed alone
+/// @param world  shared by all runs: it depends only on the world's seed
 double worst_error_m(const sim::Scenario& scenario, const sim::World& world) {
   sim::Simulation simulation(scenario, 0, world);
   while (!simulation.finished()) simulation.tick();
@@ -46,7 +46,7 @@ int main() {
     scenario.seed = static_cast<std::uint64_t>(run);
     errors_m.push_back(worst_error_m(scenario, world));
   }
-  // The same seed gives the same flight, to the bit.
+  // Equal seeds give bit-identical flights.
   scenario.seed = 1;
   const bool repeats = worst_error_m(scenario, world) == errors_m.front();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A detector of your own, scored by the simulator: what hangs in the air alone and is small, flies.
+// A custom detector, scored by the simulator: small isolated clusters above the ground are flying objects.
 #include <cstdio>
 
 #include "swiftlet/core/agent/stack.hpp"
@@ -21,10 +21,11 @@ struct HoveringConfig : ModuleConfigOf<HoveringConfig> {
   int least_points = 3;
 
   void visit(ConfigVisitor& v) override {
-    v.field("least_height_m", least_height_m, "[m] what is lower stands on the ground");
-    v.field("greatest_extent_m", greatest_extent_m, "[m] what is larger is no vehicle", Range::positive());
-    v.field("tolerance_m", tolerance_m, "[m] points that are nearer to each other belong together", Range::positive());
-    v.field("least_points", least_points, "[-] fewer are noise", Range::between(1, 1000));
+    v.field("least_height_m", least_height_m, "[m] points below this height are attributed to the ground");
+    v.field("greatest_extent_m", greatest_extent_m, "[m] larger clusters are rejected", Range::positive());
+    v.field("tolerance_m", tolerance_m, "[m] largest distance between neighboring points of a cluster",
+            Range::positive());
+    v.field("least_points", least_points, "[-] smaller clusters are rejected as noise", Range::between(1, 1000));
   }
 };
 
@@ -32,7 +33,7 @@ class HoveringDetector : public Detector {
  public:
   explicit HoveringDetector(const HoveringConfig& config) : config_(config) {}
 
-  /// A cloud is a scan that lies in the local frame already, every beam at its own instant.
+  /// A cloud is a scan transformed to the local frame, each beam at its own instant.
   void step(const DetectorInput& input, DetectorOutput& output, Outbox&) override {
     for (const auto& cloud : input.clouds) {
       const FrameChange to_world = FrameChange::to_world(input.estimate);
@@ -42,7 +43,7 @@ class HoveringDetector : public Detector {
       }
       clusters_.compute(points_, config_.tolerance_m);
       for (int i = 0; i < clusters_.size(); ++i) add_if_small(clusters_.members(i), *cloud, output);
-      output.has_detections = true;  // also when nothing was found
+      output.has_detections = true;  // also when the list is empty
       output.stamp = cloud->stamp();
     }
   }
@@ -71,7 +72,7 @@ std::unique_ptr<Detector> make_hovering(const ModuleConfig& config, const AgentS
   return std::make_unique<HoveringDetector>(dynamic_cast<const HoveringConfig&>(config));
 }
 
-/// The simulator scores what it finds against the truth.
+/// Requests scores of its detections against the truth.
 void need_scores(const ModuleConfig&, AgentNeeds& needs) { needs.detects = true; }
 
 }  // namespace

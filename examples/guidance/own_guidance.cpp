@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Guidance of your own: a circle around a point of the world. All other stages of the vehicle are Swiftlet's, and the
-// scenario chooses this one by its name, as any other. Usage: own_guidance orbit.yaml
+// Custom guidance: a circle around a point of the world. All other stages of the vehicle are built in, and the scenario
+// selects this one by its name, like any other. Usage: own_guidance orbit.yaml
 #include <cmath>
 #include <cstdio>
 
@@ -11,16 +11,16 @@ namespace {
 
 using namespace swiftlet;
 
-/// The reader, the writer and the reference come from this one `visit`.
+/// One `visit` serves reader, writer and reference.
 struct OrbitConfig : ModuleConfigOf<OrbitConfig> {
   Eigen::Vector3d center_m = {0.0, 0.0, 3.0};
   double radius_m = 5.0;
   double speed_mps = 2.0;
 
   void visit(ConfigVisitor& v) override {
-    v.field("center_m", center_m, "[m] of the circle, world");
-    v.field("radius_m", radius_m, "[m] of the circle", Range::positive());
-    v.field("speed_mps", speed_mps, "[m/s] along the circle", Range::positive());
+    v.field("center_m", center_m, "[m] center of the circle, world");
+    v.field("radius_m", radius_m, "[m] radius of the circle", Range::positive());
+    v.field("speed_mps", speed_mps, "[m/s] speed along the circle", Range::positive());
   }
 };
 
@@ -36,8 +36,8 @@ class Orbit : public Guidance {
     goal_world.position_m = config_.center_m + config_.radius_m * outward;
     goal_world.velocity_mps = config_.speed_mps * along;
     goal_world.acceleration_mps2 = -config_.speed_mps * config_.speed_mps / config_.radius_m * outward;
-    goal_world.yaw_rad = elementary::atan2(-outward.y(), -outward.x());  // it looks at the center
-    // Stages work in the vehicle's local frame. The correction between the two may change at any time.
+    goal_world.yaw_rad = elementary::atan2(-outward.y(), -outward.x());  // heading towards the center
+    // Stages work in the vehicle's local frame. The correction between local and world frame may change at any time.
     output.goal = FrameChange::to_local(input.estimate).reference(goal_world);
     output.mission = MissionStatus::kEndless;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where did the vehicle fly between two scans? Answered by PCL's registrations, compared with the simulator's truth.
+// Estimates a vehicle's motion between two scans with PCL's registrations and compares it with the simulator's truth.
 #include <cstdio>
 #include <vector>
 
@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     simulation.tick();
     for (const auto& scan : simulation.view().scans[0]) keyframes.push_back(keyframe_of(*scan));
   }
-  // Half a second apart: nearer to each other than a cell of the normal distributions is wide.
+  // Half a second apart: the displacement is smaller than a cell of the normal distributions transform.
   const Keyframe &target = keyframes.front(), &source = keyframes[5];
   const Pose T_target_source = target.T_world_lidar.inverse() * source.T_world_lidar;
   std::printf("%zu keyframes; the vehicle moved %.2f m\n", keyframes.size(), T_target_source.translation().norm());

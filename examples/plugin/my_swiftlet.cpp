@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program swiftlet with one guidance more: my_swiftlet run SCENARIO.yaml
+// The program swiftlet with one additional guidance: my_swiftlet run SCENARIO.yaml
 #include "spiral.hpp"
 #include "swiftlet/program.hpp"
 

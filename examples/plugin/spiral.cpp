@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Guidance of your own in a shared library: a climb around the place where the vehicle began. A scenario loads it by
-// `plugins: [libspiral.so]`.
+// Custom guidance in a shared library: a helical climb around the vehicle's start. A scenario loads it by `plugins:
+// [libspiral.so]`.
 #include "spiral.hpp"
 
 #include "swiftlet/sim/plugin/plugin.hpp"
@@ -15,9 +15,9 @@ struct SpiralConfig : ModuleConfigOf<SpiralConfig> {
   double climb_mps = 0.3;
 
   void visit(ConfigVisitor& v) override {
-    v.field("radius_m", radius_m, "[m] of the circle, seen from above", Range::positive());
-    v.field("speed_mps", speed_mps, "[m/s] along it", Range::positive());
-    v.field("climb_mps", climb_mps, "[m/s] upwards", Range::non_negative());
+    v.field("radius_m", radius_m, "[m] horizontal radius of the helix", Range::positive());
+    v.field("speed_mps", speed_mps, "[m/s] horizontal speed", Range::positive());
+    v.field("climb_mps", climb_mps, "[m/s] climb rate", Range::non_negative());
   }
 };
 

@@ -3,5 +3,5 @@
 
 #include "swiftlet/core/stages/guidances.hpp"
 
-/// The row of the guidance `spiral`.
+/// Registry row of the guidance `spiral`.
 swiftlet::GuidanceType spiral();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recorder of your own: the paths of all vehicles, seen from above, as one SVG drawing.
+// A custom recorder: top view of the paths of all vehicles as one SVG drawing.
 // Usage: own_recorder plan.yaml DIRECTORY
 #include <cstdio>
 
@@ -12,14 +12,14 @@ namespace {
 
 using namespace swiftlet;
 
-/// TellsOutput: two recorders of a scenario must not write the same.
+/// TellsOutput lets the scenario check that no two recorders write the same file.
 struct PlanConfig : ModuleConfigOf<PlanConfig>, sim::TellsOutput {
   std::string file = "plan.svg";
   double every_s = 0.1;
 
   void visit(ConfigVisitor& v) override {
-    v.field("file", file, "[-] below the run directory");
-    v.field("every_s", every_s, "[s] from point to point", Range::positive());
+    v.field("file", file, "[-] output file, relative to the run directory");
+    v.field("every_s", every_s, "[s] time between path points", Range::positive());
   }
   sim::RecorderOutput output() const override { return {"file", file, true, "plan", {}, {}}; }
 };
@@ -33,14 +33,14 @@ class PlanRecorder : public sim::Recorder {
     paths_.resize(info.vehicle_names.size());
   }
 
-  /// Truth beside what was sensed and done, once a tick; what is parallel is over by now.
+  /// Called once per tick with truth, sensor data and actions, after all parallel work of the tick.
   void write(const sim::TickView& tick) override {
     if (tick.t < next_) return;
     next_ = tick.t + from_seconds(config_.every_s);
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       const Vector3& p_world_m = tick.states[i].p_world_m;
       char point[64];
-      std::snprintf(point, sizeof point, "%.2f,%.2f ", p_world_m.x(), -p_world_m.y());  // SVG counts y downward
+      std::snprintf(point, sizeof point, "%.2f,%.2f ", p_world_m.x(), -p_world_m.y());  // the y axis of SVG points down
       paths_[i] += point;
       seen_m_.extend(p_world_m.head<2>());
     }
@@ -68,7 +68,7 @@ class PlanRecorder : public sim::Recorder {
   PlanConfig config_;
   sim::RunInfo info_;
   TimeNs next_ = 0;
-  std::vector<std::string> paths_;  // by vehicle
+  std::vector<std::string> paths_;  // indexed by vehicle
   Eigen::AlignedBox2d seen_m_;
 };
 

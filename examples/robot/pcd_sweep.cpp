@@ -20,7 +20,7 @@ struct Field {
 };
 
 struct Header {
-  std::map<std::string, Field> fields;  // padding ("_") is one of them
+  std::map<std::string, Field> fields;  // including padding ("_")
   std::size_t point_bytes = 0, num_points = 0;
 };
 
@@ -33,7 +33,7 @@ std::size_t whole_number(const std::string& word) {
   return number;
 }
 
-// Where each field lies in a point, by the lines FIELDS, SIZE, TYPE and COUNT.
+// Computes type, size and offset of each field in a point from the lines FIELDS, SIZE, TYPE and COUNT.
 void place_fields(std::map<std::string, std::vector<std::string>>& lines, Header& header) {
   const std::vector<std::string>& names = lines["FIELDS"];
   if (!lines.contains("COUNT")) lines["COUNT"].assign(names.size(), "1");
@@ -50,7 +50,7 @@ void place_fields(std::map<std::string, std::vector<std::string>>& lines, Header
 }
 
 Header read_header(std::istream& in) {
-  std::map<std::string, std::vector<std::string>> lines;  // words behind the first
+  std::map<std::string, std::vector<std::string>> lines;  // the words after the first of each line
   while (!lines.contains("DATA")) {
     std::string line, key;
     if (!std::getline(in, line)) throw std::runtime_error("expected a PCD file");
@@ -89,7 +89,7 @@ swiftlet::Scan read_sweep(const std::filesystem::path& file, swiftlet::TimeNs st
   std::vector<char> data(header.point_bytes * header.num_points);
   if (!in.read(data.data(), static_cast<std::streamsize>(data.size()))) throw std::runtime_error("it ends too early");
 
-  // A column of one beam for each point, in the order of their times.
+  // One column with one beam for each point, sorted by time.
   std::vector<std::size_t> order(header.num_points);
   std::iota(order.begin(), order.end(), 0);
   const auto bytes_of = [&](std::size_t i, const Field& field) { return &data[i * header.point_bytes + field.offset]; };
@@ -102,7 +102,7 @@ swiftlet::Scan read_sweep(const std::filesystem::path& file, swiftlet::TimeNs st
                             : static_cast<float>(number_at<double>(bytes_of(i, field)));
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return time_s(a) < time_s(b); });
-  // Times in another unit would bend the sweep.
+  // Times in another unit would corrupt the motion compensation of the sweep.
   if (!order.empty() && time_s(order.back()) > 2.0 * swiftlet::to_seconds(duration)) {
     throw std::runtime_error("expected t in nanoseconds after the start of the sweep, found " +
                              std::to_string(time_s(order.back())) + " s in a sweep of " +

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SLAM on what a robot recorded, with core/ alone: no simulator, no ROS.
+// SLAM on recordings of a real robot, with core/ only: without simulator and ROS.
 //
 //   recorded_slam SCANS IMU.csv X Y Z >trajectory.tum
 //
-// SCANS has binary PCD files and pcd_index.csv with their stamps; IMU.csv has time, body rate and specific force. X Y Z
-// is where the LiDAR sits on the body. What a simulated vehicle records has these formats; so may what your converter
-// writes.
+// SCANS contains binary PCD files and pcd_index.csv with their stamps; IMU.csv has time, body rate and specific force.
+// X Y Z is the position of the LiDAR on the body. Recorders of the simulator write these formats, and so may your
+// converter.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +26,7 @@ struct Sweep {
   TimeNs stamp, duration;
 };
 
-/// Rows of a CSV file with a head, cell by cell.
+/// Cells of the rows of a CSV file with a header line.
 std::vector<std::vector<std::string>> read_rows(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file.string() + ": expected a CSV file, found none");
@@ -72,7 +72,7 @@ void run(const std::filesystem::path& scans, const std::filesystem::path& imu_fi
   Outbox outbox;
   const std::vector<Sweep> sweeps = read_index(scans);
   auto sweep = sweeps.begin();
-  // One step for each sample of the IMU. A sweep is there when its last beam has been fired.
+  // One step for each IMU sample. A sweep is delivered when its last beam has been fired.
   for (const ImuSample& sample : read_imu(imu_file)) {
     Observation observation;
     observation.t = sample.t;

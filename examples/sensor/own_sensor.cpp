@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A sensor of your own: a barometer, whose height drifts. It speaks as an altimeter does, so estimators can use it.
+// A custom sensor: a barometer with height drift. Its samples have the altimeter's type, so estimators can use it.
 #include <cmath>
 #include <cstdio>
 
@@ -24,12 +24,12 @@ struct BarometerConfig : sim::SensorConfigOf<BarometerConfig> {
     v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(0.1, 1000.0));
     v.field("sigma_m", sigma_m, "[m] standard deviation of the white noise", Range::non_negative());
     v.field("drift_m", drift_m, "[m] standard deviation of the drift", Range::non_negative());
-    v.field("drift_time_s", drift_time_s, "[s] in which the drift forgets itself", Range::positive());
+    v.field("drift_time_s", drift_time_s, "[s] correlation time of the drift", Range::positive());
   }
 };
 
-/// Measures the truth at its own instants. Random numbers are functions of seed, purpose, sensor and index, so a run
-/// gives the same bits whatever else the team carries.
+/// Measures the truth at its own instants. Random numbers are functions of seed, purpose, sensor and index, so results
+/// do not depend on other sensors of the team.
 class Barometer : public sim::Sensor {
  public:
   Barometer(const BarometerConfig& config, sim::SensorSetup setup)
@@ -44,7 +44,7 @@ class Barometer : public sim::Sensor {
     TimeNs due = 0;
     std::uint32_t index = 0;
     while (schedule_.next(now, due, index)) {
-      // First-order Gauss-Markov: of the same strength at every time.
+      // Stationary first-order Gauss-Markov process.
       const double fresh = index == 0 ? 1.0 : std::sqrt(1.0 - memory_ * memory_);
       drift_m_ = memory_ * drift_m_ + fresh * config_.drift_m * walk_.normal(index, 0);
       const double height_m = truth.at(setup_.vehicle, due).p_world_m.z();
