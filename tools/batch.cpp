@@ -106,7 +106,7 @@ void tell(const sim::BatchOutcome& outcome, const fs::path& out, double elapsed_
   }
 }
 
-// What is not done is told with the command that repeats it; any of it makes the exit status 1.
+// Lists unfinished episodes with the commands that repeat them; any of them makes the exit status 1.
 void tell_failures(const fs::path& database) {
   constexpr int kShown = 5;
   const sim::ResultStore store(database, sim::ResultStore::Mode::kRead);
@@ -121,7 +121,7 @@ void tell_failures(const fs::path& database) {
                                        count == 1 ? "" : "s", count == 1 ? "it" : "they", database.string()));
 }
 
-// The worst episodes once more, each with its replay, for the report.
+// Repeats the worst episodes, recording their replays for the report.
 void write_replays(const BatchArguments& arguments, const sim::BatchPlan& plan, const fs::path& out, int threads) {
   const sim::BatchTable table = sim::read_batch_table({out / "results.sqlite", sim::ResultStore::Mode::kRead});
   for (const sim::EpisodeRow& row : sim::worst_episodes(table, static_cast<std::size_t>(arguments.replays))) {
@@ -151,7 +151,7 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   if (!options.shard.whole() && !arguments.quiet) {
     fmt::print(stderr, "{}: part {} ({})\n", plan.config().name, options.shard.str(), options.shard.source);
   }
-  const StopSignals guard;  // what has been flown is stored already
+  const StopSignals guard;  // stored episodes survive an interrupt
   Progress progress(plan.config().name, arguments.quiet);
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed_s = [&] {
@@ -159,7 +159,7 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   };
   const sim::BatchOutcome outcome = sim::run_batch(plan, options, [&](const sim::BatchProgress& p) {
     if (!progress.due()) return;
-    const auto todo = static_cast<double>(p.total - p.done + p.flown);  // what this start is to do
+    const auto todo = static_cast<double>(p.total - p.done + p.flown);  // episodes to fly since this start
     progress.update(todo > 0.0 ? static_cast<double>(p.flown) / todo : 1.0, note_of(p, elapsed_s()));
   });
   progress.finish();

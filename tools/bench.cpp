@@ -63,13 +63,14 @@ sim::Scenario crowd(double physics_step_s) {
   return scenario;
 }
 
-// What is timed: a scenario flown for a while after a warm-up.
+// A benchmark: a scenario flown for a while after a warm-up.
 struct Case {
   const char* name;
   const char* what;
   sim::Scenario (*make)();
   double simulated_s;
-  bool times_agents = false;  // by stage; of agents that only hover, looking at the clock would take a good part
+  // Also time the agents by stage; for agents that only hover, reading the clock would dominate
+  bool times_agents = false;
 };
 
 const Case kCases[] = {
@@ -88,7 +89,7 @@ const Case kCases[] = {
     {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0, true},
 };
 
-// Beside as many busy processes as there are threads.
+// A benchmark with as many busy processes beside the program as it has threads.
 struct BusyCase {
   const char* name;
   const char* what;
@@ -112,7 +113,8 @@ struct Result {
   const Case* of;
   std::size_t num_triangles = 0;
   sim::RunSummary summary;
-  std::vector<std::pair<std::string, double>> agent_shares;  // of the time of all agents, by stage; empty: not timed
+  // Share of each stage in the time of all agents; empty: not timed
+  std::vector<std::pair<std::string, double>> agent_shares;
 };
 
 std::vector<std::pair<std::string, double>> shares(std::vector<std::pair<std::string, double>> times_s) {
@@ -183,7 +185,7 @@ std::string row_of(const Result& result) {
 }
 
 std::string row_of(const BusyCase& which, const BesideOthers& result) {
-  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size() + kAgentStageNames.size();  // columns
+  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size() + kAgentStageNames.size();  // number of columns
   return fmt::format("{},{},{},{}{},{},{:.3f},{:.3f}\n", which.name, sim::version(), sim::git_revision(),
                      result.threads, std::string(kOfRuns, ','), result.others, result.times_one_thread,
                      result.share_kept);
@@ -213,8 +215,7 @@ void check_names(const std::vector<std::string>& only) {
 
 void bench(const BenchOptions& options) {
   check_names(options.only);
-  if (!options.csv.empty())
-    sim::write_file(options.csv, "");  // now, rather than minutes later, when it cannot be written
+  if (!options.csv.empty()) sim::write_file(options.csv, "");  // fail before the run if not writable
   std::string csv = header();
   for (const Case& which : kCases) {
     if (!wanted(which.name, options.only)) continue;

@@ -26,12 +26,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSettle_s = 0.5;
-constexpr int kTurns = 20;      // of each
-constexpr int kBatchTurns = 3;  // of each
-constexpr int kEpisodes = 8;    // of a turn
+constexpr int kTurns = 20;      // turns of each of the two simulations
+constexpr int kBatchTurns = 3;  // turns of each of the two batches
+constexpr int kEpisodes = 8;    // episodes per turn
 constexpr double kEpisode_s = 150.0;
 
-/// What the same work, done in turns, has taken so far.
+/// Time used so far by one of two alternating runs of equal work.
 struct Spent {
   double wall_s = 0.0;
   double own_cpu_s = 0.0;
@@ -63,7 +63,7 @@ void fly_until(sim::Simulation& simulation, double until_s) {
   while (to_seconds(simulation.now()) < until_s) simulation.tick();
 }
 
-/// This program once more.
+/// Runs this program in a new process.
 void run_swiftlet(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "swiftlet");
   std::vector<char*> argv;

@@ -5,25 +5,26 @@
 
 #include "swiftlet/sim/scenario/scenario.hpp"
 
-/// Speed beside other work, as ratios within one run: whatever else the machine does hits both sides alike.
+/// Speed beside other processes, as ratios within one run, so that other load on the machine affects both sides alike.
 namespace swiftlet::tools {
 
 struct BesideOthers {
-  int threads = 1;  ///< or worker processes
-  int others = 0;   ///< busy processes beside them, as many
+  int threads = 1;  ///< threads or worker processes
+  int others = 0;   ///< number of competing busy processes
   /// Speed with all threads over the speed with one.
   double times_one_thread = 0.0;
-  /// What was done, counted in processor time of one thread that does it alone, over the threads' part of the processor
-  /// time that they and the others got together.
+  /// Performed work, measured by the processor time that one thread alone needs for it, divided by the threads' fair
+  /// share of the processor time used by them and the busy processes together.
   double share_kept = 0.0;
 };
 
 using TellProgress = std::function<void(double done)>;
 
-/// Two copies of the scenario, one with a single thread, take turns of `turn_s` of simulated time.
+/// Alternates two copies of the scenario in turns of `turn_s` of simulated time, one with a single thread, one with
+/// all.
 BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int threads, const TellProgress& tell);
 
-/// `swiftlet batch` with one worker and with several takes turns.
+/// Alternates turns of `swiftlet batch` with one worker and with several.
 BesideOthers fly_batch_beside_others(int workers, const TellProgress& tell);
 
 }  // namespace swiftlet::tools

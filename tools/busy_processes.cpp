@@ -25,7 +25,7 @@ BusyProcesses::BusyProcesses(int count) {
     const pid_t id = ::fork();
     if (id == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (::getppid() != parent) ::_exit(0);  // it died before the line above
+      if (::getppid() != parent) ::_exit(0);  // the parent exited before prctl()
       sim::ask_for_usual_time_slices();
       compute();
     }

@@ -7,7 +7,7 @@
 
 namespace swiftlet::tools {
 
-/// Other work on the machine: processes that compute for as long as this object lives, and no longer than this process.
+/// Competing load: processes that compute for as long as this object exists, at most until this process ends.
 class BusyProcesses {
  public:
   explicit BusyProcesses(int count);
@@ -16,7 +16,7 @@ class BusyProcesses {
   BusyProcesses& operator=(const BusyProcesses&) = delete;
 
   int count() const { return static_cast<int>(ids_.size()); }
-  /// Processor time of all of them so far.
+  /// Total processor time of the processes so far.
   double cpu_s() const;
 
  private:

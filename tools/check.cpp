@@ -19,7 +19,7 @@
 namespace swiftlet::tools {
 namespace {
 
-// A batch file is known by a key that no scenario has. It is checked with every scenario that it names.
+// A batch file is recognized by a key that no scenario has. It is checked with every scenario that it names.
 bool is_batch_file(const sim::Node& document) {
   for (const char* key : {"scenario", "variants", "sweep", "seeds"}) {
     if (document.find(key) != nullptr) return true;
@@ -27,17 +27,17 @@ bool is_batch_file(const sim::Node& document) {
   return false;
 }
 
-// So is a dataset file.
+// A dataset file is recognized in the same manner.
 bool is_dataset_file(const sim::Node& document) {
   return document.find("splits") != nullptr || document.find("families") != nullptr;
 }
 
-/// Does all that a run does before its first tick, so that what passes here flies.
+/// Does all that a run does before its first tick, so that a scenario that passes can be flown.
 void require_flyable(sim::Scenario scenario) {
   sim::Simulation simulation(std::move(scenario));
-  const ScratchFolder folder;  // after the long part: an interrupt ends the program at once
+  const ScratchFolder folder;  // created after the long part, since an interrupt ends the program at once
   simulation.attach_recorders(folder.path());
-  fmt::print(stderr, "{}", sim::to_text(simulation.summary().counters));  // what of its files does not fit
+  fmt::print(stderr, "{}", sim::to_text(simulation.summary().counters));  // parts of its files that were omitted
 }
 
 /// One episode of each variant.
@@ -47,7 +47,7 @@ void require_flyable(const sim::BatchPlan& plan) {
     const auto episode = plan.episode(id);
     if (seen.insert(episode.variant).second) {
       sim::Scenario scenario = plan.scenario_of(episode);
-      scenario.snapshots.clear();  // episodes take no pictures
+      scenario.snapshots.clear();  // episodes of a batch take no pictures
       require_flyable(std::move(scenario));
     }
     if (plan.config().variants.empty()) break;
@@ -61,7 +61,7 @@ void add_check(CLI::App& app) {
   Subcommand command(app, "check", "Validate a scenario, a batch or a dataset file; prints nothing when all is well");
   options->add_to(command);
   command.action([options] {
-    if (options->allow_plugins) allow_plugins();  // batches and datasets too
+    if (options->allow_plugins) allow_plugins();  // also for batches and datasets
     const sim::Node document = sim::Loader(sim::system_files()).load(options->file);
     if (is_batch_file(document)) {
       require_flyable(sim::BatchPlan(options->file, parse_assignments(options->set)));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// "a whole number in [0, 1024]", "a number >= 0".
+/// Expected value for messages: "a whole number in [0, 1024]", "a number >= 0".
 template <class T>
 std::string expected(double min, double max) {
   if constexpr (std::is_integral_v<T>) {
@@ -29,14 +29,14 @@ std::string expected(double min, double max) {
   return max < kUnlimited ? fmt::format("a number <= {:g}", max) : "a number";
 }
 
-/// The whole text as a number; the library itself takes -1 for an unsigned one and cuts what is too large.
+/// Parses the whole text as a number; the library accepts -1 for unsigned numbers and truncates large ones.
 template <class T>
 bool parse(const std::string& text, T& value) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   return problem == std::errc() && end == text.data() + text.size();
 }
 
-/// What is wrong with the text of an option's number; empty: nothing.
+/// Error message for the text of an option's number; empty: valid.
 template <class T>
 std::string complaint(const std::string& text, double min, double max) {
   T value{};

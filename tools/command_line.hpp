@@ -11,17 +11,17 @@ namespace CLI {
 class App;
 }
 
-/// A thin face of the command-line library. The library is all templates in headers, ten seconds of compilation for
-/// each file that includes it: only command_line.cpp and main.cpp do.
+/// A thin interface to the command-line library, which consists of templates in headers and adds ten seconds of
+/// compilation to each file that includes it; only command_line.cpp and main.cpp do.
 namespace swiftlet::tools {
 
-/// What an option may say of itself. A name without dashes is a positional argument.
+/// Properties of an option. A name without dashes is a positional argument.
 struct OptionTraits {
   const char* value_name = "";  ///< in the help: "DIR"
   bool required = false;
-  std::optional<double> min = {};  ///< of a number
+  std::optional<double> min = {};  ///< least valid number
   std::optional<double> max = {};
-  bool repeated = false;  ///< lists: one value each time the option is named, instead of all that follow
+  bool repeated = false;  ///< lists: one value per occurrence of the option, instead of all values that follow
 };
 
 class Subcommand {
@@ -43,9 +43,9 @@ class Subcommand {
   void option(const std::string& name, std::vector<double>& value, const std::string& doc,
               const OptionTraits& traits = {});
 
-  /// A subcommand of this subcommand ("dataset verify"); without one, this one's own action runs.
+  /// A nested subcommand ("dataset verify"); without it, this subcommand's own action runs.
   Subcommand subcommand(const std::string& name, const std::string& doc);
-  /// Called after parsing, when this subcommand was chosen.
+  /// Called after parsing if this subcommand was chosen.
   void action(std::function<void()> run);
 
  private:
@@ -53,10 +53,10 @@ class Subcommand {
   CLI::App* command_;
 };
 
-/// A command as its help tells it: for manual pages and completion in shells.
+/// Structure of a command's help, for manual pages and shell completion.
 struct CommandShape {
   struct Option {
-    std::vector<std::string> names;  ///< with their dashes; none: a positional argument
+    std::vector<std::string> names;  ///< with their dashes; empty: a positional argument
     std::string value_name;          ///< empty: a flag
     std::string doc;
   };

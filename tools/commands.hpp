@@ -6,7 +6,7 @@
 #include "command_line.hpp"
 
 /// The subcommands of `swiftlet`, one file each. Each adds itself to the program and sets its callback, which throws
-/// InputError (exit status 2) or any other exception (exit status 1).
+/// InputError (exit status 2) or another exception (exit status 1).
 namespace swiftlet::tools {
 
 void add_run(CLI::App& app);
@@ -23,7 +23,7 @@ void add_dataset(CLI::App& app);
 void add_uncertainty(CLI::App& app);
 void add_manual(CLI::App& app);
 
-/// A program of these subcommands: parses the command line and runs one.
+/// Parses the command line of a program with these subcommands and runs the chosen one.
 /// @return the exit status: 0, 1 for a failure, 2 for wrong input, 128 + the signal for an interrupted run
 int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands);
 

@@ -38,7 +38,7 @@ void print_outside(const std::string& share) {
 
 void generate(const DatasetOptions& options) {
   const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, parse_assignments(options.set)));
-  const StopSignals guard;  // finished sequences stay
+  const StopSignals guard;  // finished sequences survive an interrupt
   Progress progress(plan.config.name, options.quiet);
   sim::GenerateOptions generation;
   generation.directory = options.out;

@@ -57,7 +57,7 @@ FlownRun fly_run(const sim::Scenario& scenario, const fs::path& out, int threads
   if (prepare) prepare(simulation, directory.path());
   const auto ready = std::chrono::steady_clock::now();
   fly(simulation, quiet);
-  deadline.reset();  // the end of a run is not left half way
+  deadline.reset();  // writing the results must not be interrupted
   FlownRun flown;
   flown.written = simulation.finish();
   const auto done = std::chrono::steady_clock::now();

@@ -12,14 +12,14 @@ namespace swiftlet::tools {
 
 struct FlownRun {
   sim::RunSummary summary;
-  std::vector<std::filesystem::path> written;  ///< by the recorders, within the run directory, sorted
+  std::vector<std::filesystem::path> written;  ///< files of the recorders, relative to the run directory, sorted
 };
 
-/// Flies a scenario into a run directory: what its recorders write, the resolved scenario, the summary. Shows progress
-/// unless it is to be quiet. Ctrl-C ends it after the present tick by Interrupted, and the program half a second later
-/// when neither a tick nor the world is complete by then; nothing that looks finished is left behind.
+/// Flies a scenario into a run directory with the files of its recorders, the resolved scenario and the summary. Shows
+/// progress unless quiet. Ctrl-C throws Interrupted after the current tick; if neither a tick nor the world is complete
+/// half a second later, it ends the program. No incomplete run directory appears under its final name.
 /// @param out      the run directory; an earlier run there is replaced
-/// @param prepare  called before the first tick, with the directory that is written to
+/// @param prepare  called before the first tick, with the directory being written
 FlownRun fly_run(const sim::Scenario& scenario, const std::filesystem::path& out, int threads, bool quiet,
                  const std::function<void(sim::Simulation&, const std::filesystem::path&)>& prepare = {});
 

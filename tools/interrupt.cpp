@@ -18,7 +18,7 @@ constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t received = 0;
 
 constexpr std::chrono::milliseconds kLook(50);
-constexpr int kLooksOfGrace = 10;  // after the signal
+constexpr int kLooksOfGrace = 10;  // polls after the signal before the program is ended
 
 void note(int signal) { received = signal; }
 

@@ -9,7 +9,7 @@
 
 namespace swiftlet::tools {
 
-/// The user stopped it; programs end with 128 + the number of the signal, as shells expect.
+/// The user stopped the work; programs exit with 128 + the number of the signal, as shells expect.
 class Interrupted : public std::runtime_error {
  public:
   explicit Interrupted(const std::string& what);
@@ -19,8 +19,8 @@ class Interrupted : public std::runtime_error {
   int exit_status_;
 };
 
-/// While it lives, Ctrl-C, SIGTERM and SIGHUP ask the work to end in good order instead of ending the program. What was
-/// ignored before stays ignored: nohup, and Ctrl-C for jobs in the background of a script.
+/// While it exists, Ctrl-C, SIGTERM and SIGHUP request a controlled end of the work instead of ending the program.
+/// Signals ignored before remain ignored: with nohup, and Ctrl-C for background jobs of a script.
 class StopSignals {
  public:
   StopSignals();
@@ -34,12 +34,12 @@ class StopSignals {
   std::array<void (*)(int), 3> previous_;
 };
 
-/// While it lives, the program ends at the latest half a second after a signal of StopSignals, whatever the work is at:
-/// making a large world takes minutes and looks at no signal.
+/// While it exists, the program ends at most half a second after a signal of StopSignals, whatever the current
+/// activity: generating a large world takes minutes without polling signals.
 class StopDeadline {
  public:
-  /// @param message   as of Interrupted
-  /// @param clean_up  called in another thread before the program ends, beside the work
+  /// @param message   message as for Interrupted
+  /// @param clean_up  called in another thread before the program ends, in parallel with the work
   explicit StopDeadline(std::string message, std::function<void()> clean_up = {});
 
  private:

@@ -54,7 +54,7 @@ void print_outcomes() {
   for (const sim::OutcomeWord& word : sim::outcome_words()) print_line(word.name, word.definition);
 }
 
-/// Who draws an overlay: the stack itself, a stage of any type, or types of a stage by name.
+/// Sources of an overlay: the stack itself, a stage of any type, or named types of a stage.
 void print_overlays() {
   std::vector<std::pair<std::string, std::string>> drawn = {
       {"reference", "the stack"}, {"tracks", "any tracker"}, {"tracks.covariance", "any tracker"}};

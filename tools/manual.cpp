@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a shell and `man` want to know, made of the help itself.
+// Shell completion and manual page, generated from the help.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,7 +12,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// Text of a manual page: a backslash and a leading dot or quote would be commands.
+/// Escapes text for a manual page: a backslash and a leading dot or quote would be commands.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -58,7 +58,7 @@ std::string manual_page(const CommandShape& program) {
   return text;
 }
 
-/// Lines of a `case` in bash: command, its options, and where its first words come from.
+/// Lines of a `case` in bash: command, its options, and the sources of completions for its first words.
 std::string bash_cases(const CommandShape& program) {
   std::string text;
   for (const CommandShape& command : program.commands) {

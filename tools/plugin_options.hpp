@@ -8,11 +8,11 @@
 
 namespace swiftlet::tools {
 
-/// The flag --allow-plugins, and what it does: this process loads the plugins that scenarios name.
+/// The flag --allow-plugins: this process loads the plugins that scenarios name.
 void add_allow_plugins(Subcommand& command, bool& allowed);
 void allow_plugins();
 
-/// --plugin FILE, for subcommands that read no scenario: whoever names one allows it.
+/// --plugin FILE, for subcommands that read no scenario; naming a plugin also allows it.
 struct PluginOptions {
   std::vector<std::string> files;
 

@@ -34,9 +34,9 @@ namespace {
 
 constexpr int kBroke = 1;
 constexpr int kWrongInput = 2;
-constexpr int kClosedPipe = 128 + SIGPIPE;  // as a shell reports a program that the signal ended
+constexpr int kClosedPipe = 128 + SIGPIPE;  // exit status that a shell reports for this signal
 
-// The library would only say that a subcommand is missing.
+// Replaces the library's message, which only reports a missing subcommand.
 void require_known_command(const CLI::App& app, const std::string& word) {
   if (word.empty() || word.front() == '-') return;
   std::vector<std::string> known;
@@ -46,13 +46,13 @@ void require_known_command(const CLI::App& app, const std::string& word) {
                                   swiftlet::sim::did_you_mean(word, known));
 }
 
-/// `swiftlet list | head`: the reader of the standard output has ended, which is no fault.
+/// `swiftlet list | head`: the reader of the standard output has closed it, which is no error.
 bool output_is_closed() {
   pollfd output{STDOUT_FILENO, POLLOUT, 0};
   return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
 
-// The program is built for processors with AVX2; on others it would end in the middle with an illegal instruction.
+// The program is built for processors with AVX2; others would stop later with an illegal instruction.
 bool processor_is_known() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) return true;
@@ -120,9 +120,9 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& s
 namespace swiftlet {
 
 int tools::run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands) {
-  std::locale::global(std::locale::classic());  // numbers of command line, files and messages have a decimal point
+  std::locale::global(std::locale::classic());  // decimal points in command line, files and messages
   sim::ask_for_short_time_slices();
-  // A closed pipe or a file at its limit is an error of the write, not the end of the run.
+  // Writing to a closed pipe or a file at its size limit then fails as a write instead of ending the run.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   return processor_is_known() ? run_program(argc, argv, subcommands) : kBroke;

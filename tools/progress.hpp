@@ -6,16 +6,16 @@
 
 namespace swiftlet::tools {
 
-/// One line on a terminal that rewrites itself, plain lines every ten seconds elsewhere; on stderr, and only for work
-/// that lasts longer than two seconds. Costs nothing when called too often.
+/// Progress on stderr: one updated line on a terminal, otherwise plain lines every ten seconds; only for work that
+/// lasts longer than two seconds. Frequent calls are cheap.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
   ~Progress();
-  /// @param done  0..1; less than before begins a new part, whose own time the estimate is of
+  /// @param done  0..1; a smaller value than before begins a new part, for which the remaining time is estimated anew
   /// @param note  such as "12.4 s, 3.1 x real time"
   void update(double done, const std::string& note);
-  /// Is it time to call update()? For callers whose note is dear to make.
+  /// Is it time to call update()? For callers with expensive notes.
   bool due() const;
   void finish();
 
@@ -34,7 +34,7 @@ class Progress {
 /// "3.2 s", "4 min 05 s", "2 h 03 min".
 std::string duration_text(double seconds);
 
-/// Bold or colored text on a terminal that wants it (NO_COLOR is respected), plain text elsewhere.
+/// Bold or colored text on a terminal that supports it (NO_COLOR is respected), plain text elsewhere.
 std::string bold(const std::string& text);
 
 }  // namespace swiftlet::tools

@@ -46,7 +46,7 @@ std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, con
     sim::CameraConfig camera;
     const std::size_t colon = name.find(':');
     const std::string type = name.substr(0, colon);
-    camera.type = *enum_named<sim::CameraConfig::Type>(type, sim::CameraConfig::kTypes);  // check_options has seen it
+    camera.type = *enum_named<sim::CameraConfig::Type>(type, sim::CameraConfig::kTypes);  // validated by check_options
     if (colon != std::string::npos) camera.vehicle = name.substr(colon + 1);
     camera.name = type + (camera.vehicle.empty() ? "" : "_" + camera.vehicle);
     camera.cloud = sim::CloudColors::kHeight;
@@ -56,7 +56,7 @@ std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, con
   return chosen;
 }
 
-// Mistakes in the options, told as such: the scenario's reader would speak of lines that nobody wrote.
+// Reports errors in the options, which the scenario's reader would attribute to lines that are not in the file.
 void check_options(const RenderOptions& options, const sim::Scenario& scenario) {
   std::vector<std::string> known(std::begin(sim::CameraConfig::kTypes), std::end(sim::CameraConfig::kTypes)), vehicles;
   for (const sim::CameraConfig& camera : scenario.snapshots) known.push_back(camera.name);
@@ -78,7 +78,7 @@ void check_options(const RenderOptions& options, const sim::Scenario& scenario) 
   }
 }
 
-// Flying the resolved scenario again gives the same bits, hence everything that could have been seen at the time.
+// Repeats the flight of the resolved scenario, which gives the same bits and thus the same views.
 void render(const RenderOptions& options) {
   sim::require_pictures("render: ");
   const fs::path run(options.run);

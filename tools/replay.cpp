@@ -31,7 +31,7 @@ struct ReplayOptions {
   bool quiet = false;
 };
 
-// As the run's own recorder has it, if it has one, with what was asked for.
+// Configuration of the run's own replay recorder, if it has one, with the given options.
 sim::ReplayConfig config_of(const sim::Scenario& scenario, const ReplayOptions& options) {
   sim::ReplayConfig config;
   for (const Module& recorder : scenario.recorders) {
@@ -42,7 +42,8 @@ sim::ReplayConfig config_of(const sim::Scenario& scenario, const ReplayOptions& 
   return config;
 }
 
-// Flying the resolved scenario again gives the same bits: the page shows the run itself, or there is none.
+// Repeats the flight of the resolved scenario, which gives the same bits: the page shows the run itself or is not
+// written.
 void replay(const ReplayOptions& options) {
   const fs::path run(options.run);
   if (!fs::exists(run / "scenario.yaml") || !fs::exists(run / "summary.json")) {

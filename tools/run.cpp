@@ -41,7 +41,7 @@ std::string crashed_vehicles(const sim::RunSummary& summary) {
   return names;
 }
 
-// One line for a whole folder: a run may write thousands of scans.
+// Prints one line for each folder: a run may write thousands of scans.
 void print_paths(const fs::path& directory, const std::vector<fs::path>& written) {
   std::vector<std::pair<fs::path, int>> folders;
   for (const fs::path& path : written) {

@@ -11,7 +11,7 @@
 
 namespace swiftlet::tools {
 
-/// The options by which every subcommand that takes a scenario changes it.
+/// Options common to all subcommands that take a scenario.
 struct ScenarioOptions {
   std::string file;
   std::optional<std::uint64_t> seed;
@@ -24,7 +24,7 @@ struct ScenarioOptions {
   sim::Scenario load() const;
 };
 
-/// "key=value" of each --set, in their order. Throws InputError.
+/// "key=value" of each --set, in the given order. Throws InputError.
 ConfigChanges parse_assignments(const std::vector<std::string>& set);
 
 }  // namespace swiftlet::tools

@@ -11,7 +11,7 @@
 
 namespace swiftlet::tools {
 
-/// An empty folder that goes with the object.
+/// A temporary folder, removed with the object.
 class ScratchFolder {
  public:
   ScratchFolder() {

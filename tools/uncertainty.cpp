@@ -37,19 +37,19 @@ struct UncertaintyOptions {
   std::string out;
 };
 
-struct Request {  // the options with the sensor's own numbers filled in
+struct Request {  // options with defaults from the sensor preset
   sim::RangeNoiseConfig range_noise;
   sim::DetectionConfig detection;
   double range_max_m = 100.0;
   Vector3 direction = Vector3::UnitX();
 };
 
-constexpr float kBrightness = 0.3F;  // reflectivity of the surface, hit at right angles
+constexpr float kBrightness = 0.3F;  // reflectivity of the surface, at normal incidence
 
 struct Line {
   double range_m = 0.0, sigma_range_m = 0.0, expected_m = 0.0, median_m = 0.0, exceeded_by_5_percent_m = 0.0,
          voxel_m = 0.0;
-  std::vector<double> probabilities;  ///< by voxel size
+  std::vector<double> probabilities;  ///< probability of the correct voxel, indexed by voxel size
 };
 
 sim::LidarConfig lidar_preset(const std::string& name) {
@@ -81,12 +81,12 @@ Request request_of(const UncertaintyOptions& options) {
   return request;
 }
 
-// The measured point in the middle of its voxel.
+// Probability that the true point lies in the same voxel as a measured point at the voxel's center.
 double centered_probability(const Matrix3& Sigma, double voxel_m) {
   return box_probability(Vector3::Zero(), Sigma, {Vector3::Constant(-0.5 * voxel_m), Vector3::Constant(0.5 * voxel_m)});
 }
 
-// The smallest voxel that is the right one with this probability.
+// Smallest voxel edge for which that probability reaches `confidence`.
 double voxel_for(const Matrix3& Sigma, double confidence) {
   const double sigma = std::sqrt(Sigma.trace());
   double low = 0.0, high = std::max(20.0 * sigma, 1e-6);
@@ -116,7 +116,7 @@ Line line_at(double range_m, const Request& request, const UncertaintyOptions& o
   return line;
 }
 
-// A dozen round ranges for the table, a hundred for the plot.
+// Every `step_m` in range: about a dozen lines for the table, a hundred for the plot.
 std::vector<Line> lines(double step_m, const Request& request, const UncertaintyOptions& options) {
   std::vector<Line> result;
   for (int k = 0; k * step_m <= request.range_max_m * (1.0 + 1e-9); ++k)

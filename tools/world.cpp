@@ -31,14 +31,14 @@ struct WorldOptions {
   bool quiet = false;
 };
 
-/// From above, all of the world.
+/// A top view of the whole world.
 sim::CameraConfig camera_above(const Eigen::AlignedBox3d& bounds_world_m) {
   constexpr double kMargin = 1.05;
   sim::CameraConfig camera;
   camera.name = "map";
   camera.times_s = {0.0};
   camera.vehicle_scale = 3.0;
-  if (bounds_world_m.isEmpty()) return camera;  // the vehicles are all there is
+  if (bounds_world_m.isEmpty()) return camera;  // shows only the vehicles
   camera.target_m = bounds_world_m.center();
   const Vector3 size_m = bounds_world_m.sizes();
   camera.width_px = camera.height_px = 1600;
@@ -48,7 +48,7 @@ sim::CameraConfig camera_above(const Eigen::AlignedBox3d& bounds_world_m) {
   return camera;
 }
 
-/// The world and where the vehicles start, without a flight. For a paper it comes as PNG and as SVG.
+/// Draws the world and the vehicles' starts, without a flight. For paper it is written as PNG and as SVG.
 std::vector<std::filesystem::path> draw_map(const WorldOptions& options, sim::Scenario scenario,
                                             const sim::Scene& scene) {
   const std::filesystem::path file(options.map);
@@ -66,7 +66,7 @@ std::vector<std::filesystem::path> draw_map(const WorldOptions& options, sim::Sc
     scenario.snapshots[0].width_mm = options.paper_mm;
   }
   sim::Simulation simulation(sim::validated(scenario));
-  const ScratchFolder scratch;  // after the long part: an interrupt ends the program at once
+  const ScratchFolder scratch;  // created after the long part, since an interrupt ends the program at once
   simulation.attach_recorders(scratch.path());
   simulation.tick();
   std::vector<std::filesystem::path> written;

@@ -3,7 +3,7 @@
 
 namespace swiftlet::tools {
 
-/// Makes the choices of rooms known that are built only where their packages are installed. First thing in a program.
+/// Registers modules of optional libraries that are built only where their packages are installed. Call it first.
 void plug_in_optional_rooms();
 
 }  // namespace swiftlet::tools
