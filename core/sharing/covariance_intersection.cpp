@@ -15,7 +15,7 @@ namespace swiftlet {
 namespace {
 
 constexpr int kMaxSteps = 300;
-constexpr double kAlmostBest = 1e-5;  // of the logarithm of the determinant, by degree of freedom
+constexpr double kAlmostBest = 1e-5;  // tolerance of the logarithm of the determinant, by degree of freedom
 constexpr double kSurest = 1.0 - 1e-9;
 
 Matrix6 inverse_of(const Matrix6& C) {
@@ -54,7 +54,7 @@ MotionEstimate covariance_intersection(std::span<const MotionEstimate> estimates
     Matrix6 information = Matrix6::Zero();
     for (std::size_t i = 0; i < weights.size(); ++i) information += weights[i] * informations[i];
     P = inverse_of(information);
-    // At the best weights no trace exceeds the number of states (the equivalence theorem of Kiefer and Wolfowitz).
+    // At the optimum no trace exceeds the number of states (equivalence theorem of Kiefer and Wolfowitz).
     double greatest = 0.0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const double gain = P.cwiseProduct(informations[i]).sum() / 6.0;
@@ -63,7 +63,7 @@ MotionEstimate covariance_intersection(std::span<const MotionEstimate> estimates
     }
     if (greatest <= 1.0 + kAlmostBest) break;
   }
-  // The weights of the last step sum to 1 but for rounding; P is made of the ones before, so it is made anew.
+  // The last weights sum to 1 up to rounding, and P belongs to the ones before: computes P anew.
   Matrix6 information = Matrix6::Zero();
   Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
   double total = 0.0;
@@ -96,12 +96,12 @@ Disagreement disagreement(const MotionEstimate& a, const MotionEstimate& b) {
 double joint_existence(std::span<const double> each, double prior, double common_clutter) {
   ENSURE(!each.empty() && prior > 0.0 && prior < 1.0 && common_clutter > 0.0, each.size(), prior, common_clutter);
   std::vector<double> sorted(each.begin(), each.end());
-  std::sort(sorted.begin(), sorted.end(), std::greater<>());  // so that the order of observers changes no bit
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());  // the result does not depend on the order of observers
   const auto odds = [](double p) { return std::min(p, kSurest) / (1.0 - std::min(p, kSurest)); };
   double together = odds(sorted.front());
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const double evidence = odds(sorted[i]) / odds(prior);
-    if (evidence <= 1.0) continue;  // it may not be able to see the target: no word against it
+    if (evidence <= 1.0) continue;  // no evidence against the target, which may be out of view
     together /= common_clutter + (1.0 - common_clutter) / evidence;
   }
   return together / (1.0 + together);

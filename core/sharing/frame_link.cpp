@@ -14,23 +14,23 @@ namespace swiftlet {
 namespace {
 
 constexpr int kMaxDisagreements = 3;
-constexpr double kDisagreement_sigma_sq = 30.0;  // 1 in 200 000 by chance, with four degrees of freedom
-constexpr int kLeastPairs = 8;                   // of a fit, spaced so that their errors are new ones
-constexpr int kCompareEvery = 2;                 // instants, once the filter goes
+constexpr double kDisagreement_sigma_sq = 30.0;  // chance level 1 in 200 000, with four degrees of freedom
+constexpr int kLeastPairs = 8;                   // least pairs of a fit, spaced so that their errors are independent
+constexpr int kCompareEvery = 2;                 // instants between comparisons of paths, once the filter runs
 
 Matrix3 turn_about_up(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
   return (Matrix3() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0).finished();
 }
 
-/// z x v: how a turn about the vertical moves v.
+/// z x v: derivative of v with respect to a turn about the vertical.
 Vector3 up_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
 
 Flown sum_of(const Flown& a, const Flown& b) {
   return {a.path_m + b.path_m, a.turn_rad + b.turn_rad, a.time_s + b.time_s};
 }
 
-/// RMS distance in the plane from the straight motion of constant velocity that is nearest to all.
+/// RMS distance in the plane from the best-fitting motion of constant velocity.
 double bend_m(std::span<const Vector3> p_m, std::span<const double> t_s) {
   const auto n = static_cast<double>(p_m.size());
   Vector3 mean_m = Vector3::Zero();
@@ -61,7 +61,7 @@ double spread_m(std::span<const Vector3> p_m) {
   return std::sqrt(sum / static_cast<double>(p_m.size()));
 }
 
-/// Of two alignments about the same anchor.
+/// Squared Mahalanobis distance between two alignments about the same anchor.
 double squared_sigmas_between(const FrameAlignment& a, const FrameAlignment& b) {
   Eigen::Matrix<double, 4, 1> difference;
   difference << a.anchor_local_m - b.anchor_local_m, std::remainder(a.yaw_rad - b.yaw_rad, 2.0 * kPi);
@@ -72,7 +72,7 @@ double squared_sigmas_between(const FrameAlignment& a, const FrameAlignment& b) 
 RelativeAlignmentConfig fit_of(const FrameLinkConfig& config) {
   RelativeAlignmentConfig fit;
   fit.window_size = 1000;
-  fit.window_step_m = 0.0;  // several things are seen at one instant, and observers may hover
+  fit.window_step_m = 0.0;  // several objects are measured at one instant, and observers may hover
   fit.min_pairs = kLeastPairs;
   fit.residual_sigma_max = config.residual_sigma_max;
   fit.min_spread_m = config.min_spread_m;
@@ -83,35 +83,38 @@ RelativeAlignmentConfig fit_of(const FrameLinkConfig& config) {
 }  // namespace
 
 void FrameLinkConfig::visit(ConfigVisitor& v) {
-  v.field("window_s", window_s, "[s] of paths that are compared", Range{0.0, 60.0, true});
-  v.field("interval_s", interval_s, "[s] between measurements, so that their errors are new ones",
+  v.field("window_s", window_s, "[s] length of the paths that are compared", Range{0.0, 60.0, true});
+  v.field("interval_s", interval_s, "[s] interval between measurements, so that their errors are independent",
           Range{0.0, 10.0, true});
-  v.field("gap_max_s", gap_max_s, "[s] in a longer gap of a path nothing is compared", Range::positive());
-  v.field("min_samples", min_samples, "[-] of a path that the other told, before it is compared",
-          Range::between(8, 256));
-  v.field("min_spread_m", min_spread_m, "[m] RMS distance of a path from its middle, in the plane", Range::positive());
+  v.field("gap_max_s", gap_max_s, "[s] longest gap of a path that is interpolated", Range::positive());
+  v.field("min_samples", min_samples, "[-] least samples of a reported path for a comparison", Range::between(8, 256));
+  v.field("min_spread_m", min_spread_m, "[m] least RMS distance of a path from its mean, in the plane",
+          Range::positive());
   v.field("min_bend_m", min_bend_m,
-          "[m] RMS distance of a path from a straight motion of constant velocity: straight ones all look alike",
+          "[m] least RMS distance of a path from a straight motion of constant velocity: straight ones are ambiguous",
           Range::positive());
-  v.field("bend_sigmas", bend_sigmas, "[-] and the same in standard deviations of what is known of it",
+  v.field("bend_sigmas", bend_sigmas, "[-] the least such distance in standard deviations of the path",
           Range::positive());
-  v.field("support_s", support_s, "[s] that other paths have to lie onto each other, to say the same",
+  v.field("support_s", support_s, "[s] least overlap of other paths that support an alignment", Range::positive());
+  v.field("support_sigma_m", support_sigma_m, "[m] largest standard deviation by axis of such an overlap",
           Range::positive());
-  v.field("support_sigma_m", support_sigma_m, "[m] and how well that has to be known, by axis", Range::positive());
-  v.field("alone_s", alone_s, "[s] of a path that is alone in saying where the other frame lies", Range::positive());
-  v.field("alone_sigmas", alone_sigmas, "[-] and its bends, in standard deviations", Range::positive());
+  v.field("alone_s", alone_s, "[s] least length of a single path that determines an alignment", Range::positive());
+  v.field("alone_sigmas", alone_sigmas,
+          "[-] least distance of that path from a straight motion, in standard deviations", Range::positive());
   v.field("residual_sigma_max", residual_sigma_max,
-          "[-] RMS by axis, in standard deviations, of what is left between two paths of one body", Range::positive());
-  v.field("gate_sigma", gate_sigma, "[-] what is farther apart is not one body", Range::positive());
-  v.field("margin", margin,
-          "[-] twice the logarithm of how many times likelier a pair has to be than the next one that it could be",
-          Range::non_negative());
-  v.field("sigma_own_m", sigma_own_m, "[m] noise of what an observer knows of its own place", Range::positive());
-  v.field("sigma_common_m", sigma_common_m,
-          "[m] that does not average out: each sees the side of a target that is turned to it", Range::positive());
-  v.field("position_sigma_max_m", position_sigma_max_m, "[m] an alignment less sure than this is lost",
+          "[-] largest RMS residual by axis between two paths of one body, in standard deviations", Range::positive());
+  v.field("gate_sigma", gate_sigma, "[-] largest distance between tracks of one body, in standard deviations",
           Range::positive());
-  v.field("heading_sigma_max_deg", heading_sigma_max_deg, "[deg] and the same of the heading", Range::positive());
+  v.field("margin", margin, "[-] twice the log-likelihood ratio by which a pair must exceed the next alternative",
+          Range::non_negative());
+  v.field("sigma_own_m", sigma_own_m, "[m] standard deviation of an observer's own position", Range::positive());
+  v.field("sigma_common_m", sigma_common_m,
+          "[m] standard deviation that does not average out: each observer sees its own side of a target",
+          Range::positive());
+  v.field("position_sigma_max_m", position_sigma_max_m,
+          "[m] standard deviation of the position above which an alignment is lost", Range::positive());
+  v.field("heading_sigma_max_deg", heading_sigma_max_deg,
+          "[deg] standard deviation of the heading above which an alignment is lost", Range::positive());
 }
 
 FrameLink::FrameLink(const FrameLinkConfig& config, const OdometryDriftConfig& drift)
@@ -172,7 +175,7 @@ void FrameLink::list_paths(const ObserverHistory& own, const ObserverHistory& ot
   list(other, other_paths_);
 }
 
-// ---- who is who
+// ---- association of paths
 
 std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& anchor) const {
   std::vector<Match> matches;
@@ -202,7 +205,7 @@ std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& ancho
   return together.fit(anchor, {});
 }
 
-/// Every path counts once.
+/// Collects pairs of paths that agree with the match; each path counts once.
 void FrameLink::find_support(Match& match, const OtherMotion& anchor) const {
   match.pairs.assign(1, {match.own, match.other});
   std::vector<char> other_taken(other_paths_.size(), 0);
@@ -218,7 +221,7 @@ void FrameLink::find_support(Match& match, const OtherMotion& anchor) const {
   }
 }
 
-/// Does the alignment lay these two onto each other, straight or not, for long enough to be no chance?
+/// Does the alignment map these two paths, straight or not, onto each other for long enough to exclude chance?
 bool FrameLink::supports(std::size_t own, std::size_t other, const FrameAlignment& alignment,
                          const OtherMotion& anchor) const {
   const Matrix3 R = turn_about_up(alignment.yaw_rad);
@@ -245,7 +248,7 @@ bool FrameLink::supports(std::size_t own, std::size_t other, const FrameAlignmen
          variance_m2 <= count * config_.support_sigma_m * config_.support_sigma_m;
 }
 
-/// Spaced, from the newest back, so that each has new errors.
+/// Appends pairs at least interval_s apart, from the newest back, so that their errors are independent.
 void FrameLink::append_pairs(std::size_t own, std::size_t other, double yaw_rad,
                              std::vector<AlignmentPair>& pairs) const {
   const Matrix3 R = turn_about_up(yaw_rad);
@@ -284,7 +287,7 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
   if (static_cast<int>(weights.size()) < config_.min_samples) return std::nullopt;
   const double bent_m = bend_m(local_m, t_s);
   if (spread_m(local_m) < config_.min_spread_m || bent_m < config_.min_bend_m) return std::nullopt;
-  double variance_m2 = 0.0;  // by axis
+  double variance_m2 = 0.0;  // mean variance by axis
   for (const double weight : weights) variance_m2 += 1.0 / weight / static_cast<double>(weights.size());
   const double bends = bent_m / std::sqrt(variance_m2);
   if (bends < config_.bend_sigmas) return std::nullopt;
@@ -309,10 +312,10 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
   return Match{own, other, *found, t_s.back() - t_s.front(), bends, {}};
 }
 
-// ---- from there on
+// ---- filter of the alignment
 
-/// A turn of an odometry's frame moves what comes after it about where that observer was: of the other one half-way of
-/// its step, of the own one about itself.
+/// A turn of an odometry's frame rotates later motion about the observer's position at that time: for the other
+/// observer half-way along its step, for the own one about itself.
 FrameLink::State FrameLink::drifted(const State& before, const PathSample& own, const PathSample& other) const {
   State now = before;
   const Flown by_own = own.flown - before.own_flown, by_other = other.flown - before.other_flown;
@@ -323,7 +326,7 @@ FrameLink::State FrameLink::drifted(const State& before, const PathSample& own, 
   now.P += drift_.yaw_variance_rad2(by_other) * (of_other * of_other.transpose());
   now.P += drift_.yaw_variance_rad2(by_own) * (of_own * of_own.transpose());
   now.P.diagonal().head<3>().array() += drift_.position_variance_m2(by_own) + drift_.position_variance_m2(by_other);
-  // The anchor goes on with the other observer.
+  // The anchor moves with the other observer.
   now.x.head<3>() += step_m;
   Matrix4 A = Matrix4::Identity();
   A.topRightCorner<3, 1>() = up_cross(step_m);
@@ -361,7 +364,7 @@ void FrameLink::measure(TimeNs t) {
     H << Matrix3::Identity(), up_cross(s.lever_m);
     return H;
   };
-  // How unlikely it is that two are one; infinite beyond the gate.
+  // Negative log-likelihood, times two, that two tracks are one target; infinite beyond the gate.
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<double> unlikely(own.size() * other.size(), kNever);
   for (std::size_t a = 0; a < own.size(); ++a) {
@@ -400,14 +403,15 @@ void FrameLink::measure(TimeNs t) {
     const Matrix3 S = H * PHt + noise;
     const Eigen::Matrix<double, 4, 3> K = S.llt().solve(PHt.transpose()).transpose();
     x += K * innovation_m;
-    const Matrix4 I_KH = Matrix4::Identity() - K * H;  // Joseph's form stays positive whatever the rounding
+    const Matrix4 I_KH = Matrix4::Identity() - K * H;  // Joseph's form stays positive definite despite rounding
     const Matrix4 after = I_KH * P * I_KH.transpose() + K * noise * K.transpose();
     P = 0.5 * (after + after.transpose());
     measured_ = t;
   }
 }
 
-/// As it is now, with what was flown since the newest instant of which both have told.
+/// Publishes the present alignment, propagated by odometry since the newest common instant. Drops one that is too
+/// uncertain.
 void FrameLink::tell(const ObserverHistory& own, const ObserverHistory& other) {
   told_.reset();
   if (!started_ || own.self().empty() || other.self().empty()) return;

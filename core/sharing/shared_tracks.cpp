@@ -15,13 +15,14 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;  // of what is remembered of the own place
-constexpr TimeNs kAhead = kNsPerSecond / 10;      // a message may be so far in the future: clocks are not the same
-constexpr TimeNs kRestart = 5 * kNsPerSecond;     // a sender that goes back in time so far has begun anew
-constexpr double kBody_sq = 22.5;                 // of six degrees of freedom: a track is an observer
-constexpr double kNotBody_sq = 40.0;              // and no longer is
-constexpr double kOwnVelocity_sigma_mps = 0.1;    // of what an observer knows of its own
-constexpr double kFresh_s = 0.3;                  // a track that was told so lately was seen "now"
+constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;  // sampling period of the own path
+constexpr TimeNs kAhead = kNsPerSecond / 10;      // tolerance of message times in the future, for differing clocks
+constexpr TimeNs kRestart = 5 * kNsPerSecond;     // backward jump in time beyond which a sender counts as restarted
+// Squared Mahalanobis distance (six degrees of freedom) below which a track is an observer.
+constexpr double kBody_sq = 22.5;
+constexpr double kNotBody_sq = 40.0;            // distance above which it no longer is
+constexpr double kOwnVelocity_sigma_mps = 0.1;  // standard deviation of an observer's own velocity
+constexpr double kFresh_s = 0.3;                // age of a report up to which its tracks count as measured now
 constexpr double kHeadingNoise_rad = 0.01;
 
 bool is_covariance(const Matrix6& C) {
@@ -35,12 +36,12 @@ MotionEstimate estimate_of(const Track& track) {
   return out;
 }
 
-/// Another observer: what it told, and where its frame lies.
+/// Another observer: its reports and the alignment of its frame.
 struct Peer {
   struct Told {
     std::uint32_t identity = 0;
     TimeNs t = 0;
-    MotionEstimate estimate;  // in its frame
+    MotionEstimate estimate;  // in the peer's frame
     double existence = 0.0;
   };
 
@@ -48,7 +49,7 @@ struct Peer {
   FrameLink link;
   ObserverHistory history;
   TimeNs newest = -1;
-  MotionEstimate self;  // then
+  MotionEstimate self;  // at `newest`
   double yaw_rad = 0.0, yaw_rate_radps = 0.0;
   std::vector<Told> told;
 };
@@ -99,7 +100,7 @@ class SharedTracks : public Tracker {
   }
 
  private:
-  /// A track of any observer that is taken for an observer itself.
+  /// A track, of any observer, that is an observer itself.
   struct Body {
     VehicleId observer = kNoVehicle;
     std::uint32_t identity = 0;
@@ -107,7 +108,7 @@ class SharedTracks : public Tracker {
     TimeNs last = 0;
   };
 
-  // ---- what is known
+  // ---- input
   void remember_self(TimeNs t, const StateEstimate& estimate) {
     const SampledPath& path = own_history_.self();
     if (!path.empty() && t - path.newest().t < kOwnPeriod) return;
@@ -188,7 +189,7 @@ class SharedTracks : public Tracker {
     peer.history.complete_until(until);
   }
 
-  /// Detection i of a detector that tracks before it detects is that of its track i.
+  /// A track-before-detect detector lists detection i for its track i.
   void find_existences(const TrackerInput& input) {
     existences_.assign(own_tracks_.size(), config_.certainty);
     if (input.detector_tracks.size() != input.detections.size()) return;
@@ -199,7 +200,7 @@ class SharedTracks : public Tracker {
     }
   }
 
-  // ---- together
+  // ---- fusion
   void fuse(TimeNs now) {
     t_ = newest(now);
     observed_.clear();
@@ -218,7 +219,7 @@ class SharedTracks : public Tracker {
     fusion_.update(t_, observed_);
   }
 
-  /// Instant of the newest track of anybody. Without any, nothing has to be told but that.
+  /// Time of the newest track of all observers; without any, now.
   TimeNs newest(TimeNs now) const {
     TimeNs t = -1;
     for (const Track& track : own_tracks_) t = std::max(t, track.t);
@@ -229,7 +230,7 @@ class SharedTracks : public Tracker {
     return t >= 0 ? t : now;
   }
 
-  /// Later by white acceleration; what is newer already stays as it is.
+  /// Predicts with white acceleration; estimates newer than `to` are unchanged.
   MotionEstimate at(const MotionEstimate& estimate, TimeNs from, TimeNs to) const {
     return predicted(estimate, std::max(0.0, to_seconds(to - from)), config_.acceleration_density);
   }
@@ -238,7 +239,8 @@ class SharedTracks : public Tracker {
     return peer.link.alignment() && now - peer.newest <= from_seconds(config_.timeout_s);
   }
 
-  /// A track that flies as an observer does is that observer; its identity remains the observer's as long as it does.
+  /// Removes tracks that are observers. A track that moves like an observer is marked as that observer for as long as
+  /// it does.
   void leave_out_observers(TimeNs t, TimeNs now) {
     const TimeNs forgotten = t - from_seconds(config_.fusion.remember_s);
     std::erase_if(bodies_, [&](const Body& body) { return body.last < forgotten; });
@@ -274,7 +276,7 @@ class SharedTracks : public Tracker {
     double least = 0.0;
     for (std::size_t i = 0; i < observed_.size(); ++i) {
       const ObservedTrack& o = observed_[i];
-      if (o.observer == vehicle) continue;  // nobody sees itself
+      if (o.observer == vehicle) continue;  // observers do not track themselves
       const double squared = disagreement(o.estimate, place).squared_sigmas;
       if (auto body = body_of(o); body != bodies_.end() && body->vehicle == vehicle) {
         if (squared > kNotBody_sq)
@@ -289,7 +291,7 @@ class SharedTracks : public Tracker {
       const bool is_last_of_observer = i + 1 == observed_.size() || observed_[i + 1].observer != o.observer;
       if (!is_last_of_observer || nearest == nullptr) continue;
       mark_body(*nearest, vehicle, t);
-      // A second one at the same place is of the same body.
+      // A second track at the same position belongs to the same body.
       for (const ObservedTrack& twin : observed_) {
         const bool is_near = (twin.estimate.p_m() - place.p_m()).norm() < config_.body_m;
         if (twin.observer == o.observer && is_near) mark_body(twin, vehicle, t);
@@ -337,7 +339,7 @@ class SharedTracks : public Tracker {
     track.measured_covariance = own->measured_covariance;
   }
 
-  // ---- what others get
+  // ---- output
   void say(const TrackerInput& input, Outbox& outbox) {
     const TimeNs t = input.observation.t;
     if (said_ >= 0 && to_seconds(t - said_) < (1.0 - 1e-6) / config_.rate_hz) return;
@@ -398,14 +400,14 @@ class SharedTracks : public Tracker {
   SharedTracksConfig config_;
   VehicleId self_;
   std::unique_ptr<Tracker> own_;
-  std::vector<Track> own_tracks_;  // the newest
+  std::vector<Track> own_tracks_;  // newest own tracks
   std::vector<double> existences_;
   ObserverHistory own_history_;
-  std::vector<Peer> peers_;  // by id
+  std::vector<Peer> peers_;  // sorted by id
   std::vector<Body> bodies_;
   TrackFusion fusion_;
-  std::vector<ObservedTrack> observed_;  // of the newest fusion, the own ones first
-  TimeNs t_ = 0;                         // for which it holds
+  std::vector<ObservedTrack> observed_;  // input of the newest fusion, own tracks first
+  TimeNs t_ = 0;                         // time of the newest fusion
   TimeNs said_ = -1;
   std::vector<std::size_t> order_;
   std::uint64_t num_heard_ = 0, num_overtaken_ = 0, num_unreadable_ = 0, num_own_ = 0, num_untold_ = 0;
@@ -414,20 +416,23 @@ class SharedTracks : public Tracker {
 }  // namespace
 
 void SharedTracksConfig::visit(ConfigVisitor& v) {
-  v.field("rate_hz", rate_hz, "[Hz] messages, no more than the detector's scans", Range{0.0, 100.0, true});
-  v.field("max_told", max_told, "[-] tracks in a message, the likeliest ones: 120 bytes each", Range::between(0, 500));
+  v.field("rate_hz", rate_hz, "[Hz] rate of messages, at most that of the detector's scans", Range{0.0, 100.0, true});
+  v.field("max_told", max_told, "[-] largest number of tracks in a message, the likeliest first; 120 bytes each",
+          Range::between(0, 500));
   v.field("tell_existence", tell_existence,
-          "[-] own tracks that exist with at least this probability are told to others; the detector's told_existence "
+          "[-] least probability of existence of own tracks that are shared; the detector's told_existence "
           "must be as low",
           Range::probability());
-  v.field("certainty", certainty, "[-] probability of own tracks whose detector tells none", Range::probability());
-  v.field("timeout_s", timeout_s, "[s] after its newest message that an observer counts", Range::positive());
+  v.field("certainty", certainty, "[-] probability of existence of own tracks whose detector reports none",
+          Range::probability());
+  v.field("timeout_s", timeout_s, "[s] time after its newest message for which an observer counts", Range::positive());
   v.field("acceleration_density", acceleration_density,
-          "[m^2/s^3] white acceleration of a target by axis, since a track was told", Range::positive());
-  v.field("body_m", body_m, "[m] around an observer: a second track there is of the same body", Range::positive());
-  v.object("frame", frame, "where the others' local frames lie");
-  v.object("drift", drift, "what the odometry of each may drift");
-  v.object("fusion", fusion, "which tracks are of one target");
+          "[m^2/s^3] white acceleration of a target by axis, since the track's report", Range::positive());
+  v.field("body_m", body_m, "[m] radius around an observer in which a second track belongs to the same body",
+          Range::positive());
+  v.object("frame", frame, "alignment of the others' local frames");
+  v.object("drift", drift, "drift of each observer's odometry");
+  v.object("fusion", fusion, "fusion of tracks of one target");
 }
 
 std::unique_ptr<Tracker> make_shared_tracks(const SharedTracksConfig& config, const AgentSetup& setup,

@@ -6,33 +6,33 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::ptrdiff_t kMostKeys = 64;  // identities that one target had at all observers; the newest count
+constexpr std::ptrdiff_t kMostKeys = 64;  // most identities of a target over all observers; the newest are kept
 
 }  // namespace
 
 void TrackFusionConfig::visit(ConfigVisitor& v) {
-  v.field("told_existence", told_existence, "[-] targets that exist with at least this probability are told",
+  v.field("told_existence", told_existence, "[-] least probability of existence of targets that are reported",
           Range::probability());
-  v.field("prior_existence", prior_existence,
-          "[-] probability that there is a target where one is told, before anybody looks",
+  v.field("prior_existence", prior_existence, "[-] prior probability of a target at a reported position",
           Range{0.0, 1.0, true, true});
   v.field("common_clutter", common_clutter,
-          "[-] share of false tracks that all observers have together; 1: a second one makes nothing surer",
+          "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
           Range{0.0, 1.0, true});
   v.field("gate_sq", gate_sq,
-          "[-] squared statistical distance of position and velocity up to which two tracks may be of one target",
+          "[-] squared Mahalanobis distance of position and velocity up to which two tracks may be one target",
           Range::positive());
-  v.field("merge_sq", merge_sq, "[-] and up to which they are", Range::positive());
-  v.field("break_sq", break_sq, "[-] and beyond which they no longer are", Range::positive());
-  v.field("margin", margin, "[-] twice the logarithm of how many times likelier a partner has to be than the next one",
+  v.field("merge_sq", merge_sq, "[-] squared Mahalanobis distance up to which they agree on one target",
+          Range::positive());
+  v.field("break_sq", break_sq, "[-] squared Mahalanobis distance beyond which they are separated", Range::positive());
+  v.field("margin", margin, "[-] twice the log-likelihood ratio by which a partner must exceed the next one",
           Range::non_negative());
-  v.field("sure_m", sure_m, "[m] standard deviation of a distance, up to which it tells that two are one",
+  v.field("sure_m", sure_m, "[m] largest standard deviation of the distance of two tracks for a confirmation",
           Range::positive());
-  v.field("confirmations", confirmations, "[-] times that two have to agree, less those that they do not",
+  v.field("confirmations", confirmations, "[-] agreements less disagreements after which two tracks are joined",
           Range::between(1, 100));
-  v.field("doubt_s", doubt_s, "[s] after which those that may be one, but do not agree, are two",
+  v.field("doubt_s", doubt_s, "[s] time without agreement after which possibly equal targets are reported as two",
           Range::non_negative());
-  v.field("remember_s", remember_s, "[s] that the identity of a target is kept when nobody tells of it",
+  v.field("remember_s", remember_s, "[s] time for which the identity of an unreported target is kept",
           Range::non_negative());
   v.check(merge_sq <= gate_sq, "merge_sq", "at most gate_sq");
   v.check(gate_sq <= break_sq, "break_sq", "at least gate_sq");
@@ -51,7 +51,7 @@ void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {
   find_pairs(t, observed);
   join(observed);
   hold_back(observed);
-  std::erase_if(targets_, [](const Target& target) { return target.keys.empty(); });  // they went into others
+  std::erase_if(targets_, [](const Target& target) { return target.keys.empty(); });  // joined into others
   tell();
 }
 
@@ -62,7 +62,7 @@ TrackFusion::Target& TrackFusion::begin(const Key& key) {
   return target;
 }
 
-/// Every track goes to its target; what is unknown begins a target of its own.
+/// Assigns each track to its target; an unknown one begins a target of its own.
 void TrackFusion::attach(std::span<const ObservedTrack> observed) {
   for (Target& target : targets_) target.members.clear();
   for (std::size_t i = 0; i < observed.size(); ++i) {
@@ -74,8 +74,8 @@ void TrackFusion::attach(std::span<const ObservedTrack> observed) {
   }
 }
 
-/// What no longer agrees with the other tracks of its target leaves it, the worst first. So does a second track of one
-/// observer: an identity that had been forgotten has come back.
+/// Removes tracks that no longer agree with the other tracks of their target, the worst first, and second tracks of one
+/// observer: a forgotten identity that has come back.
 void TrackFusion::separate(std::span<const ObservedTrack> observed) {
   for (std::size_t k = 0; k < targets_.size(); ++k) {
     while (const auto leaves = misfit(targets_[k], observed)) {
@@ -90,7 +90,7 @@ void TrackFusion::separate(std::span<const ObservedTrack> observed) {
   }
 }
 
-/// The member that has to leave, if one has. Of two that disagree, it is that of the later observer.
+/// The member to be removed, if any. Of two that disagree, it is that of the later observer.
 std::optional<std::size_t> TrackFusion::misfit(const Target& target, std::span<const ObservedTrack> observed) const {
   const auto observer = [&](std::size_t m) { return observed[target.members[m]].observer; };
   const std::size_t count = target.members.size();
@@ -155,7 +155,7 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
       if (targets_[a].members.empty() || targets_[b].members.empty()) continue;
       if (!disjoint(targets_[a], targets_[b], observed)) continue;
       const Disagreement found = disagreement(targets_[a].estimate, targets_[b].estimate);
-      // Once suspected, they remain so for a while: a turn of the target makes them disagree for a moment.
+      // Hysteresis: a suspected pair keeps the wider gate, since a turn of the target causes brief disagreement.
       const double gate_sq = suspicion_of(targets_[a], targets_[b]) != nullptr ? config_.break_sq : config_.gate_sq;
       if (found.squared_sigmas <= gate_sq) pairs_.push_back({a, b, found, true});
     }
@@ -177,7 +177,7 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
   std::erase_if(suspicions_, [](const Suspicion& suspicion) { return !suspicion.now; });
 }
 
-/// No other pair of either is nearly as likely.
+/// No rival pair of either target is nearly as likely.
 bool TrackFusion::is_likeliest(const Pair& pair) const {
   return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& other) {
     if (&other == &pair) return false;
@@ -185,8 +185,8 @@ bool TrackFusion::is_likeliest(const Pair& pair) const {
   });
 }
 
-/// They share a target, and what they would join it to can't be one thing. A third observer's track of the same target
-/// is no rival: both may join, one after the other.
+/// Two pairs are rivals if they share a target and their other targets cannot be one. A third observer's track of the
+/// same target is no rival: both may join in turn.
 bool TrackFusion::are_rivals(const Pair& pair, const Pair& other) const {
   std::size_t x = 0, y = 0;
   if (other.a == pair.a) {
@@ -225,7 +225,7 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
   }
 }
 
-/// Groups of targets that may be one with each other: each is told as its best observer sees it.
+/// In each group of targets that may be one, only those seen by the best observer are reported.
 void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
   std::vector<std::size_t> group(targets_.size());
   for (std::size_t k = 0; k < group.size(); ++k) group[k] = k;
@@ -241,7 +241,8 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
   }
   for (std::size_t first = 0; first < group.size(); ++first) {
     if (root(first) != first) continue;
-    // How many of them each observer sees that are likely enough to be told, and how many were a moment ago.
+    // For each observer, the number of its targets that are likely enough to be reported, and that were reported
+    // before.
     struct Count {
       VehicleId observer;
       int likely = 0, told = 0;
@@ -260,7 +261,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
       }
     }
     if (size < 2) continue;
-    // What has been told goes on; then the first observer of `observed` wins a tie.
+    // Ties go to targets that were reported before, then to the first observer in `observed`.
     const auto order = [&](VehicleId observer) {
       return std::find_if(observed.begin(), observed.end(),
                           [&](const ObservedTrack& o) { return o.observer == observer; }) -
