@@ -10,9 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReach = 7.0;          // standard deviations; beyond lie 3e-12
-constexpr double kStepsPerSigma = 1.2;  // three nodes each
-constexpr int kMaxSteps = 512;          // of one cell along one axis
+constexpr double kReach = 7.0;          // truncation in standard deviations; 3e-12 lies beyond
+constexpr double kStepsPerSigma = 1.2;  // quadrature steps, of three nodes each
+constexpr int kMaxSteps = 512;          // largest number of steps of one cell along one axis
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
@@ -20,12 +20,12 @@ double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); 
 struct Conditional {
   std::array<int, 3> axis{0, 1, 2};
   Eigen::Vector2d mean;
-  Eigen::Matrix2d inverse;  // of the two outer coordinates' covariance
-  double peak = 0.0;        // of their density
-  Eigen::Vector2d sigma;    // of each outer coordinate
-  Eigen::Vector2d least;    // of each, given the other
+  Eigen::Matrix2d inverse;  // inverse covariance of the two outer coordinates
+  double peak = 0.0;        // peak of their density
+  Eigen::Vector2d sigma;    // standard deviation of each outer coordinate
+  Eigen::Vector2d least;    // standard deviation of each, given the other
   double inner_mean = 0.0;
-  Eigen::Vector2d slope;  // of the inner mean
+  Eigen::Vector2d slope;  // derivative of the inner mean with respect to the outer ones
   double inner_sigma = 0.0;
 };
 
@@ -50,7 +50,7 @@ Conditional conditional(const Vector3& mean, const Matrix3& Sigma) {
   return c;
 }
 
-// Steps of a cell along outer axis `which`: short against the density's width and the flank's.
+// Number of steps of a cell along outer axis `which`: short compared with the width of the density and of the flank.
 int steps_of(const Conditional& c, int which, double cell_m) {
   const double flank = std::abs(c.slope[which]) > 0.0 ? c.inner_sigma / std::abs(c.slope[which]) : c.least[which];
   const double steps = kStepsPerSigma * cell_m / std::min(c.least[which], flank);

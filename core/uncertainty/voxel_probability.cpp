@@ -11,7 +11,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kDensityReach = 8.5;  // standard deviations beyond which the density counts as zero (1e-17)
-constexpr double kTolerance = 1e-9;    // of one panel of the outer integral
+constexpr double kTolerance = 1e-9;    // tolerance of one panel of the outer integral
 constexpr int kMaxDepth = 40;
 
 double normal_pdf(double x) { return std::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
@@ -27,7 +27,7 @@ struct Interval {
   double low, high;
 };
 
-// Limits of one standardized coordinate: (limit - mean) / sigma; with sigma = 0 all or nothing.
+// Limits of one standardized coordinate: (limit - mean) / sigma; with sigma = 0, everything or nothing.
 Interval standardized(double low, double high, double mean, double sigma) {
   if (sigma > 0.0) return {(low - mean) / sigma, (high - mean) / sigma};
   const bool inside = low <= mean && mean < high;
@@ -47,8 +47,8 @@ double innermost(const Factored& f, double z1, double z2) {
   return normal_between(i.low, i.high);
 }
 
-// The integrand over z2 is smooth but for flanks where a limit of z3 is crossed: split there, and integrate each piece
-// by Gauss-Legendre.
+// The integrand over z2 is smooth except at flanks where a limit of z3 is crossed: splits there, and integrates each
+// piece by Gauss-Legendre.
 double middle(const Factored& f, double z1) {
   Interval i = standardized(f.low[1], f.high[1], f.L(1, 0) * z1, f.L(1, 1));
   i = {std::max(i.low, -kDensityReach), std::min(i.high, kDensityReach)};
@@ -78,7 +78,7 @@ double middle(const Factored& f, double z1) {
   return sum;
 }
 
-// Adaptive Gauss-Legendre: a panel is done when its halves agree with it.
+// Adaptive Gauss-Legendre: a panel is accepted when its halves agree with it.
 template <class F>
 double adaptive(const F& integrand, double low, double high, double whole, int depth) {
   using Rule = boost::math::quadrature::gauss<double, 10>;
@@ -111,7 +111,7 @@ double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::A
   if (i.high <= i.low) return 0.0;
   const auto integrand = [&](double z1) { return normal_pdf(z1) * middle(f, z1); };
 
-  // A few fixed panels first: a narrow peak must not slip between the nodes of a wide one.
+  // Fixed panels first, so that a narrow peak does not fall between the nodes of a wide one.
   constexpr int kPanels = 16;
   double sum = 0.0;
   for (int k = 0; k < kPanels; ++k) {
