@@ -8,9 +8,9 @@
 
 #include "swiftlet/core/airframe.hpp"
 
-/// The vehicles that Swiftlet comes with, for tests of core rooms, which read no files. Masses, arms, heights, thrust
-/// constants and speeds of ctu-mrs/mrs_multirotor_simulator, torque ratio and motor lag of the MRS Gazebo models;
-/// Kopterworx as in larics/ardupilot_gazebo. Drag: 0.30 pi L^2 |v|^2 as in mrs_multirotor_simulator.
+/// The vehicles that Swiftlet comes with, for tests of core libraries, which read no files. Masses, arms, heights,
+/// thrust constants and speeds of ctu-mrs/mrs_multirotor_simulator, torque ratio and motor lag of the MRS Gazebo
+/// models; Kopterworx as in larics/ardupilot_gazebo. Drag: 0.30 pi L^2 |v|^2 as in mrs_multirotor_simulator.
 namespace swiftlet::testing {
 
 struct NamedAirframe {
@@ -62,7 +62,7 @@ inline std::vector<NamedAirframe> all_airframes() {
 
 inline Airframe x500() { return all_airframes()[3].airframe; }
 
-/// n rotors on a circle, senses alternating; as strong as an X500 per rotor.
+/// n rotors on a circle with alternating directions; each as strong as an X500's.
 inline Airframe ring_of_rotors(int n) {
   Airframe a = x500();
   a.mass_kg = 0.5 * n;

@@ -7,7 +7,7 @@ namespace swiftlet::test {
 
 /// Calls of operator new by all threads since the start of the program. Link tests/support/allocation_counter.cpp.
 std::uint64_t num_allocations();
-/// What operator new has given and operator delete not yet got back [bytes].
+/// Memory allocated by operator new and not yet released [bytes].
 std::int64_t num_live_bytes();
 
 }  // namespace swiftlet::test

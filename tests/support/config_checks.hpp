@@ -9,7 +9,7 @@
 
 namespace swiftlet::testing {
 
-/// Walks a configuration and notes the ranges of its numbers and the keys whose checks fail, by their paths.
+/// Visits a configuration and records the ranges of its numbers and the paths of keys whose checks fail.
 class ConfigChecks : public ConfigVisitor {
  public:
   template <class Config>

@@ -8,7 +8,7 @@
 
 namespace swiftlet::testing {
 
-/// Random numbers of a test, one after the other. Equal streams, seeds and rounds give equal numbers.
+/// Sequence of random numbers for a test. Equal streams, seeds and rounds give equal numbers.
 class Draws {
  public:
   explicit Draws(std::string_view stream, std::uint64_t seed = 1, std::uint32_t round = 0)
@@ -17,7 +17,7 @@ class Draws {
   double between(double min, double max) { return random_.uniform(min, max, round_, index_++); }
   int below(int end) { return static_cast<int>(end * between(0.0, 1.0)); }
   bool coin() { return below(2) == 1; }
-  /// Uniform in a cube of this half edge.
+  /// Uniform in a cube with this half edge.
   Vector3 vector(double half) {
     const double x = between(-half, half), y = between(-half, half);
     return {x, y, between(-half, half)};

@@ -6,7 +6,7 @@
 
 namespace swiftlet {
 
-/// Settings of Embree for each instruction set that it has code for and this processor has. It refuses all others.
+/// Settings of Embree for each instruction set that it supports on this processor. Embree rejects all others.
 inline std::vector<std::string> embree_settings() {
   std::vector<std::string> settings = {"isa=sse2", "isa=sse4.2"};
   if (__builtin_cpu_supports("avx")) settings.emplace_back("isa=avx");

@@ -15,7 +15,7 @@
 
 namespace swiftlet {
 
-/// The visitor that notes which bytes of a value its fields are.
+/// Visitor that records which bytes of a value belong to its fields.
 class BytesVisited {
  public:
   BytesVisited(const void* start, std::size_t size) : start_(static_cast<const std::byte*>(start)), visited_(size) {}
@@ -41,7 +41,7 @@ class BytesVisited {
   std::vector<bool> visited_;
 };
 
-/// Does the compiler tell which bytes are padding? GCC does; clang 14 does not, and then nothing is compared.
+/// Does the compiler report padding bytes? GCC does; with clang 14 nothing is compared.
 #if __has_builtin(__builtin_clear_padding)
 #define SWIFTLET_CLEAR_PADDING(pointer) __builtin_clear_padding(pointer)
 inline constexpr bool kPaddingIsKnown = true;
@@ -63,7 +63,7 @@ std::array<unsigned char, sizeof(Kind)> bytes_of_fields() {
   return bytes;
 }
 
-/// Bytes that belong to a field which `visit` does not name.
+/// Number of bytes in fields that `visit` does not name.
 template <class Kind>
 int num_bytes_forgotten() {
   const Kind value{};
@@ -75,7 +75,7 @@ int num_bytes_forgotten() {
   return num;
 }
 
-/// Does `visit` name all fields but so many bytes?
+/// Does `visit` name all fields except so many bytes?
 template <class Kind>
 ::testing::AssertionResult forgets(int num_bytes) {
   const int found = num_bytes_forgotten<Kind>();

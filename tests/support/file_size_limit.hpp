@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// While it lives, files of this process grow to this size at most: writes fail as on a full disk.
+/// Limits the size of files written by this process during its lifetime: writes fail as on a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

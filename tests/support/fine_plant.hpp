@@ -23,7 +23,7 @@ class FinePlant {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Vector3 wind = Vector3::Zero();
   TimeNs t = 0;
-  bool ground = false;  ///< a floor at ground_z that holds the vehicle up
+  bool ground = false;  ///< a floor at ground_z that supports the vehicle
   double ground_z = 0.0;
   std::array<double, kMaxRotors> speed{};
 

@@ -11,13 +11,13 @@
 
 namespace swiftlet::testing {
 
-/// A scan that a scenario's first vehicle made while it flew, all of it from one place, and where the vehicle was.
+/// A scan of a flying vehicle, frozen at one pose, and that pose. The scan comes from the scenario's first vehicle.
 struct FlownScan {
   std::shared_ptr<const Scan> scan;
   Pose T_world_body;
 };
 
-/// One scan in so many of those that its first sensor, a LiDAR, makes.
+/// Every n-th scan of the first vehicle's first sensor, a LiDAR.
 inline std::vector<FlownScan> fly_scans(const std::string& scenario_file, int count, int every = 1) {
   sim::Scenario scenario = sim::load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/" + scenario_file);
   scenario.recorders.clear();

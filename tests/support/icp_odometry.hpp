@@ -15,11 +15,11 @@
 
 namespace swiftlet::support {
 
-/// How a sweep is taken for what it is.
+/// Treatment of the times of beams within a sweep.
 enum class SweepTimes { kAsFired, kIgnored, kReversed };
 
-/// A yardstick: the point-to-point odometry of Vizzo et al. (KISS-ICP, RA-L 2023), written from the paper with the
-/// defaults of its table. It knows no IMU, no simulator and nothing of this project's own matching.
+/// Reference: the point-to-point odometry of Vizzo et al. (KISS-ICP, RA-L 2023), written from the paper with the
+/// defaults of its table. It uses no IMU, no simulator and none of this project's matching.
 class IcpOdometry {
  public:
   explicit IcpOdometry(SweepTimes times) : times_(times) {}
@@ -44,7 +44,7 @@ class IcpOdometry {
  private:
   static constexpr double kVoxel_m = 1.0;
   static constexpr double kRangeMax_m = 100.0;
-  static constexpr double kRangeMin_m = 0.8;  // the vehicle itself
+  static constexpr double kRangeMin_m = 0.8;  // nearer returns are the vehicle itself
   static constexpr std::size_t kPointsPerVoxel = 20;
   static constexpr double kFirstThreshold_m = 2.0, kLeastMotion_m = 0.1;
   static constexpr int kIterationsMax = 500;
@@ -60,7 +60,7 @@ class IcpOdometry {
     return (p_m / edge_m).array().floor().cast<int>();
   }
 
-  /// Section III-A: the motion between the last two scans went on, so that all points are told at the sweep's middle.
+  /// Section III-A: points are moved to the middle of the sweep by the motion between the last two scans.
   std::vector<Eigen::Vector3d> corrected(const Scan& scan, const Pose& motion) const {
     const Eigen::AngleAxisd turn(motion.linear());
     const double duration_s = std::max(1e-9, to_seconds(scan.duration));
@@ -88,7 +88,7 @@ class IcpOdometry {
     return kept_m;
   }
 
-  /// Section III-C: how far predictions have been off, as a displacement at the farthest range.
+  /// Section III-C: past errors of the prediction, as a displacement at the farthest range.
   double threshold_m() const { return num_errors_ == 0 ? kFirstThreshold_m : std::sqrt(sum_sq_m2_ / num_errors_); }
   void learn(const Pose& error) {
     const double angle_rad = Eigen::AngleAxisd(error.linear()).angle();

@@ -18,15 +18,15 @@
 
 namespace swiftlet::testing {
 
-/// Walks a configuration and notes its numeric keys with their ranges, and the registries of its modules.
+/// Visits a configuration and records its numeric keys with their ranges, and the registries of its modules.
 class NumericKeys : public ConfigVisitor {
  public:
   struct Key {
     std::string path;  ///< "vehicles[].start.yaw_deg"
     Range range;
     bool whole = false;
-    int copies = 0;       ///< elements of a list that all have the value; 0: a number, not a list
-    bool nested = false;  ///< that list is the only element of another one
+    int copies = 0;       ///< number of list elements that all have the value; 0: a number, not a list
+    bool nested = false;  ///< the list is the only element of another list
   };
 
   std::vector<Key> keys;
@@ -84,7 +84,7 @@ class NumericKeys : public ConfigVisitor {
   std::vector<std::string> prefixes_;
 };
 
-/// Whether the reader refuses this value of the key for its range; other complaints do not count.
+/// Does the reader reject this value of the key for its range? Other errors are ignored.
 inline bool is_refused(const NumericKeys::Key& key, double value, const sim::ConfigVisit& visit) {
   std::string text, ends, shown;
   std::string_view rest = key.path;
@@ -124,7 +124,7 @@ inline bool is_refused(const NumericKeys::Key& key, double value, const sim::Con
   }
 }
 
-/// One line for each end of a range that does not hold: a bound that is refused, or a value beyond it that is taken.
+/// Appends one line for each wrong end of a range: a bound that is rejected, or a value beyond it that is accepted.
 inline void append_wrong_bounds(const NumericKeys::Key& key, const sim::ConfigVisit& visit,
                                 std::vector<std::string>& wrong) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity(), kBillion = 1e9;
@@ -143,7 +143,7 @@ inline void append_wrong_bounds(const NumericKeys::Key& key, const sim::ConfigVi
   try_end(is_above ? key.range.max : most, is_above && key.range.max_excluded, 1.0);
 }
 
-/// Every end of every range of a configuration and of the modules in it, each registry once. Empty: all hold.
+/// Checks every end of every range of a configuration and of its modules, each registry once. Empty when all are right.
 /// @param visit  visits a fresh configuration at each call
 inline std::vector<std::string> wrong_bounds(const sim::ConfigVisit& visit, std::size_t& num_keys) {
   std::vector<std::string> wrong;

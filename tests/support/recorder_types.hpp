@@ -8,8 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Recorders that any run may have. `slam_map` refuses one in which nobody keeps such a map; test_sim_slam_map has its
-/// own.
+/// Recorders that work in any run. `slam_map` rejects runs without a SLAM map and is tested in test_sim_slam_map.
 inline std::vector<const char*> recorders_of_any_run() {
   std::vector<const char*> names;
   for (const ModuleType& type : recorder_module_types()) {

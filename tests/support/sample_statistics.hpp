@@ -23,7 +23,7 @@ class SampleStatistics {
   double n_ = 0.0, mean_ = 0.0, m2_ = 0.0;
 };
 
-/// Bounds that a right implementation misses about once in two million times: five standard errors.
+/// Bounds that a correct implementation misses about once in two million times: five standard errors.
 inline double mean_bound(double sigma, int n) { return 5.0 * sigma / std::sqrt(static_cast<double>(n)); }
 inline double variance_bound(double variance, int n) { return 5.0 * variance * std::sqrt(2.0 / n); }
 inline double share_bound(double p, int n) { return 5.0 * std::sqrt(p * (1.0 - p) / n); }

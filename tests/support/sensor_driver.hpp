@@ -13,10 +13,10 @@
 
 namespace swiftlet::sim {
 
-/// Prescribed motion of one vehicle: its true state at a time [s].
+/// Prescribed motion of one vehicle: its true state as a function of time [s].
 using Motion = std::function<VehicleState(double t_s)>;
 
-/// What a LiDAR sees of a quadrotor: rotors 0.25 m out and 3 cm up.
+/// Shape of a quadrotor for LiDARs: rotors 0.25 m out and 3 cm up.
 inline std::shared_ptr<const VehicleShape> quadrotor_shape() {
   Airframe airframe;
   for (int i = 0; i < 4; ++i) {
@@ -66,11 +66,11 @@ inline SensorSetup sensor_setup(const std::string& name, std::uint64_t seed = 1,
 struct DriveOptions {
   double duration_s = 1.0;
   TimeNs tick = 4'000'000;
-  TimeNs step = 1'000'000;  ///< of the truth
+  TimeNs step = 1'000'000;  ///< interval of true states
   int capacity = 512;
 };
 
-/// Runs a sensor on prescribed motions, tick by tick; `on_tick(now, delivered in this tick)`. Returns everything.
+/// Runs a sensor on prescribed motions, tick by tick; `on_tick(now, delivered in this tick)`. Returns all samples.
 inline Observation drive(Sensor& sensor, const std::vector<Motion>& motions, const DriveOptions& options,
                          const std::function<void(TimeNs, const Observation&)>& on_tick = {}) {
   StateHistory history(static_cast<int>(motions.size()), options.capacity);

@@ -18,7 +18,7 @@
 
 namespace swiftlet::sim {
 
-/// A series of the whole run, as a metric of one's own may have it.
+/// A series over the whole run, as a user-defined metric may have it.
 struct TeamSpread {
   static constexpr const char* kName = "spread";
   TimeNs t = 0;
@@ -30,7 +30,7 @@ struct TeamSpread {
   }
 };
 
-/// Of every vehicle of a SyntheticRun; the first voxel is of a world known beforehand.
+/// Voxels of every vehicle of a SyntheticRun; the first one is of a known world.
 inline std::vector<MapVoxels> made_up_maps() {
   std::vector<MapVoxels> maps;
   maps.push_back({"detector", 0.25, {"free", "uncertain", "tentative", "confident"}, 2, {}, {}, {}});
@@ -44,7 +44,7 @@ inline std::vector<MapVoxels> made_up_maps() {
   return maps;
 }
 
-/// Does nothing but keep those maps.
+/// Returns those maps and does nothing else.
 class MapKeeper : public Agent {
  public:
   const Action& step(const Observation&) override { return action_; }
@@ -54,10 +54,10 @@ class MapKeeper : public Agent {
   Action action_;
 };
 
-/// Ticks with made-up content for tests of recorders: every field has a value of its own, none is round.
-/// Two vehicles: "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, its rows one
-/// after the other). Every second scan is frozen. A tick every 10 ms; a scan of each LiDAR every 100 ms; GNSS every 50
-/// ms; the estimate is valid from 50 ms on.
+/// Ticks with synthetic content for tests of recorders: every field has a distinct value, none is round. Two vehicles:
+/// "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, rows in succession). Every
+/// second scan is frozen. A tick every 10 ms; a scan of each LiDAR every 100 ms; GNSS every 50 ms; the estimate is
+/// valid from 50 ms on.
 class SyntheticRun {
  public:
   static constexpr TimeNs kTick = 10'000'000;
@@ -110,7 +110,7 @@ class SyntheticRun {
     return view_;
   }
 
-  /// A number between -5 and 5 that no other call gives: the golden-ratio sequence.
+  /// A number between -5 and 5, different in each call: the golden-ratio sequence.
   double number() {
     phase_ += 0.6180339887498949;
     phase_ -= static_cast<int>(phase_);
@@ -159,7 +159,7 @@ class SyntheticRun {
   }
 
  private:
-  // Evaluated one after the other: the order of arguments is not fixed by the language.
+  // One call per statement, because C++ does not define the order in which arguments are evaluated.
   Vector3 vector() {
     Vector3 v;
     for (int i = 0; i < 3; ++i) v[i] = number();
@@ -222,7 +222,7 @@ class SyntheticRun {
     message.sent = view_.t - kTick;
     message.received = view_.t - kTick / 3;
     write_message(NeighborPosition{view_.t - kTick, vector()}, message);
-    if (k % 3 == 0) message.version = 99;  // of a newer program
+    if (k % 3 == 0) message.version = 99;  // a later version of the message
   }
 
   void fill_action(VehicleId v) {
@@ -269,7 +269,7 @@ class SyntheticRun {
     track.corrected = true;
   }
 
-  /// Of each vehicle's detector about the other, and a false estimate of its tracker.
+  /// Each vehicle's detections of the other vehicle, and a false estimate of its tracker.
   void fill_scores() {
     scores_.clear();
     team_.clear();

@@ -11,7 +11,7 @@
 
 namespace swiftlet::testing {
 
-/// Puts a cloud together point by point, each with its firing time after the start of the sweep.
+/// Builds a cloud point by point, each with its firing time after the start of the sweep.
 class CloudMaker {
  public:
   explicit CloudMaker(TimeNs stamp, TimeNs duration = 0) : stamp_(stamp), duration_(duration) {}
@@ -27,7 +27,7 @@ class CloudMaker {
   CloudMaker& add_target(const Vector3& center_m, double radius_m = 0.3, int num_points = 40, double offset_s = 0.0) {
     const Vector3 to_sensor = center_m.norm() > 0.0 ? Vector3(-center_m.normalized()) : Vector3::UnitX();
     for (int i = 0, added = 0; added < num_points; ++i) {
-      // Directions all over the sphere, evenly (Fibonacci lattice).
+      // Evenly spaced directions (Fibonacci lattice).
       const double z = 1.0 - 2.0 * std::fmod((i + 0.5) / (2.0 * num_points), 1.0);
       const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0)), r = std::sqrt(std::max(0.0, 1.0 - z * z));
       const Vector3 n(r * std::cos(angle), r * std::sin(angle), z);

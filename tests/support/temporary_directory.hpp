@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// An empty folder that goes with the object.
+/// An empty directory, deleted with the object.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {

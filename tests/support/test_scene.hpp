@@ -9,8 +9,8 @@
 
 namespace swiftlet::sim {
 
-/// Small worlds for tests, one line a thing: TestScene b; b.add_box(...); StaticScene s(b.scene()).
-/// Material 0 is Lambertian with reflectivity 0.3; add_material() returns further ones.
+/// Small worlds for tests, one line per object: TestScene b; b.add_box(...); StaticScene s(b.scene()). Material 0 is
+/// Lambertian with reflectivity 0.3; add_material() returns further ones.
 class TestScene {
  public:
   TestScene() { scene_.materials.push_back({"gray", 0.3F, false, {0.5F, 0.5F, 0.5F}}); }
