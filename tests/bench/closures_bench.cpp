@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Search for a closure between two submaps of 8 m of the way around the campus building: one of every second scan, one
-// of the others, or the submap that follows on it; with a guess that may be anywhere, and with one that is nearly
-// right. One thread, processor time of a search with all its checks.
+// Search for a closure between two submaps of 8 m of flight around the campus building: the older one from every second
+// scan, the newer one from the remaining scans of the same or of the next submap; with a guess of unknown error, and
+// with a nearly correct one. One thread, processor time of a search with all its checks.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -23,7 +23,7 @@ constexpr float kVoxel_m = 0.2F;
 
 struct CloudOfSubmap {
   Pose T_world_submap;
-  std::array<std::vector<Eigen::Vector3f>, 2> points_m;  // of every second scan, and of the others
+  std::array<std::vector<Eigen::Vector3f>, 2> points_m;  // of every second scan; of the remaining ones
 };
 
 std::vector<Eigen::Vector3f> thinned_m(const std::vector<Eigen::Vector3f>& points_m) {
@@ -64,7 +64,7 @@ std::vector<CloudOfSubmap> submaps_of_a_lap() {
   return submaps;
 }
 
-/// @param off_m  by which the guess may be off
+/// @param off_m  assumed error of the guess
 void closure(benchmark::State& state, std::size_t ahead, double off_m) {
   static const std::vector<CloudOfSubmap> submaps = submaps_of_a_lap();
   const Pose off = make_pose({0.4, -0.3, 0.1}, rotation_by({0, 0, 0.02}));

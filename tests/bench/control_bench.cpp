@@ -15,7 +15,7 @@ namespace {
 
 constexpr TimeNs kTick = 4'000'000;
 
-/// One vehicle's whole software with a pose in every tick; the poses are those of a recorded flight, so that only the
+/// The whole agent of one vehicle with a pose in every tick. The poses come from a recorded flight, so that only the
 /// agent is measured.
 void stack(benchmark::State& state, const char* guidance) {
   AgentSetup setup;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The three stages of the VoFOD detector (Table II: voxels of 0.25 m, rays of 20 m) on a flight of 60 s with an
-// OS1-128, 1024 x 128 beams at 10 Hz, through a clearing of a forest with two other UAVs, against the paper's
-// algorithms written out plainly (tests/bench/reference_detection.hpp), whose map and detections must be the same.
-// One thread, processor time.
+// OS1-128, 1024 x 128 beams at 10 Hz, through a clearing of a forest with two other UAVs, compared with the paper's
+// algorithms in plain code (tests/bench/reference_detection.hpp), whose map and detections must be equal. One thread,
+// processor time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr int kScans = 600;          // 60 s
-constexpr int kReferenceScans = 20;  // plain code takes a second for each
+constexpr int kReferenceScans = 20;  // plain code takes a second per scan
 
 VofodConfig config() {
   VofodConfig config;
-  config.map.extent = VoxelMapConfig::Extent::kBounded;  // the reference knows no other
+  config.map.extent = VoxelMapConfig::Extent::kBounded;  // the only extent of the reference
   return config;
 }
 
@@ -66,7 +66,7 @@ void flight_of_60_s(benchmark::State& state) {
       stages.find_separate();
       stages.remove_separate(1);
     });
-    raycasting.count -= 1;  // casting and applying are one
+    raycasting.count -= 1;  // casting and applying count as one
     found += detections.size();
     state.SetIterationTime(took);
   }
@@ -82,7 +82,7 @@ BENCHMARK(flight_of_60_s)->UseManualTime()->Iterations(kScans)->Unit(benchmark::
   std::exit(1);
 }
 
-/// The beginning of the same flight, plainly, and compared.
+/// The first scans of the same flight in plain code, with a comparison of the results.
 void reference_of_the_paper(benchmark::State& state) {
   Flight flight;
   VofodStages stages(config());

@@ -12,7 +12,7 @@
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/sensor_driver.hpp"
 
-/// A flight through a clearing of a forest with two other UAVs: what the detectors' benchmarks look at.
+/// A flight through a clearing of a forest with two other UAVs, for the benchmarks of detectors.
 namespace swiftlet::sim {
 
 inline constexpr TimeNs kFlightStep = 2'000'000;
@@ -31,7 +31,7 @@ inline VehicleState state_of(int vehicle, TimeNs t) {
   return state;
 }
 
-/// Sweep after sweep of a LiDAR as clouds in the world.
+/// Sweeps of a LiDAR as clouds in the world, in sequence.
 class Flight {
  public:
   explicit Flight(const LidarConfig& lidar = {}) {

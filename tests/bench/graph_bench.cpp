@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Optimization of pose graphs after a closure: a trajectory that drifted, with submaps of ten key frames that overlap
-// by half, and closures when it comes by again.
+// Optimization of pose graphs after a closure: a trajectory that drifted, with submaps of ten keyframes that overlap by
+// half, and closures at revisited places.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ Pose truth_at(int i) {
   return make_pose({30.0 * std::cos(a), 20.0 * std::sin(a), 2.0 + 0.5 * std::sin(3.0 * a)}, rotation_by({0, 0, a}));
 }
 
-/// The drift of a key frame: slow, in every direction.
+/// Drift of a keyframe: slow, in every direction.
 Pose drifted(int i) {
   const double s = 1e-3 * i;
   const Pose off = make_pose({0.3 * std::sin(s), 0.2 * s, 0.1 * std::sin(2.0 * s)}, rotation_by({0, 0, 0.01 * s}));
@@ -33,7 +33,7 @@ void add_closures(PoseGraph& graph, int num, int every) {
   }
 }
 
-/// Nodes, each in two submaps, and from node to node.
+/// Each node is linked to two submaps and to the next node.
 PoseGraph graph_of_nodes(int num) {
   PoseGraph graph;
   const Matrix6 information = 1e6 * Matrix6::Identity();
@@ -50,7 +50,7 @@ PoseGraph graph_of_nodes(int num) {
   return graph;
 }
 
-/// Submaps only, in a row.
+/// A chain of submaps only.
 PoseGraph graph_of_submaps(int num) {
   PoseGraph graph;
   for (int i = 0; i < num; ++i) graph.add_pose(drifted(i));
@@ -66,7 +66,7 @@ void optimize(benchmark::State& state, const PoseGraph& drifted_graph) {
   GraphSolverConfig config;
   config.step_min = 1e-4;
   GraphReport report;
-  GraphWorkspace workspace;  // a flight keeps it from one optimization to the next
+  GraphWorkspace workspace;  // a flight reuses it in every optimization
   for (auto _ : state) {
     state.PauseTiming();
     PoseGraph graph = drifted_graph;

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// One planning step of 20 intervals: the plan of 0.05 s ago, the aim where it is now, with or without walls in reach.
+/// One planning step of 20 intervals, from the plan of 0.05 s ago to the present aim, with or without walls in reach.
 void plan(benchmark::State& state) {
   const MotionLimits limits{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
   constexpr double kStep_s = 0.1, kPeriod_s = 0.05;
@@ -22,7 +22,7 @@ void plan(benchmark::State& state) {
   std::vector<double> times_us;
   times_us.reserve(1 << 16);
   for (auto _ : state) {
-    // The aim jumps each 4 s and flies on from there.
+    // The aim jumps every 4 s and moves on from there.
     t_s += kPeriod_s;
     const int leg = static_cast<int>(t_s / 4.0);
     const Vector3 from(12.0 * (leg % 3 - 1), 10.0 * (leg % 2), 3.0 * (leg % 4)), v_mps(4.0 - leg % 5, 3.0, 0.5);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One LiDAR scan of a forest of about a million triangles with four moving vehicles, against what the ray tracers
-// underneath cost for the very same rays: Embree itself (packets of 16 in the tiles of the sensor, coherent where they
-// are, in the two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios,
-// from alternating runs.
+// One LiDAR scan of a forest of about a million triangles with four moving vehicles, compared with the bare cost of the
+// same rays in two ray tracers: Embree (packets of 16 in the tiles of the sensor, coherent where possible, in the
+// two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios, from
+// alternating runs.
 #include <benchmark/benchmark.h>
 #include <btBulletCollisionCommon.h>
 #include <omp.h>
@@ -50,7 +50,7 @@ VehicleState state_of(int vehicle, TimeNs t) {
   return state;
 }
 
-/// The world of all benchmarks, made once.
+/// The world of all benchmarks, built once.
 struct Stage {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const StaticScene> world;
@@ -106,7 +106,7 @@ LidarConfig mid360_config() {
 // ---- the complete scan
 // ------------------------------------------------------------------------------------------------
 
-/// Sweeps one after the other for ever.
+/// Endless sequence of sweeps.
 class CompleteScan {
  public:
   explicit CompleteScan(const LidarConfig& config) : lidar_(make_lidar(config, stage().setup())) {
@@ -116,7 +116,7 @@ class CompleteScan {
     }
   }
 
-  /// The vehicles' motion during the next sweep: the physics' business, not timed.
+  /// The vehicles' motion during the next sweep; not timed.
   void fly() {
     for (const TimeNs end = now_ + kSweep; now_ < end;) {
       now_ += kStep;
@@ -166,7 +166,7 @@ std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_of(const LidarCo
   return rays;
 }
 
-/// The best bare query: rays ready in packets, nothing done with the hits. Vehicles are frozen instances.
+/// Lower bound with Embree: prepared packets of rays, no processing of hits, vehicles as frozen instances.
 class BareEmbree {
  public:
   explicit BareEmbree(const LidarConfig& config) {
@@ -243,7 +243,7 @@ class BareEmbree {
   bool coherent_ = true;
 };
 
-/// What equal bits cost: the static world by the rule, and by Embree alone, with the triangles as they are. Both tell
+/// Cost of equal bits: the static world by exact hits and by Embree alone, with unmodified triangles. Both return
 /// range, incidence and surface.
 class EqualBits {
  public:
@@ -420,7 +420,7 @@ void bullet_os1(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(bullet.scan());
 }
 
-// Of this thread's processor time: whatever else the machine does costs no more than its caches.
+// Processor time of this thread: other load on the machine only affects its caches.
 double seconds(const std::function<void()>& work) {
   const auto now = [] {
     timespec time{};
@@ -437,7 +437,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Runs alternate, so that whatever else the machine does hits all alike.
+// Runs alternate, so that other load on the machine affects all alike.
 void ratios_os1(benchmark::State& state) {
   CompleteScan complete(os1_config());
   const BareEmbree embree(os1_config());
@@ -482,7 +482,7 @@ void ratios_mid360(benchmark::State& state) {
   state.counters["complete/embree"] = median(complete_s) / median(embree_s);
 }
 
-// The share of a scan that equal bits cost, against the same scan by Embree alone.
+// Share of a scan's time spent on equal bits, compared with the same scan by Embree alone.
 void equal_bits_os1(benchmark::State& state) {
   CompleteScan complete(os1_config());
   const EqualBits world(os1_config());

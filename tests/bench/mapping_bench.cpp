@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Occupancy mapping at 0.1 m with rays of 20 m, against OctoMap's library in the same program: scans of 24 064 returns
-// that are 20 m long, and those of an OS0-128 thinned by four that flies through a forest. Then the distances of what
-// lies around, after every scan, and paths through the map. One thread, processor time.
+// Occupancy mapping at 0.1 m with rays of 20 m, compared with OctoMap's library in the same program: scans of 24 064
+// returns at 20 m, and those of an OS0-128 thinned by four that flies through a forest. Then distances to obstacles
+// after every scan, and paths through the map. One thread, processor time.
 #include <benchmark/benchmark.h>
 #include <octomap/octomap.h>
 #include <omp.h>
@@ -24,10 +24,10 @@ namespace {
 using Rays = std::vector<OccupancyMap::Ray>;
 
 constexpr int kScans = 40;        // 4 s of flight
-constexpr int kLibraryScans = 5;  // that takes seconds for each
+constexpr int kLibraryScans = 5;  // the library takes seconds per scan
 constexpr double kRangeMax_m = 20.0;
 
-/// A sensor that flies at 2 m/s; nothing is nearer than 20 m.
+/// A sensor that flies at 2 m/s; no return is nearer than 20 m.
 const std::vector<Rays>& far_scans() {
   static const std::vector<Rays> scans = [] {
     std::vector<Rays> made;
@@ -113,7 +113,7 @@ void octomap_insertion(benchmark::State& state, const std::vector<Rays>& scans) 
   }
 }
 
-// Distances of all cells of a box around the vehicle, after every scan. A planner asks for those near its paths.
+// Distances of all cells of a box around the vehicle, after every scan. A planner queries those near its paths.
 void distances(benchmark::State& state, const Cell& half_blocks) {
   const std::vector<Rays>& scans = forest_scans();
   for (auto _ : state) {
@@ -124,7 +124,7 @@ void distances(benchmark::State& state, const Cell& half_blocks) {
       map.insert(rays, i);
       const Vector3 p_m = rays.front().origin_local_m.cast<double>();
       const double took_s = time_of_s([&] {
-        // One cell of a block makes it work out all of them.
+        // A query of one cell computes its whole block.
         for (int z = -half_blocks.z(); z < half_blocks.z(); ++z) {
           for (int y = -half_blocks.y(); y < half_blocks.y(); ++y) {
             for (int x = -half_blocks.x(); x < half_blocks.x(); ++x) {
@@ -140,7 +140,7 @@ void distances(benchmark::State& state, const Cell& half_blocks) {
   }
 }
 
-// 12 m through the forest, from where the vehicle is.
+// A path of 12 m through the forest from the vehicle's position.
 void path(benchmark::State& state, bool distances_are_known) {
   const std::vector<Rays>& scans = forest_scans();
   ClearPathConfig config;
@@ -164,7 +164,7 @@ void path(benchmark::State& state, bool distances_are_known) {
   state.counters["corners"] = static_cast<double>(found);
 }
 
-/// A* as it stands in textbooks, without the cutting of corners: the same cells, the same clearance.
+/// Textbook A* without cutting corners: the same cells, the same clearance.
 std::size_t plain_search(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_m,
                          const Vector3& goal_m) {
   struct Node {
@@ -226,7 +226,7 @@ void plain_path(benchmark::State& state) {
   state.counters["expansions"] = static_cast<double>(expansions);
 }
 
-// From where is a path of 4 m watched? After every scan, so that distances are worked out anew.
+// Search for a viewpoint of a path of 4 m, after every scan, so that distances are computed anew.
 void viewpoint(benchmark::State& state, ViewpointRules::Sight sight) {
   const std::vector<Rays>& scans = forest_scans();
   ViewpointRules rules;

@@ -28,7 +28,7 @@ Airframe quad() {
   return airframe;
 }
 
-/// The forest of the quickstart, made once.
+/// The forest of the quickstart, built once.
 const std::shared_ptr<const StaticScene>& forest() {
   static const auto scene = std::make_shared<const StaticScene>(make_world(Module(world_module_types(), "forest"), 1));
   return scene;
@@ -39,7 +39,7 @@ double ground_m(double x, double y) {
   return forest()->trace({x, y, -50.0}, Vector3::UnitZ(), 200.0).range_m - 50.0;
 }
 
-/// Places at a height over the ground with that much room around them, by rejection.
+/// Positions at a height above the ground with the given clearance, by rejection sampling.
 std::vector<Vector3> places(int count, double height_m, double room_m) {
   const Random random(5, "bench.places");
   std::vector<Vector3> found;
@@ -94,7 +94,8 @@ struct Fleet {
 
 PhysicsConfig without_lift() {
   PhysicsConfig config;
-  config.ground_effect_coefficient = 1e-9;  // the work of the ground effect without its lift, to stay in place
+  // ground effect at full cost but without lift, so that vehicles stay in place
+  config.ground_effect_coefficient = 1e-9;
   return config;
 }
 

@@ -5,14 +5,14 @@
 
 namespace swiftlet {
 
-/// Of this thread: what else runs does not count.
+/// Processor time of this thread; other processes do not count.
 inline double processor_time_s() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Processor time that the work takes.
+/// Processor time of a function.
 template <class Work>
 double time_of_s(Work&& work) {
   const double start = processor_time_s();

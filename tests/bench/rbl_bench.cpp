@@ -56,7 +56,7 @@ void update(benchmark::State& state, const char* obstacles) {
   ObstacleCutter cutter;
   const std::string mode = obstacles;
   const Vector3 p(0, 0, 5);
-  // A destination turned aside, as while avoiding: the third centroid is needed, too.
+  // A destination to the side, as while avoiding, so that the third centroid is needed too.
   for (int i = 0; i < 5; ++i) {
     planner.partition(p, std::vector<Vector3>{{1.3, 0.0, 5.0}, {0.0, 1.3, 5.0}, {0.0, -1.3, 5.0}}, 1.0, 10.0);
     planner.update({20, 1, 5}, 0.1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What recording costs: one tick with a scan of an OS1-128 (128 x 1024) of which 80 % return, in each format, and one
-// tick without scans. Files go to the folder for temporary files.
+// Cost of recording: one tick with a scan of an OS1-128 (128 x 1024) of which 80 % return, in each format, and one tick
+// without scans. Files go to the directory for temporary files.
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>
@@ -24,7 +24,7 @@ void record_scan(benchmark::State& state, const char* type) {
   for (auto _ : state) {
     tick.t += SyntheticRun::kTick;
     recorder->write(tick);
-    // Files of their own would fill the disk: a benchmark of hundreds of scans keeps none.
+    // Files per scan would fill the disk: a benchmark of hundreds of scans deletes them.
     state.PauseTiming();
     for (const auto& entry : std::filesystem::recursive_directory_iterator(directory.path())) {
       if (entry.path().extension() == ".pcd" || entry.path().extension() == ".ply")

@@ -14,12 +14,12 @@
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 
-/// The detector of Vrba 2025 written straight from the paper (Table II, the paper's interpretation of every choice), in
-/// double precision and without any of core/detection or of the map's and the rays' code: what those are measured
-/// against, in result and in speed.
+/// The detector of Vrba 2025 written directly from the paper (Table II, the paper's interpretation of every choice), in
+/// double precision and without any code of core/detection, the map or the rays: the reference for their results and
+/// speed.
 namespace swiftlet::reference {
 
-/// Amanatides and Woo: visit(cell, length) for every voxel on the way.
+/// Amanatides and Woo: visit(cell, length) for every voxel along the ray.
 template <class Visit>
 void walk(const Vector3& origin_m, const Vector3& direction, double length_m, double edge_m, Visit&& visit) {
   Eigen::Vector3i cell = (origin_m / edge_m).array().floor().cast<int>();
@@ -45,7 +45,7 @@ void walk(const Vector3& origin_m, const Vector3& direction, double length_m, do
   }
 }
 
-/// The map, dense and plain.
+/// The map as a dense array.
 struct Map {
   explicit Map(const VoxelMapConfig& config) : config(config) {
     min_cell = ((config.center_m - 0.5 * config.size_m) / config.voxel_m).array().floor().cast<int>();
@@ -146,7 +146,7 @@ class Vofod {
         classes[i] = 3;  // seed: large
       }
     }
-    std::vector<std::size_t> order(found.size());  // eqs. (16) to (18); what is too large comes last
+    std::vector<std::size_t> order(found.size());  // eqs. (16) to (18); too large clusters come last
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] == 0; });
     std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] != 3; });
@@ -205,7 +205,7 @@ class Vofod {
 
   Map map;
   std::vector<int> classes;
-  std::vector<double> lengths;  // of the last rays [m], by voxel
+  std::vector<double> lengths;  // lengths of the last rays [m], by voxel
 
  private:
   bool rule_a(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
@@ -225,7 +225,7 @@ class Vofod {
     return false;
   }
 
-  /// Algorithm 1: true when the cluster is enclosed by what is confidently free.
+  /// Algorithm 1: true when the cluster is enclosed by confidently free voxels.
   bool rule_b(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     for (const int i : cluster) {
       const Eigen::Vector3i start = map.cell_of(points[i]);
@@ -252,7 +252,7 @@ class Vofod {
     return true;
   }
 
-  /// Of the box along the principal axes.
+  /// Diagonal of the box along the principal axes.
   static double diagonal_m(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     Vector3 mean = Vector3::Zero();
     for (const int i : cluster) mean += points[i];

@@ -10,8 +10,8 @@
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/background_query.hpp"
 
-/// Algorithm 2 of Vrba 2025 as it is printed, line by line, with Table II, for frozen scans. Slow; what it gives is
-/// what the tracker must give.
+/// Algorithm 2 of Vrba 2025 as printed, line by line, with Table II, for frozen scans. A slow reference for the
+/// tracker's results.
 namespace swiftlet::reference {
 
 using Vector9 = Eigen::Matrix<double, 9, 1>;

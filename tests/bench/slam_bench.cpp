@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Local SLAM on the scans of flights, with all that a scan takes: un-distortion, thinning, matching, mapping. One
-// thread, processor time of the scans after the first second. A point-to-point odometry without IMU, written from its
-// paper, flies along as a yardstick of the error after the best alignment.
+// Local SLAM on the scans of flights, with all steps of a scan: undistortion, thinning, matching, mapping. One thread,
+// processor time of the scans after the first second. A point-to-point odometry without IMU, written from its paper, is
+// the reference for the error after the best alignment.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
@@ -19,12 +19,12 @@
 namespace swiftlet {
 namespace {
 
-/// What a vehicle sensed in one tick.
+/// Samples and scans of one tick.
 struct Sensed {
   std::vector<ImuSample> imu;
   std::vector<std::shared_ptr<const Scan>> scans;
-  Vector3 p_world_m = Vector3::Zero();          // of the body, at the end of the tick
-  std::vector<Vector3> p_world_lidar_middle_m;  // of the LiDAR, in the middle of each sweep
+  Vector3 p_world_m = Vector3::Zero();          // position of the body at the end of the tick
+  std::vector<Vector3> p_world_lidar_middle_m;  // position of the LiDAR in the middle of each sweep
 };
 
 struct Flown {
@@ -63,7 +63,7 @@ Flown fly(const std::string& scenario_file, const std::string& lidar) {
   return flown;
 }
 
-/// Root mean square distance of two paths after the best alignment of them.
+/// Root mean square distance of two paths after their best alignment.
 double absolute_error_m(const std::vector<Vector3>& p_m, const std::vector<Vector3>& p_true_m) {
   const Eigen::Map<const Eigen::Matrix3Xd> from(p_m[0].data(), 3, p_m.size());
   const Eigen::Map<const Eigen::Matrix3Xd> to(p_true_m[0].data(), 3, p_true_m.size());
@@ -121,7 +121,7 @@ void local_slam(benchmark::State& state, const std::string& scenario_file, const
       state.counters["scans"], benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// In the document's way.
+/// Matching to probability grids, as in the document.
 void grid_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
   local_slam(state, scenario_file, lidar, true);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map of submaps after a closure. Submaps are those of a Puck LITE around the campus building, 8 m of the way each,
-// cells of 0.2 m, rays of 20 m. A hundred of them lie around the building (five laps, so that many lie on each other),
-// or in a row along a street. Then all are moved and turned, as a closure moves them. One thread, processor time.
+// A map of submaps after a closure. The submaps are from a Puck LITE around the campus building, 8 m of flight each,
+// cells of 0.2 m, rays of 20 m. A hundred of them lie around the building (five overlapping laps), or in a row along a
+// street. Then all are moved and rotated, as by a closure. One thread, processor time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr int kSubmaps = 100;
 
 struct Seen {
   std::shared_ptr<const SubmapCells> cells;
-  Vector3 p_world_m;  // where it began
+  Vector3 p_world_m;  // start of the submap
 };
 
 /// One lap.
@@ -82,7 +82,7 @@ void lay_out(Layout layout, Whole& whole) {
   const int per_lap = static_cast<int>(seen.size());
   for (int i = 0; i < kSubmaps; ++i) {
     const Seen& piece = seen[static_cast<std::size_t>(i % per_lap)];
-    // A second lap is never quite where the first one was.
+    // Laps do not coincide exactly.
     const double off_m = 0.07 * (i / per_lap);
     const Vector3 p_m = layout == Layout::kLaps ? Vector3(piece.p_world_m + Vector3(off_m, -off_m, 0.0))
                                                 : Vector3(kSubmap_m * i, off_m, 3.0);
@@ -91,7 +91,7 @@ void lay_out(Layout layout, Whole& whole) {
   }
 }
 
-/// As a closure does it: the older, the farther, up to a meter and a degree. The newest stands still.
+/// Moves submaps like a closure: older ones farther, up to a meter and a degree. The newest stands still.
 void close_loop(Whole& whole, int round) {
   const double sign = round % 2 == 0 ? 1.0 : -1.0;
   for (int i = 0; i < kSubmaps; ++i) {
@@ -102,7 +102,7 @@ void close_loop(Whole& whole, int round) {
   }
 }
 
-/// What a planner asks along 100 m of a path: 1.5 m to both sides, and whether it is clear.
+/// Queries of a planner along 100 m of a path: clearance up to 1.5 m to both sides.
 void ask_along(const SubmapMap& map, Layout layout) {
   double sum = 0.0;
   for (int i = 0; i < 500; ++i) {
@@ -139,7 +139,7 @@ void reanchor(benchmark::State& state, Layout layout) {
   state.counters["moved"] = static_cast<double>(whole.map.num_moved() - moved) / round;
 }
 
-/// Of the pieces, and of the map that is made of them when everything has been asked for.
+/// Memory of the pieces, and of the composed map after every cell was queried.
 void memory(benchmark::State& state, Layout layout) {
   for (auto _ : state) {
     Whole whole;
@@ -156,7 +156,7 @@ void memory(benchmark::State& state, Layout layout) {
   }
 }
 
-/// What newer laps know as well is left out.
+/// Removes cells that newer laps contain.
 void thin_out(benchmark::State& state) {
   for (auto _ : state) {
     Whole whole;

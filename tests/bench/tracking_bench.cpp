@@ -23,8 +23,8 @@ Vector3 target_at(int i, double t) {
   return {(8.0 + 2.0 * i) * std::cos(1.2 * i + 0.3 * t), (8.0 + 2.0 * i) * std::sin(1.2 * i + 0.3 * t), 1.0 + 0.5 * i};
 }
 
-/// What an OS1-128 (1024 x 128, 45 degrees) returns 3 m above a floor within a round wall of 30 m, with five targets:
-/// nearly every beam returns, row by row as the sensor orders them.
+/// Returns of an OS1-128 (1024 x 128, 45 degrees) 3 m above a floor within a round wall of 30 m, with five targets:
+/// nearly every beam returns, row by row in the order of the sensor.
 LocalCloud ouster_cloud(int k) {
   const double t = 0.1 * k;
   CloudMaker maker(k * kScan);
@@ -47,7 +47,7 @@ LocalCloud ouster_cloud(int k) {
   return maker.make();
 }
 
-/// Floor and wall as a map of voxels would tell them, by closed form.
+/// Floor and wall as a map of voxels in closed form.
 struct Hall : BackgroundQuery {
   bool occupied_within(const Vector3& p, double radius_m) const override {
     return p.z() + 3.0 < radius_m || 30.0 - p.head<2>().norm() < radius_m;
@@ -94,7 +94,7 @@ void new_cloud(benchmark::State& state, bool imm) {
   }
   for (auto _ : state) {
     if (k + direction < 0 || k + direction >= static_cast<int>(clouds.size())) direction = -direction;
-    k += direction;  // to and fro, so that targets never jump
+    k += direction;  // back and forth, so that targets never jump
     scans[k]->stamp = t += kScan;
     tracker.new_cloud(clouds[k], &hall);
   }
@@ -104,7 +104,7 @@ void new_cloud(benchmark::State& state, bool imm) {
 BENCHMARK_CAPTURE(new_cloud, kalman, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(new_cloud, imm, true)->Unit(benchmark::kMillisecond);
 
-/// newDetections() with five detections that are three clouds late.
+/// newDetections() with five detections delayed by three clouds.
 void new_detections(benchmark::State& state) {
   const Recording& r = recording();
   CloudTracker tracker(told_at_once(), make_kalman_filter({}));
@@ -118,7 +118,7 @@ void new_detections(benchmark::State& state) {
 }
 BENCHMARK(new_detections)->Unit(benchmark::kMillisecond);
 
-/// Algorithm 2 as printed; its tracks must be ours.
+/// Algorithm 2 as printed; its tracks must equal those of CloudTracker.
 void new_cloud_as_printed(benchmark::State& state) {
   const Recording& r = recording();
   const Hall hall;
