@@ -20,12 +20,12 @@ bool is_word(const std::string& text) {
   });
 }
 
-/// Stays within its line of a job script.
+/// Is it valid within one line of a job script?
 bool is_line(const std::string& text) {
   return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
-/// A list of names as Slurm writes it: a,b.
+/// A list of names in Slurm's format: a,b.
 bool is_slurm_name(const std::string& text) {
   return text.empty() || std::all_of(text.begin(), text.end(), [](char c) { return c == ',' || is_word({c}); });
 }
@@ -167,7 +167,7 @@ void BatchConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-/// A metric, or the metric of one vehicle: "min_separation_m", "uav1.min_separation_m".
+/// Accepts a metric, or the metric of one vehicle: "min_separation_m", "uav1.min_separation_m".
 void check_metric(ConfigVisitor& v, const std::string& name, const std::vector<std::string>& known,
                   const std::string& key) {
   const std::string metric = name.substr(name.rfind('.') + 1);
@@ -175,7 +175,7 @@ void check_metric(ConfigVisitor& v, const std::string& name, const std::vector<s
   v.check(false, key.c_str(), "a metric (swiftlet list metrics)" + did_you_mean(metric, known));
 }
 
-// Not when a finished batch is read: a program with metrics of its own may have flown it.
+// Skipped when a finished batch is read, since a program with additional metrics may have flown it.
 void check_metrics(ConfigVisitor& v, const ReportConfig& report) {
   const std::optional<std::vector<std::string>> known = metric_names();
   if (!known) return;

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 std::string hash_text(const std::string& text) { return hex64(XXH3_64bits(text.data(), text.size())); }
 
-/// A scenario file beside the batch file by its path, anything else by its name. A batch may have its scenario's name.
+/// A scenario file relative to the batch file, otherwise a scenario by name. A batch may have the name of its scenario.
 std::string find_scenario(const std::string& name, const fs::path& batch_file) {
   for (const char* extension : {"", ".yaml"}) {
     const fs::path beside = batch_file.parent_path() / (name + extension);
@@ -56,7 +56,7 @@ std::vector<std::uint64_t> seeds_of(const SeedsConfig& config, std::size_t num_p
   return seeds;
 }
 
-/// What a scenario means for an episode: its seed, its outputs and its name do not count.
+/// The part of a scenario that an episode shares with others: without seed, outputs and name.
 std::string meaning(Scenario scenario) {
   scenario.seed = 0;
   scenario.name = "episode";
@@ -66,7 +66,7 @@ std::string meaning(Scenario scenario) {
   return write_scenario(scenario);
 }
 
-/// Hashes of the files that a resolved scenario names; their paths are absolute.
+/// Hashes of the files named by a resolved scenario; their paths are absolute.
 void add_files(const Node& node, std::map<std::string, std::string>& hashes) {
   std::error_code ignored;
   if (node.is_scalar() && node.text.starts_with('/') && fs::is_regular_file(node.text, ignored)) {
@@ -95,7 +95,7 @@ BatchPlan::BatchPlan(const fs::path& file, const ConfigChanges& overrides) {
   }
   try {
     fingerprint_ = make_fingerprint();
-  } catch (const InputError& error) {  // a change made by `set` or the sweep that a scenario does not take
+  } catch (const InputError& error) {  // a change by `set` or the sweep that a scenario does not accept
     const std::string message = with_places_of_changes(error.what(), Loader(system_files()).load(file));
     throw InputError(message == error.what() ? file_.string() + ": " + message : message);
   }
@@ -169,8 +169,8 @@ std::vector<std::uint64_t> BatchPlan::episodes_of(const Shard& shard) const {
   return ids;
 }
 
-// Every value of a swept key that is a word (a model, a type) is laid on every variant alone, since it may bring in
-// other files; of numbers the first and the last, to find mistakes before anything is flown.
+// Applies every word (a model, a type) of a swept key alone to every variant, since it may refer to further files, but
+// only the first and the last of swept numbers, so that errors appear before any flight.
 std::string BatchPlan::make_fingerprint() const {
   std::string text;
   std::map<std::string, std::string> files;

@@ -22,7 +22,7 @@ std::optional<Found> find_in_map(const Node* map, const std::string& path, const
   return Found{*place, join_path(path, key)};
 }
 
-/// What is laid on last counts: a swept value, then those of variants, then those of all.
+/// Later changes override earlier ones: a swept value, then those of variants, then those of all variants.
 std::optional<Found> find_change(const Node& batch, const std::string& key) {
   const Node* sweep = batch.find("sweep");
   const Node* parameters = sweep != nullptr ? sweep->find("parameters") : nullptr;

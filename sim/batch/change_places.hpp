@@ -7,8 +7,8 @@
 
 namespace swiftlet::sim {
 
-/// The message of a scenario that does not take the changes of a batch: instead of "--set KEY: ..." it says where the
-/// batch file sets, varies or sweeps that key. What it does not find there stays as it is.
+/// Error message for a scenario that rejects the changes of a batch: replaces "--set KEY: ..." by the location in the
+/// batch file that sets, varies or sweeps the key. Keys without such a location are left unchanged.
 /// @param batch  the batch file, merged with its bases
 std::string with_places_of_changes(const std::string& message, const Node& batch);
 

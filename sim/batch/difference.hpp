@@ -7,7 +7,7 @@
 
 namespace swiftlet::sim {
 
-/// The first value that differs, in the order of `then`: "set.duration_s: "20" then, "30" now". Empty when none does.
+/// The first differing value, in the order of `then`: "set.duration_s: "20" then, "30" now". Empty without difference.
 std::string first_difference(const Node& then, const Node& now, const std::string& path = "");
 
 }  // namespace swiftlet::sim

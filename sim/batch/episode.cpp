@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// JSON has no NaN and no infinity: not measured is null.
+// JSON has no NaN and no infinity; unmeasured values are null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 double number(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
@@ -73,12 +73,13 @@ std::pair<World, bool> WorldCache::get(const Scenario& scenario) {
     worlds_.splice(worlds_.begin(), worlds_, it);
     return {worlds_.front().second, false};
   }
-  while (worlds_.size() >= capacity_) worlds_.pop_back();  // first, so that both never lie in memory
+  // Before building, so that an evicted and a new world are never in memory together
+  while (worlds_.size() >= capacity_) worlds_.pop_back();
   worlds_.emplace_front(key, build_world(scenario.world, scenario.seed_of_world()));
   return {worlds_.front().second, true};
 }
 
-// Episodes of one point and variant differ in their seed alone.
+// Episodes of one point and variant differ only in their seed.
 Scenario EpisodeRunner::scenario_of(const Episode& episode) {
   if (episode.point != point_) scenarios_.clear();
   point_ = episode.point;

@@ -14,14 +14,14 @@
 
 namespace swiftlet::sim {
 
-/// What one episode came to.
+/// Result of one episode.
 struct EpisodeResult {
   std::string outcome;
   std::uint64_t state_hash = 0;
   double simulated_s = 0.0;
   std::vector<MetricRow> metrics;
-  // Of this machine and moment, not of the episode:
-  double setup_wall_s = 0.0;  ///< reading the scenario, the world, vehicles
+  // Machine-dependent values:
+  double setup_wall_s = 0.0;  ///< reading the scenario, creating world and vehicles
   double flight_wall_s = 0.0;
   bool built_world = false;
 };
@@ -29,20 +29,20 @@ struct EpisodeResult {
 std::string to_bytes(const EpisodeResult& result);
 EpisodeResult episode_result_from_bytes(const std::string& bytes);
 
-/// Worlds that were built last, ready to fly in.
+/// The most recently used worlds.
 class WorldCache {
  public:
   explicit WorldCache(std::size_t capacity = 2) : capacity_(capacity) {}
-  /// The world of a scenario, built unless it is among the last ones.
-  /// @return the world, and whether it was built now
+  /// The world of a scenario, built unless cached.
+  /// @return the world, and whether it was built by this call
   std::pair<World, bool> get(const Scenario& scenario);
 
  private:
   std::size_t capacity_;
-  std::list<std::pair<std::string, World>> worlds_;  ///< by key, the last one used first
+  std::list<std::pair<std::string, World>> worlds_;  ///< by scenario key, most recently used first
 };
 
-/// Flies episodes one after another and keeps what they share. Nothing is written; metrics are all that comes out.
+/// Flies episodes one after another and caches shared data. Writes no files; the only output is the metrics.
 class EpisodeRunner {
  public:
   explicit EpisodeRunner(const BatchPlan& plan) : plan_(plan), worlds_(plan.config().variants.size() > 1 ? 3 : 2) {}
@@ -54,7 +54,7 @@ class EpisodeRunner {
   const BatchPlan& plan_;
   WorldCache worlds_;
   std::size_t point_ = 0;
-  std::map<std::size_t, Scenario> scenarios_;  ///< by variant, of `point_`
+  std::map<std::size_t, Scenario> scenarios_;  ///< scenarios of `point_`, indexed by variant
 };
 
 }  // namespace swiftlet::sim

@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMissingShown = 10;
-constexpr std::string_view kUnfinished = ".results.merging-";  // before the number of the process
+constexpr std::string_view kUnfinished = ".results.merging-";  // followed by the process number
 
-/// Which of two rows of an episode stays; the same for either order.
+/// The preferred one of two rows of an episode; independent of their order.
 const EpisodeRow& better(const EpisodeRow& a, const EpisodeRow& b) {
   if (a.done() != b.done()) return a.done() ? a : b;
   const auto key = [](const EpisodeRow& row) {
@@ -56,10 +56,10 @@ class Merger {
   void add(const fs::path& file) {
     const ResultStore source(file, ResultStore::Mode::kRead);
     const auto info = source.info();
-    if (!info) return;  // killed before its first line
+    if (!info) return;  // killed before writing its batch info
     if (first_) {
       require_same_batch(*info, *first_, file);
-      // Which path is told does not depend on the order of the sources.
+      // The kept path does not depend on the order of the sources.
       if (std::tie(info->file, info->text, info->git_revision) <
           std::tie(first_->file, first_->text, first_->git_revision))
         first_ = info;
@@ -104,7 +104,7 @@ bool is_unfinished(const std::string& name) {
          (rest == ".sqlite" || rest == ".sqlite-wal" || rest == ".sqlite-shm" || rest == ".sqlite-journal");
 }
 
-/// Removes what killed merges into this directory left behind. The lock of its database is held.
+/// Removes files of killed merges into this directory. Requires the lock of its database.
 void remove_unfinished(const fs::path& directory) {
   std::vector<fs::path> unfinished;
   for (const auto& entry : fs::directory_iterator(directory)) {
@@ -138,7 +138,7 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
   std::error_code error;
   make_directory(out);
   const fs::path destination = out / "results.sqlite";
-  const WriterLock lock(destination);  // a batch that still writes there would go on writing a file without a name
+  const WriterLock lock(destination);  // a batch still writing there would continue in a deleted file
   remove_unfinished(out);
   PartialFile database(destination, out / (std::string(kUnfinished) + std::to_string(getpid()) + ".sqlite"));
   const fs::path& partial = database.partial();
@@ -169,7 +169,7 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
     throw;
   }
   for (const char* suffix : {"-wal", "-shm", "-journal"})
-    fs::remove(destination.string() + suffix, error);  // now of nothing
+    fs::remove(destination.string() + suffix, error);  // journals of the replaced database
   database.commit();
   return outcome;
 }

@@ -26,8 +26,8 @@ using Json = nlohmann::json;
 constexpr int kFormat = 1;
 constexpr int kStepsAtOnce = 10'000;
 
-/// More steps of SQLite's machine than any statement of ours takes with a database of this size. A damaged tree may
-/// name one page many times on each of its levels, and would be read for ever.
+/// Upper bound of the steps of SQLite's virtual machine for any statement on a database of this size. A damaged tree
+/// may refer to one page many times on each level, and reading it would not end.
 std::uint64_t most_steps(const fs::path& database) {
   std::uint64_t bytes = 0;
   for (const char* journal : {"", "-wal"}) {
@@ -38,7 +38,7 @@ std::uint64_t most_steps(const fs::path& database) {
   return 1'000'000 + 100 * bytes;
 }
 
-/// Throws what an error of SQLite means for this file.
+/// Throws the exception that corresponds to an SQLite error for this file.
 [[noreturn]] void fail_on(const fs::path& file, int error) {
   const std::string place = file.string() + ": ", expected = place + "expected results of a batch, found ";
   switch (error & 0xFF) {
@@ -47,7 +47,7 @@ std::uint64_t most_steps(const fs::path& database) {
       throw InputError(expected + "a damaged file");
     case SQLITE_NOTADB:
       throw InputError(expected + "something else, which is no database of SQLite");
-    case SQLITE_ERROR:  // a statement that does not fit the tables
+    case SQLITE_ERROR:  // a statement that does not match the tables
     case SQLITE_AUTH:
     case SQLITE_CONSTRAINT:
     case SQLITE_MISMATCH:
@@ -92,7 +92,7 @@ class Statement {
     return *this;
   }
 
-  /// True as long as there is a row.
+  /// Advances to the next row; false at the end.
   bool step() {
     const int result = limited([&] { return sqlite3_step(statement_); });
     if (result == SQLITE_ROW) return true;
@@ -117,7 +117,7 @@ class Statement {
   }
 
  private:
-  /// What SQLite answers, which is SQLITE_INTERRUPT once this statement has taken its steps.
+  /// Result of SQLite; SQLITE_INTERRUPT when this statement exceeds its steps.
   template <class Action>
   int limited(const Action& action) {
     const auto spend = [](void* self) {
@@ -139,7 +139,7 @@ class Statement {
   std::uint64_t steps_left_;
 };
 
-/// File systems of clusters, on which the shared memory of write-ahead logging does not work (SQLite's manual, "WAL").
+/// Network file systems, where the shared memory of write-ahead logging does not work (SQLite's manual, "WAL").
 bool is_network_file_system(const fs::path& directory) {
   struct statfs info {};
   if (statfs(directory.c_str(), &info) != 0) return false;
@@ -287,7 +287,7 @@ ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl
     throw InputError(impl_->file.string() +
                      ": expected a database or nothing, found a link; output does not follow links");
   const int flags = mode == Mode::kRead ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  // Reading opens for writing where it may: only then can the journal of a killed batch be read.
+  // Opens for writing even to read: only then can the journal of a killed batch be read.
   int result = sqlite3_open_v2(impl_->file.c_str(), &impl_->database, flags, nullptr);
   if (result != SQLITE_OK && mode == Mode::kRead) {
     sqlite3_close_v2(impl_->database);
@@ -295,7 +295,7 @@ ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl
   }
   if (result != SQLITE_OK) fail_on(impl_->file, result);
   sqlite3_busy_timeout(impl_->database, 10'000);
-  // A stranger's database runs nothing of its own (SQLite's page "Defense Against The Dark Arts").
+  // An untrusted database must not execute code (SQLite's page "Defense Against The Dark Arts").
   for (const int power : {SQLITE_DBCONFIG_ENABLE_VIEW, SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_TRUSTED_SCHEMA})
     sqlite3_db_config(impl_->database, power, 0, nullptr);
   if (mode == Mode::kRead) {
@@ -463,7 +463,7 @@ std::string ResultStore::dump() const {
 }
 
 void ResultStore::close() {
-  // What is finished is one file that can be read anywhere, from read-only media too.
+  // A closed database is one file that can also be read from read-only media.
   sqlite3_exec(impl_->database, "PRAGMA wal_checkpoint(TRUNCATE)", nullptr, nullptr, nullptr);
   sqlite3_exec(impl_->database, "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
   if (sqlite3_close(impl_->database) != SQLITE_OK)

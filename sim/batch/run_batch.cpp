@@ -56,8 +56,8 @@ EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   return row;
 }
 
-/// Refuses a part of another division than that of the parts in `out`: an environment that counts only the tasks that
-/// were submitted again would fly episodes twice. `--shard` states the division itself.
+/// Rejects a shard of another division than that of the shards in `out`: an environment that counts only resubmitted
+/// tasks would fly episodes twice. `--shard` states the division explicitly.
 void require_same_division(const fs::path& out, const Shard& shard) {
   if (shard.source.empty() || shard.source == "--shard") return;
   constexpr std::string_view kOf = "-of-";
@@ -96,7 +96,7 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
   return pool;
 }
 
-/// The key of the batch file that makes other episodes; empty when none differs.
+/// The key of the batch file whose change alters the episodes; empty when none differs.
 std::string what_changed(const std::string& then_text, const std::string& now_text) {
   const Node then = parse_document(then_text, {"then", "."}), now = parse_document(now_text, {"now", "."});
   for (const char* key : {"scenario", "set", "variants", "sweep", "seeds"}) {
@@ -171,7 +171,7 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
   }
   for (const auto& [status, count] : store.count_by_status()) progress.failed += status == "done" ? 0 : count;
 
-  EpisodeRunner runner(plan);  // lives on in each worker
+  EpisodeRunner runner(plan);  // kept by each worker between jobs
   WorkerPoolEvents events;
   events.finished = [&](const JobResult& result) {
     try {

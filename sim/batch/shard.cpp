@@ -49,8 +49,8 @@ Shard slurm_array(const Environment& environment) {
   const auto last = number(environment, "SLURM_ARRAY_TASK_MAX");
   const std::int64_t max = last ? *last : min + count - 1;
   const std::int64_t step = count > 1 ? (max - min) / (count - 1) : 1;
-  // An array with holes does not determine which of how many parts this is. A single task with a number above 1 is one
-  // of an array that was submitted before.
+  // An array with gaps does not determine index and count of the shards. A single task with a number above 1 is a
+  // resubmitted one of a larger array.
   if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0 || (count == 1 && id > 1)) {
     throw InputError("SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found " +
                      (count == 1 ? "task " + std::to_string(id) + " alone" : std::string("one with holes")) +
@@ -72,7 +72,7 @@ Shard rank(const Environment& environment) {
                                        {"PMI_RANK", "PMI_SIZE"},
                                        {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
   for (const auto& [index, count] : kRanks) {
-    // SLURM_PROCID stands in batch scripts as well, without a step.
+    // SLURM_PROCID is also set in batch scripts, without a step.
     if (environment(index) && (environment(count) || std::string(index) != "SLURM_PROCID")) {
       return checked(*number(environment, index), need(environment, count, index), index);
     }

@@ -22,7 +22,8 @@ constexpr int kMaxTasks = 1000;  // Slurm's default MaxArraySize is 1001
 constexpr int kEpisodesPerCpu = 20;
 constexpr double kStartUp_min = 5.0;
 constexpr int kDay_min = 24 * 60;
-constexpr double kMemoryMargin = 0.9;  // of a worker's share, so that it is told before Slurm kills the task
+// Share of a task's memory for a worker's limit, so that the limit acts before Slurm kills the task
+constexpr double kMemoryMargin = 0.9;
 
 std::string option(const std::string& name, const std::string& value) {
   return "#SBATCH --" + name + "=" + value + "\n";
@@ -41,7 +42,7 @@ std::string further(const SlurmConfig& config) {
   return text;
 }
 
-/// Rounded up; a number of more digits than Slurm's largest time limit is cut.
+/// Rounded up; limited to the digits of Slurm's largest time limit.
 int whole_minutes(double minutes) { return static_cast<int>(std::ceil(std::min(minutes, 1e9))); }
 
 int task_minutes(const BatchConfig& config, int episodes_per_task) {

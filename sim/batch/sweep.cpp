@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t kMaxPoints = 10'000'000;
 
-/// Decimal texts of 12 digits: short in tables, and the same on every machine although libraries round differently.
+/// Decimal text with 12 digits: short in tables, and equal on every machine despite different rounding in libraries.
 std::string to_text(double value) { return fmt::format("{:.12g}", value); }
 
-/// The evenly spaced values of a law, or its list.
+/// The evenly spaced values of a law, or its explicit list.
 std::vector<std::string> levels(const ParameterConfig& p) {
   if (p.law == ParameterConfig::Law::kValues) return p.values;
   std::vector<std::string> values;
@@ -75,7 +75,7 @@ std::vector<std::vector<std::string>> list(const std::vector<ParameterConfig>& p
   return points;
 }
 
-/// A permutation of 0 .. count - 1, each equally likely (Fisher and Yates).
+/// A random permutation of 0 .. count - 1 with uniform probability (Fisher and Yates).
 std::vector<std::size_t> shuffled(std::size_t count, const Random& random) {
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), 0);
@@ -90,7 +90,7 @@ std::vector<std::vector<std::string>> samples(const SweepConfig& sweep) {
   const auto count = static_cast<std::size_t>(sweep.samples);
   std::vector<std::vector<std::string>> points(count);
   for (const ParameterConfig& parameter : sweep.parameters) {
-    // Streams are named by the key: another parameter more changes no one's values.
+    // Random streams are named by the key, so an additional parameter does not change the values of others.
     const Random draw(sweep.seed, "batch.sweep", parameter.key);
     const bool is_stratified = sweep.method == SweepConfig::Method::kLatinHypercube;
     std::vector<std::size_t> stratum(count);

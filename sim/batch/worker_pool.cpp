@@ -41,7 +41,7 @@ constexpr std::uint64_t kMaxMessage = 1ULL << 40;
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what + ": " + std::strerror(errno)); }
 
-// --- bytes through a socket ---
+// --- socket transfer ---
 
 bool read_all(int fd, void* data, std::size_t size) {
   auto* at = static_cast<char*>(data);
@@ -67,13 +67,13 @@ bool write_all(int fd, const void* data, std::size_t size) {
   return true;
 }
 
-/// Head of every answer; `size` bytes follow.
+/// Header of every answer; `size` bytes follow.
 struct AnswerHead {
   std::uint64_t status = 0;
   std::uint64_t size = 0;
 };
 
-// --- the worker's side ---
+// --- worker process ---
 
 JobResult do_job(const Work& work, std::uint64_t job) {
   JobResult result;
@@ -90,7 +90,7 @@ JobResult do_job(const Work& work, std::uint64_t job) {
     result.message = message_of(error);
   } catch (const std::exception& error) {
     result.message = error.what();
-    // Libraries tell it in words.
+    // Libraries report it only in the message text.
     const bool memory = result.message.find("out of memory") != std::string::npos;
     result.status = memory ? JobStatus::kOutOfMemory : JobStatus::kFailed;
   } catch (...) {
@@ -108,12 +108,12 @@ JobResult do_job(const Work& work, std::uint64_t job) {
     const AnswerHead head{static_cast<std::uint64_t>(result.status), body.size()};
     if (!write_all(fd, &head, sizeof head) || !write_all(fd, body.data(), body.size())) break;
   }
-  ::_exit(0);  // no destructors, no buffers: they are the parent's
+  ::_exit(0);  // skips destructors and buffers, which belong to the parent
 }
 
 void prepare_worker(pid_t parent, int log, double memory_limit_mb) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(0);  // it died before the line above
+  if (::getppid() != parent) ::_exit(0);  // the parent exited before prctl()
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, SIG_IGN);
   ::signal(SIGHUP, SIG_IGN);
@@ -122,7 +122,7 @@ void prepare_worker(pid_t parent, int log, double memory_limit_mb) {
   limit_memory(memory_limit_mb);
 }
 
-// --- the parent's side ---
+// --- parent process ---
 
 class Fd {
  public:
@@ -138,7 +138,7 @@ class Fd {
   int fd_;
 };
 
-/// Last line that a worker printed, shortened.
+/// Last line printed by a worker, shortened.
 std::string last_line(int log) {
   constexpr off_t kTail = 600;
   const off_t size = ::lseek(log, 0, SEEK_END);
@@ -153,7 +153,7 @@ std::string last_line(int log) {
   return text.substr(0, 300);
 }
 
-/// One worker process and what it is doing.
+/// One worker process and its current job.
 class Worker {
  public:
   Worker(const Work& work, const WorkerPoolOptions& options, const std::vector<std::unique_ptr<Worker>>& others) {
@@ -168,7 +168,7 @@ class Worker {
     pid_ = ::fork();
     if (pid_ < 0) fail("cannot start a worker process");
     if (pid_ == 0) {
-      // The ends of other workers are closed, so that those workers see the end of the parent.
+      // Closes the inherited socket ends of other workers, so that those workers detect the end of the parent.
       for (const auto& other : others) ::close(other->fd());
       ::close(socket_->get());
       prepare_worker(parent, log_->get(), options.memory_limit_mb);
@@ -192,10 +192,10 @@ class Worker {
     start_ = Clock::now();
     answer_.clear();
     [[maybe_unused]] const int result = ::ftruncate(log_->get(), 0);
-    write_all(fd(), &job.id, sizeof job.id);  // a dead worker shows at the next read
+    write_all(fd(), &job.id, sizeof job.id);  // a dead worker is detected at the next read
   }
 
-  /// Takes what has arrived. A result when it is complete, or when the worker died.
+  /// Reads available data. Returns a result when it is complete or the worker has died.
   std::optional<JobResult> receive() {
     char buffer[65536];
     const ssize_t n = ::recv(fd(), buffer, sizeof buffer, MSG_DONTWAIT);
@@ -272,7 +272,7 @@ class Worker {
   std::string answer_;
 };
 
-/// What is still to do, by group, in the given order.
+/// Pending jobs by group, in the given order.
 class Queue {
  public:
   explicit Queue(const std::vector<Job>& jobs) {
@@ -316,7 +316,7 @@ class Queue {
 };
 
 int num_threads() {
-#if defined(__SANITIZE_THREAD__)  // which has a thread of its own
+#if defined(__SANITIZE_THREAD__)  // ThreadSanitizer has a thread of its own
   return 1;
 #endif
   std::ifstream status("/proc/self/status");
@@ -375,7 +375,7 @@ class Pool {
     });
   }
 
-  // A second try needs a fresh worker: an idle one makes room for it.
+  // A repeated job needs a fresh worker, for which an idle one is ended.
   void make_room() {
     if (static_cast<int>(workers_.size()) < std::max(1, options_.workers)) return;
     const auto idle = std::find_if(workers_.begin(), workers_.end(), [](const auto& w) { return !w->busy(); });
@@ -430,7 +430,7 @@ class Pool {
 
   void finish(const Job& job, bool fresh, Worker& worker, JobResult result) {
     const bool spent = result.status == JobStatus::kCrashed || result.status == JobStatus::kOutOfMemory;
-    if (spent) worker.kill();  // whatever it holds is not to be trusted
+    if (spent) worker.kill();  // its state may be corrupt
     if (spent && !fresh) {
       again_.push_back(job);
     } else if (events_.finished) {
@@ -450,7 +450,7 @@ class Pool {
   }
 
   Queue queue_;
-  std::deque<Job> again_;  // to be tried in a fresh worker
+  std::deque<Job> again_;  // jobs to repeat in a fresh worker
   const Work& work_;
   const WorkerPoolOptions& options_;
   const WorkerPoolEvents& events_;

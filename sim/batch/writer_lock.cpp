@@ -29,7 +29,7 @@ WriterLock::WriterLock(const std::filesystem::path& database) {
   throw std::runtime_error(file.string() + ": cannot be locked: " + std::strerror(problem));
 }
 
-// The file stays: removing it would let two others lock two files of one name.
+// The file is kept: after its removal two processes could lock two files of equal name.
 WriterLock::~WriterLock() { ::close(fd_); }
 
 }  // namespace swiftlet::sim

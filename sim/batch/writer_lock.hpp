@@ -5,11 +5,12 @@
 
 namespace swiftlet::sim {
 
-/// Held while a database of results is written or replaced. A lock of the process: workers do not inherit it, and no
-/// kill leaves it behind.
+/// Lock held while a database of results is written or replaced. It belongs to the process: workers do not inherit it,
+/// and it ends with a killed process.
 class WriterLock {
  public:
-  /// Throws InputError when another process holds the lock of this database, std::runtime_error when there can be none.
+  /// Throws InputError when another process holds the lock of this database, std::runtime_error when locking is
+  /// impossible.
   explicit WriterLock(const std::filesystem::path& database);
   ~WriterLock();
   WriterLock(const WriterLock&) = delete;
