@@ -11,10 +11,10 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kSilhouetteRays = 12;  // in each direction across the vehicle
-constexpr double kSkin_m = 0.01;     // a ray ends short of the surface that it is meant for
+constexpr int kSilhouetteRays = 12;  // silhouette samples along each axis across the vehicle
+constexpr double kSkin_m = 0.01;     // a ray ends this far before its target surface
 
-/// The vehicle without its rotors as a static scene in its own frame, so that one ray can be asked for.
+/// The vehicle without its rotors as a static scene in its own frame, for tracing single rays.
 Scene scene_of(const VehicleShape& shape, bool with_sensors) {
   Scene scene;
   scene.materials = shape.materials;
@@ -54,7 +54,7 @@ struct BoxMaker::Body {
   StaticScene scene;
 };
 
-/// Which directions have beams, in cells of two degrees and their neighbors.
+/// Directions covered by beams, in cells of two degrees, extended by one cell in azimuth.
 struct BoxMaker::FieldOfView {
   static constexpr int kWide = 180, kHigh = 90;
   std::array<bool, static_cast<std::size_t>(kWide) * kHigh> covered{};
@@ -90,7 +90,7 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
   const Scan& scan = labeled.scan;
   if (!view_) view_ = std::make_unique<FieldOfView>(*scan.beams);
 
-  // Points and their times, vehicle by vehicle.
+  // Points and times of each vehicle.
   const std::size_t n = bodies_.size();
   std::vector<int> num_points(n, 0);
   std::vector<TimeNs> sum_ns(n, 0);
@@ -118,7 +118,7 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
     if (box.num_points > 0) {
       box.t = scan.stamp + sum_ns[static_cast<std::size_t>(v)] / box.num_points;
     } else {
-      // The beam that looks most nearly its way.
+      // The beam whose direction is nearest to the vehicle.
       const TimeNs middle = scan.stamp + scan.duration / 2;
       const Vector3 p_lidar = pose_of_lidar(middle).inverse() * truth.at(v, middle).p_world_m;
       const Eigen::Vector3f direction = p_lidar.normalized().cast<float>();

@@ -10,29 +10,30 @@
 
 namespace swiftlet::sim {
 
-/// Where another vehicle was when the beams of one sweep passed it.
+/// Pose of another vehicle at the time when the beams of one sweep pass it.
 struct VehicleBox {
   VehicleId vehicle = kNoVehicle;
-  TimeNs t = 0;                         ///< mean time of its points; without points: when beams passed its place
+  /// Mean time of its points; without points, the time when beams pass its position
+  TimeNs t = 0;
   Pose T_lidar_box = Pose::Identity();  ///< center of the box, axes of the vehicle's body; lidar frame at t
   Pose T_world_box = Pose::Identity();
   Vector3 v_world_mps = Vector3::Zero();
-  Vector3 size_m = Vector3::Zero();  ///< along the body's axes, propeller discs included
+  Vector3 size_m = Vector3::Zero();  ///< along the body axes, including propeller discs
   double range_m = 0.0;              ///< from the sensor to the center
-  int num_points = 0;                ///< returns from it
-  /// Share of the vehicle's silhouette (without its propellers) that the sensor has in its field of view and in reach.
-  /// Nothing is in front of that share: neither the world nor a vehicle, be it the sensor's own.
+  int num_points = 0;                ///< number of returns from the vehicle
+  /// Share of the vehicle's silhouette (without propellers) inside the sensor's field of view and range and not
+  /// occluded by the world or any vehicle, including the sensor's own.
   double visible_fraction = 0.0;
 };
 
-/// Makes the boxes of all vehicles but the one that carries the sensor. One per sensor.
+/// Computes the boxes of all vehicles except the sensor's carrier. One per sensor.
 class BoxMaker {
  public:
   BoxMaker(std::shared_ptr<const StaticScene> world, const std::vector<std::shared_ptr<const VehicleShape>>& shapes,
            VehicleId carrier);
   ~BoxMaker();
 
-  /// @param truth  reaches back to the start of the sweep
+  /// @param truth  history that reaches back to the start of the sweep
   std::vector<VehicleBox> boxes(const LabeledScan& scan, const StateHistory& truth);
 
  private:
@@ -44,9 +45,9 @@ class BoxMaker {
                  const StateHistory& truth) const;
 
   std::shared_ptr<const StaticScene> world_;
-  std::vector<std::unique_ptr<Body>> bodies_;  // by VehicleId; that of the carrier as seen from aboard
+  std::vector<std::unique_ptr<Body>> bodies_;  // indexed by VehicleId; the carrier's without sensor housings
   VehicleId carrier_;
-  std::unique_ptr<FieldOfView> view_;  // from the first scan
+  std::unique_ptr<FieldOfView> view_;  // computed from the first scan
 };
 
 }  // namespace swiftlet::sim

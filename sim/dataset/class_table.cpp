@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Every class by its number.
+/// Names of all classes by number.
 std::map<int, std::string> classes() {
   std::map<int, std::string> names;
   for (const char* name : static_class_names()) names[static_cast<int>(*surface_class_of(name))] = name;

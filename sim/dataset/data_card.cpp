@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "1 234 567".
+/// Formats with grouped digits: "1 234 567".
 std::string grouped(std::int64_t value) {
   const std::string digits = std::to_string(value);
   std::string text;
@@ -79,7 +79,7 @@ std::string split_table(const DatasetPlan& plan, const std::vector<SequenceInfo>
   return text;
 }
 
-/// Points on other vehicles, and on the vehicle that carries the LiDAR.
+/// Points on other vehicles, and on the carrier of the LiDAR.
 std::string whose_points(const Totals& all, std::int64_t on_vehicles) {
   std::int64_t on_others = 0;
   for (const SequenceStatistics::RangeBin& bin : all.statistics.vehicles_by_range) on_others += bin.points;
@@ -102,7 +102,7 @@ std::string class_histogram(const Totals& all) {
   return text;
 }
 
-/// Vehicles by distance in rows of `step` bins.
+/// Number of vehicles by distance, with `kStep` bins per row.
 std::string distance_histogram(const Totals& all) {
   constexpr std::size_t kStep = 5;
   std::string text =

@@ -40,7 +40,7 @@ void check_names(ConfigVisitor& v, const std::vector<Element>& elements, const c
   }
 }
 
-// A world of one split must not come again in another: that is what splits are for.
+// The worlds of one split must not occur in another, so that splits are independent.
 void check_seeds(ConfigVisitor& v, const std::vector<SplitConfig>& splits) {
   for (std::size_t i = 0; i < splits.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

@@ -78,7 +78,7 @@ void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
     }
     const StartKnown known = vehicle.start.known;
     vehicle.start = StartConfig();
-    vehicle.places.erase("start.position_m");  // where the file has another one
+    vehicle.places.erase("start.position_m");  // its location in the file is of another value
     vehicle.start.known = known;
     vehicle.start.position_m = paths[i].control_points_m.front();
     vehicle.start.yaw_deg = paths[i].yaw_rad * 180.0 / std::numbers::pi;
@@ -112,7 +112,7 @@ DatasetPlan plan_dataset(const DatasetConfig& config) {
   DatasetPlan plan;
   plan.config = config;
   std::string content = std::string(version()) + "\n";
-  DatasetConfig portable = config;  // the scenarios count by what they say, not by where they lie
+  DatasetConfig portable = config;  // scenarios contribute their content, not their location
   std::vector<Scenario> scenarios;
   for (std::size_t i = 0; i < config.families.size(); ++i) {
     const FamilyConfig& family = config.families[i];
@@ -123,7 +123,7 @@ DatasetPlan plan_dataset(const DatasetConfig& config) {
       throw InputError("families[" + std::to_string(i) + "].scenario: expected a vehicle with a lidar, found none in " +
                        family.scenario);
     }
-    // A key that no scenario has is found out now, not after an hour.
+    // Detects keys that are missing in a scenario now instead of after an hour.
     const int all = static_cast<int>(scenarios.back().vehicles.size());
     if (family.vehicles_min > all) {
       throw InputError("families[" + std::to_string(i) + "].vehicles_min: expected at most " + std::to_string(all) +
@@ -177,7 +177,7 @@ PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int
     const auto& cameras = plan.config.pictures.cameras;
     scenario.snapshots.insert(scenario.snapshots.end(), cameras.begin(), cameras.end());
   }
-  scenario.start_time_s = 0;  // all files of a sequence count from its start
+  scenario.start_time_s = 0;  // times of all files of a sequence count from its start
   scenario.metrics.stop_on_crash = true;
   scenario.metrics.stop_when_done = false;
 

@@ -16,15 +16,15 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kSmoothedMargin = 0.5;  // what rounding a corner may cost of the margin
-constexpr double kSlowdown = 0.75;       // mean speed over cruise speed, for estimates of time
+constexpr double kSmoothedMargin = 0.5;  // share of the margin that must remain after smoothing of corners
+constexpr double kSlowdown = 0.75;       // mean speed / cruise speed, for time estimates
 constexpr int kMaxPlaces = 60;           // draws for one goal
 constexpr int kMaxLegs = 400;
 constexpr int kMaxPaths = 12;  // draws for one vehicle
-// Share of the ground enclosed by walls [-]: with less, `indoors: auto` flies everywhere.
+// Least share of the ground enclosed by walls [-] for which `indoors: auto` restricts flights to the interior.
 constexpr double kInteriorShare = 0.1;
 
-/// Draws of one vehicle's planning, each used once.
+/// Random draws for planning one vehicle, each used once.
 class Draws {
  public:
   Draws(std::uint64_t seed, const std::string& entity) : random_(seed, "dataset.flight", entity) {}
@@ -95,7 +95,7 @@ class Planner {
     return path;
   }
 
-  // What lies behind the end of the flight is of no use.
+  // Removes the part after the end of the flight.
   void cut(SplineTrajectory& path) const {
     const auto needed = static_cast<std::size_t>(std::ceil(duration_s_ / path.interval_s)) + 4;
     if (path.control_points_m.size() > needed) path.control_points_m.resize(needed);
@@ -140,7 +140,7 @@ class Planner {
     return std::nullopt;
   }
 
-  // A place at a chosen distance from where the first vehicle will be by then.
+  // Draws a goal at a random distance from the first vehicle's predicted position.
   std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from) const {
     const UniformSpline first = paths_.front().spline();
     const double octaves = elementary::log(config_.partner_max_m / config_.partner_min_m);
@@ -150,7 +150,7 @@ class Planner {
     for (int i = 0; i < kMaxPlaces; ++i) {
       Vector3 center = first.at(t_s).p_m;
       if (from != nullptr) {
-        // Met at the end of the leg, whose length is known roughly only.
+        // The meeting is at the end of the leg, whose duration is only estimated.
         const double leg_s = (center - *from).norm() / (kSlowdown * config_.speed_max_mps);
         center = first.at(t_s + std::min(leg_s, 10.0)).p_m;
       }

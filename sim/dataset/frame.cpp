@@ -25,7 +25,7 @@ std::uint16_t to_gray(float value, float per_unit) {
   return static_cast<std::uint16_t>(std::clamp(value * per_unit + 0.5F, 1.0F, 65535.0F));
 }
 
-/// Poses of the sensor by column relative to the start of the sweep.
+/// Poses of the sensor at each column relative to its pose at the start of the sweep.
 std::vector<Eigen::Isometry3f> relative_poses(const ScanTruth& truth) {
   const Pose T_start_world = truth.T_world_lidar.front().inverse();
   std::vector<Eigen::Isometry3f> poses;
@@ -33,7 +33,7 @@ std::vector<Eigen::Isometry3f> relative_poses(const ScanTruth& truth) {
   return poses;
 }
 
-/// Scan::time_of() less the stamp; where all rows of a column fire at once, worked out once a column.
+/// Scan::time_of() minus the stamp; computed once per column where all rows of a column fire at once.
 class FiringTimes {
  public:
   explicit FiringTimes(const Scan& scan)
@@ -73,7 +73,7 @@ void encode_frame(const LabeledScan& labeled, const ContentConfig& content, Fram
   std::byte* truth_at = frame.point_truth.extend(room * kPointTruthBytes);
   const std::byte* const first_label = label_at;
 
-  // What is written here could be anything to the compiler: it is told that these stay what they are.
+  // The byte writes below may alias any object; local copies let the compiler keep these values in registers.
   const float* const range_m = scan.range_m.data();
   const float* const remission =
       (content.remission == ContentConfig::Remission::kIntensity ? scan.intensity : scan.reflectivity).data();

@@ -10,8 +10,8 @@
 
 namespace swiftlet::sim {
 
-/// One scan in the layout of SemanticKITTI (little-endian), with what that layout has no place for beside it. All three
-/// speak of the same points in the same order: the returns, row by row.
+/// One scan in the layout of SemanticKITTI (little-endian), and data beyond that layout. All arrays contain the same
+/// points in the same order: the returns, row by row.
 struct Frame {
   ByteBuffer velodyne;     ///< float32 x, y, z [m], remission
   ByteBuffer labels;       ///< uint32: class in the low 16 bits, instance in the high 16
@@ -22,17 +22,17 @@ inline constexpr std::size_t kPointBytes = 16;
 inline constexpr std::size_t kLabelBytes = 4;
 inline constexpr std::size_t kPointTruthBytes = 16;
 
-/// A pure function of the scan; keeps the memory of `frame`.
+/// A pure function of the scan; reuses the memory of `frame`.
 void encode_frame(const LabeledScan& scan, const ContentConfig& content, Frame& frame);
 
-/// Range and intensity by row and column, as fired (see pixel_shift_by_row). 0: no return.
+/// Range and intensity images by row and column, as fired (see pixel_shift_by_row). 0: no return.
 void encode_images(const LabeledScan& scan, const ContentConfig& content, std::vector<std::uint16_t>& range,
                    std::vector<std::uint16_t>& intensity);
 
-/// Has the scan rows and columns that make a picture?
+/// Do the rows and columns of the scan form an image?
 bool makes_an_image(const Scan& scan);
 
-/// By how many columns each row must be shifted to the right so that pixels above each other look the same way.
+/// Number of columns by which each row must be shifted to the right so that pixels of one column have the same azimuth.
 std::vector<int> pixel_shift_by_row(const BeamTable& beams);
 
 }  // namespace swiftlet::sim

@@ -28,7 +28,7 @@ FrameWriter::FrameWriter(ContentConfig content, std::filesystem::path directory)
 FrameWriter::~FrameWriter() { stop(); }
 
 void FrameWriter::push(std::shared_ptr<const LabeledScan> scan) {
-  std::vector<std::shared_ptr<const LabeledScan>> written;  // freed here, after the lock
+  std::vector<std::shared_ptr<const LabeledScan>> written;  // freed here, after the lock is released
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failure_; });
   if (failure_) std::rethrow_exception(failure_);
@@ -57,7 +57,7 @@ void FrameWriter::work() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !waiting_.empty() || closed_; });
     if (waiting_.empty()) break;
-    const std::shared_ptr<const LabeledScan>& scan = waiting_.front();  // stays until it is written
+    const std::shared_ptr<const LabeledScan>& scan = waiting_.front();  // remains in the queue until it is written
     lock.unlock();
     std::exception_ptr failure;
     try {

@@ -18,9 +18,9 @@
 
 namespace swiftlet::sim {
 
-/// Encodes and writes the scans, labels and images of one sequence beside the simulation, on a thread of its own. It
-/// goes frame after frame, so that the files do not depend on when it gets to run. Not more than a few frames wait for
-/// it.
+/// Encodes and writes the scans, labels and images of one sequence in parallel with the simulation, on a thread of its
+/// own. Frames are written in order, so that the files do not depend on the thread's timing. The queue is limited to a
+/// few frames.
 class FrameWriter {
  public:
   FrameWriter(ContentConfig content, std::filesystem::path directory);
@@ -28,12 +28,12 @@ class FrameWriter {
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
-  /// The next frame. Throws what an earlier one failed with.
+  /// Enqueues the next frame. Throws the failure of an earlier one.
   void push(std::shared_ptr<const LabeledScan> scan);
-  /// Waits for all of them. Throws what one of them failed with.
+  /// Waits for all frames. Throws the failure of any.
   /// @return frames, points, classes, ranges, shape and files
   SequenceStatistics finish();
-  /// Processor time of the thread, after finish().
+  /// Processor time of the thread; valid after finish().
   double processor_s() const { return processor_s_; }
 
  private:
@@ -47,23 +47,23 @@ class FrameWriter {
   const ContentConfig content_;
   const std::filesystem::path directory_;
 
-  // Between the two threads.
+  // Shared by both threads:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::shared_ptr<const LabeledScan>> waiting_;
-  std::vector<std::shared_ptr<const LabeledScan>> written_;  // given back: who made them lets go of them
+  std::vector<std::shared_ptr<const LabeledScan>> written_;  // returned to the pushing thread, which releases them
   std::exception_ptr failure_;
   bool closed_ = false;
 
-  // Of the thread.
+  // Used only by the writing thread:
   SequenceStatistics statistics_;
   Frame frame_;
   GrayPng png_;
   std::vector<std::uint16_t> range_image_, intensity_image_;
-  std::vector<std::int64_t> classes_;  // of one frame, by label
+  std::vector<std::int64_t> classes_;  // point counts of one frame by label
   double processor_s_ = 0.0;
 
-  std::thread thread_;  // last: it starts when all the rest is there
+  std::thread thread_;  // last member: starts when all others are constructed
 };
 
 }  // namespace swiftlet::sim

@@ -13,9 +13,9 @@ namespace {
 constexpr float kNotLookedAt = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoGround = std::numeric_limits<float>::infinity();
 constexpr std::size_t kMaxCells = 40'000'000;
-constexpr int kViews = 8;         // level, from a place that may be enclosed by walls
-constexpr int kColumns = 24;      // along x and along y, where the ground is sampled
-constexpr double kPast_m = 1e-3;  // step beyond a surface that lets a ray through
+constexpr int kViews = 8;         // horizontal rays from a position to test for enclosing walls
+constexpr int kColumns = 24;      // samples of the ground along x and along y
+constexpr double kPast_m = 1e-3;  // step beyond a surface to continue a ray through it
 
 bool is_plant(SurfaceClass surface_class) {
   return surface_class == SurfaceClass::kVegetation || surface_class == SurfaceClass::kTrunk ||
@@ -83,7 +83,7 @@ FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& lim
   grid_.cell_m = limits.cell_m;
   grid_.origin_world_m << area_m_.min(), bounds.min().z();
   const Eigen::Vector2d extent = area_m_.sizes();
-  // Nobody flies higher than the limit above the highest ground, which lies below the top of everything.
+  // Flights are at most height_max_m above the highest ground, which lies below the top of the world's bounds.
   const double height_m = bounds.sizes().z() + limits.height_max_m;
   const Eigen::Array3d cells = (Eigen::Array3d(extent.x(), extent.y(), height_m) / limits.cell_m).floor() + 1.0;
   if (!(cells.prod() <= static_cast<double>(kMaxCells))) {
@@ -106,7 +106,7 @@ bool FreeSpace::is_indoors(const Vector3& p) const {
 
 bool FreeSpace::is_free(const Vector3& p, double radius_m) const {
   if (!area_m_.contains(p.head<2>().eval())) return false;
-  // The ground of the column is near enough: the distance to surfaces is exact.
+  // The ground of the whole column is a sufficient approximation; the distance to surfaces is exact.
   const Eigen::Vector3i cell = grid_.cell_at(p);
   float& ground = ground_m_[static_cast<std::size_t>(grid_.index_of({cell.x(), cell.y(), 0}))];
   if (std::isnan(ground)) {

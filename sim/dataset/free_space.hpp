@@ -12,31 +12,31 @@
 
 namespace swiftlet::sim {
 
-/// Do walls enclose the place? Level views in eight directions end at walls; one of them may be open, as through a
-/// door. Every surface is a wall except ground and plants, which views pass through.
+/// Is the position enclosed by walls? Horizontal rays in eight directions must end at walls, except one, as through a
+/// door. All surfaces are walls except ground and plants, which rays pass through.
 bool is_enclosed(const StaticScene& world, const Vector3& p_world_m);
 
-/// Share of the ground that walls enclose, seen from this height above it.
+/// Share of the ground enclosed by walls, tested at this height above it.
 double enclosed_share(const StaticScene& world, double height_m);
 
-/// Where a sphere can fly between two heights above the ground of a static world, by its truth. Cells are looked at
-/// when first asked for and remembered. Not thread-safe.
+/// Free space of a sphere between two heights above the ground of a static world, from the truth. Cells are evaluated
+/// on first access and cached. Not thread-safe.
 class FreeSpace : public FreeSpaceView {
  public:
   struct Limits {
-    double radius_m = 1.0;      ///< of the sphere
-    double height_min_m = 1.0;  ///< of its center above the ground
+    double radius_m = 1.0;      ///< radius of the sphere
+    double height_min_m = 1.0;  ///< least height of its center above the ground
     double height_max_m = 5.0;
-    double border_m = 2.0;  ///< strip along the edge of the world where nobody flies
-    double cell_m = 0.5;    ///< of the grid in which paths are searched
-    bool indoors = false;   ///< only where walls enclose the place
+    double border_m = 2.0;  ///< width of the excluded strip along the edge of the world
+    double cell_m = 0.5;    ///< cell size of the grid for path search
+    bool indoors = false;   ///< only positions enclosed by walls
   };
 
   FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& limits);
 
-  /// The rectangle in which one may fly.
+  /// Permitted rectangle.
   const Eigen::AlignedBox2d& area_m() const { return area_m_; }
-  /// Of the ground or floor below, crowns and roofs let through; nullopt where there is none [m].
+  /// Height of the ground or floor below, ignoring crowns and roofs; nullopt without ground [m].
   std::optional<double> ground_m(double x_m, double y_m) const;
   const CellGrid& grid() const override { return grid_; }
   bool is_free(const Vector3& p_world_m) const override;
@@ -50,9 +50,9 @@ class FreeSpace : public FreeSpaceView {
   Limits limits_;
   Eigen::AlignedBox2d area_m_;
   CellGrid grid_;
-  mutable std::vector<std::uint8_t> free_;     // by cell: 0 not looked at, 1 free, 2 not
-  mutable std::vector<float> ground_m_;        // by column: NaN not looked at, infinity none
-  mutable std::vector<std::uint8_t> indoors_;  // by cell, as free_; empty when it does not matter
+  mutable std::vector<std::uint8_t> free_;     // per cell: 0 not evaluated, 1 free, 2 occupied
+  mutable std::vector<float> ground_m_;        // per column: NaN not evaluated, infinity without ground
+  mutable std::vector<std::uint8_t> indoors_;  // per cell, as free_; empty unless Limits::indoors
 };
 
 }  // namespace swiftlet::sim

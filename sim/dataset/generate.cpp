@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifest = "manifest.json";
 
-/// Two generations into one directory would write over each other.
+/// Prevents two generations from writing into one directory.
 class DirectoryLock {
  public:
   explicit DirectoryLock(const fs::path& directory) {
@@ -57,7 +57,7 @@ std::string fingerprint_in(const fs::path& directory) {
       .value_or("");
 }
 
-/// dataset.yaml with its scenarios beside it, so that the directory tells all by itself.
+/// Writes dataset.yaml and its scenarios, so that the directory is self-contained.
 void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
   DatasetConfig config = plan.config;
   make_inner_directory(directory / "scenarios");
@@ -69,8 +69,8 @@ void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
   write_file(directory / "dataset.yaml", write_dataset(config));
 }
 
-/// A generation that was killed before its first manifest: nothing but what is written anew. Its first act makes
-/// sequences; a folder with a dataset.yaml alone is the user's.
+/// Is it a generation killed before its first manifest, with only files that are written anew? It creates `sequences`
+/// first; a folder with only a dataset.yaml belongs to the user.
 bool is_begun(const fs::path& directory) {
   std::error_code missing;
   if (!fs::is_empty(directory / "sequences", missing) || missing) return false;
@@ -109,7 +109,7 @@ void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
   write_file(directory / kManifest, manifest_json(plan, {}, {}, false));
 }
 
-/// What killed workers left behind.
+/// Removes files of killed workers.
 void remove_partial(const DatasetPlan& plan, const fs::path& directory) {
   for (const Flight& flight : plan.flights) {
     for (int i = 0; i < flight.num_sequences; ++i)
@@ -138,7 +138,7 @@ std::vector<SequenceInfo> read_sequences(const DatasetPlan& plan, const fs::path
   return sequences;
 }
 
-/// Everything outside the sequences, and what describes each of them.
+/// All files outside the sequences, and the description of each sequence.
 std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences,
                                           const fs::path& directory) {
   write_file(directory / "semantic-kitti.yaml", class_table(plan, sequences));
@@ -160,7 +160,7 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   const auto start = std::chrono::steady_clock::now();
   open_directory(plan, options);
   const DirectoryLock lock(options.directory);
-  make_inner_directory(options.directory / "sequences");  // an existing one may be a link
+  make_inner_directory(options.directory / "sequences");  // an existing one may be a link, which throws
   remove_partial(plan, options.directory);
 
   std::vector<Job> jobs;
@@ -178,7 +178,7 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   WorkerPoolOptions pool;
   pool.workers = workers;
   std::string failure;
-  // The first failure ends all: a full disk does not get better by trying on.
+  // Stop at the first failure: further attempts on a full disk fail as well.
   pool.canceled = [&] { return !failure.empty() || (options.canceled && options.canceled()); };
   WorkerPoolEvents events;
   events.finished = [&](const JobResult& result) {

@@ -28,7 +28,8 @@ struct FreeState {
 Hash128 hash_of(std::string_view bytes) { return of(XXH3_128bits(bytes.data(), bytes.size())); }
 
 Hash128 hash_of_file(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // nonblocking: a FIFO is not waited for
+  // Nonblocking: does not wait for the writer of a FIFO
+  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) throw std::runtime_error("cannot read " + path.string() + ": " + std::strerror(errno));
   const std::unique_ptr<XXH3_state_t, FreeState> state(XXH3_createState());
   XXH3_128bits_reset(state.get());

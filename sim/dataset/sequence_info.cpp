@@ -92,7 +92,7 @@ SequenceStatistics statistics_of(const Json& json) {
   s.duration_s = json_at<double>(json, "duration_s");
   s.flown_m = json_at<double>(json, "flown_m");
   s.least_clearance_m = json_at<double>(json, "least_clearance_m");
-  // Earlier versions did not count them.
+  // Optional, since earlier versions did not count them.
   if (json.contains("frames_walled")) s.frames_walled = count_at(json, "frames_walled");
   if (json.contains("frames_outside")) s.frames_outside = count_at(json, "frames_outside");
   const Json& classes = object_at(json, "points_by_class");

@@ -18,7 +18,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kHistory_s = 1.5;  // more than any sweep
+constexpr double kHistory_s = 1.5;  // longer than any sweep
 constexpr double kInView = 0.1;
 constexpr int kWell = 5;
 
@@ -32,7 +32,7 @@ void write_whole(const std::filesystem::path& path, const std::string& text) {
   file.finish();
 }
 
-/// The upper three rows of a pose, row by row, as KITTI writes them.
+/// The upper three rows of a pose, row by row, in KITTI's format.
 void add_matrix(TextRow& row, const Pose& pose) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 4; ++j) row.add(pose.matrix()(i, j));
@@ -42,7 +42,7 @@ void add_matrix(TextRow& row, const Pose& pose) {
 std::string calibration(const Pose& T_body_lidar) {
   std::string text;
   TextRow row{' '};
-  // Poses are those of the LiDAR itself: no camera, hence no turn between the two.
+  // Poses are those of the LiDAR itself, so all calibration matrices are the identity.
   for (const char* name : {"P0:", "P1:", "P2:", "P3:", "Tr:"}) {
     row.clear();
     row.add(std::string_view(name));
@@ -82,7 +82,7 @@ class SequenceRecorder : public Recorder {
     boxes_file_.append(kBoxesHeader);
   }
 
-  void write_start(const TickView&) override {}  // the statistics count ticks
+  void write_start(const TickView&) override {}  // ignored: statistics count ticks
   void write(const TickView& tick) override {
     remember(tick);
     if (tick.scans.empty()) return;
@@ -108,7 +108,7 @@ class SequenceRecorder : public Recorder {
   }
 
  private:
-  // The truth of the last second at the rate of the ticks, and what the vehicle believed.
+  // Stores recent truth at tick rate, and the vehicle's estimates.
   void remember(const TickView& tick) {
     const auto n = static_cast<int>(tick.states.size());
     if (truth_.num_vehicles() == 0) {
@@ -157,7 +157,7 @@ class SequenceRecorder : public Recorder {
 
   void write_boxes(const LabeledScan& labeled) {
     TextRow row{','};
-    // Where a point lies that was moved to the start of the sweep, its box must lie too.
+    // Boxes are transformed to the start of the sweep, as the points are.
     const Pose T_start_world = labeled.truth.T_world_lidar.front().inverse();
     for (const VehicleBox& box : boxes_->boxes(labeled, truth_)) {
       const Pose T_lidar_box = content_.deskew ? Pose(T_start_world * box.T_world_box) : box.T_lidar_box;

@@ -32,7 +32,7 @@ constexpr std::size_t kMaxProblems = 50;
 constexpr int kPoseNumbers = 12;
 
 std::string read_text(const fs::path& path) {
-  if (!fs::is_regular_file(path)) return {};  // a FIFO would be waited for
+  if (!fs::is_regular_file(path)) return {};  // opening a FIFO would block
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -42,13 +42,13 @@ std::int64_t count_files(const fs::path& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
 }
 
-/// A relative path that stays below the directory that it begins in.
+/// Does a relative path stay below its base directory?
 bool stays_within(const fs::path& path) {
   return path.is_relative() && path.native().find('\0') == std::string::npos && !path.empty() &&
          std::find(path.begin(), path.end(), "..") == path.end();
 }
 
-/// Numbers separated by single blanks; nullopt when something else is among them.
+/// Number of numbers separated by single blanks; nullopt when the line contains anything else.
 std::optional<int> count_numbers(std::string_view line) {
   int count = 0;
   while (!line.empty()) {
@@ -84,7 +84,7 @@ class Verification {
     report_.poses_outside = poses_outside(sequences_);
     check_files();
     for (const SequenceInfo& info : sequences_) check_layout(info);
-    // Bytes that differ from their hash need no second opinion.
+    // Files with wrong hashes would also fail the re-simulation.
     if (report_.ok() && options_.frames > 0) resimulate();
     return report_;
   }
@@ -199,7 +199,7 @@ class Verification {
     std::vector<const char*> folders = {"velodyne", "labels"};
     if (fs::exists(root / "point_truth")) folders.push_back("point_truth");
     if (fs::exists(root / "images")) folders.insert(folders.end(), {"images/range", "images/intensity"});
-    std::int64_t most = 0;  // files of a folder: more frames than these need no look
+    std::int64_t most = 0;  // largest number of files in a folder; frames beyond it are not checked
     for (const char* folder : folders) {
       const std::int64_t found = count_files(root / folder);
       most = std::max(most, found);
@@ -231,12 +231,12 @@ class Verification {
       problem(name + ": expected " + std::to_string(lines) + " lines, found " + std::to_string(count));
   }
 
-  /// @return how many points it has
+  /// @return number of points of the frame
   std::int64_t check_frame(const fs::path& root, const std::string& name, int frame) {
     const std::string scan = frame_file("velodyne", frame, "bin"), label = frame_file("labels", frame, "label");
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(root / scan, error);
-    if (error) return 0;  // a problem of the folder
+    if (error) return 0;  // reported as a problem of the folder
     if (bytes % kPointBytes != 0) problem(name + "/" + scan + ": expected four float32 a point");
     const std::string labels = read_text(root / label);
     const std::size_t points = bytes / kPointBytes;
@@ -280,7 +280,7 @@ class Verification {
     }
   }
 
-  // Frames by sequence, drawn without replacement.
+  // Random frames of each sequence, drawn without replacement.
   std::map<std::size_t, std::set<int>> draw_frames() const {
     std::int64_t all = 0;
     for (const SequenceInfo& info : sequences_) all += info.statistics.frames;

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// One LiDAR's sequence while it is written.
+/// The sequence of one LiDAR during writing.
 struct OpenSequence {
   LidarOfTeam lidar;
   int number = 0;
@@ -75,7 +75,7 @@ void attach_recorders(Simulation& simulation, const DatasetPlan& plan, const std
       simulation.attach(recorder_of("csv", csv), sequence.partial);
     }
   }
-  // What tells about the whole flight is written once.
+  // Recordings of the whole flight are written once.
   for (const Module& recorder : plan.config.recorders) {
     simulation.attach(make_recorder(recorder), sequences.front().partial);
   }
@@ -83,7 +83,7 @@ void attach_recorders(Simulation& simulation, const DatasetPlan& plan, const std
   if (!snapshots.empty()) simulation.attach(make_snapshot_recorder(snapshots), sequences.front().partial);
 }
 
-/// @return what happened if a vehicle crashed
+/// @return description of the crash if a vehicle crashed
 std::string fly_to_the_end(Simulation& simulation) {
   while (!simulation.finished()) {
     simulation.tick();
@@ -135,7 +135,7 @@ SequenceInfo describe(const DatasetPlan& plan, const Flight& flight, int attempt
 }
 
 void commit(const OpenSequence& sequence) {
-  // What an earlier generation finished is the same bytes.
+  // A sequence finished by an earlier generation has equal bytes.
   if (fs::exists(sequence.destination)) {
     fs::remove_all(sequence.partial);
   } else {
@@ -152,7 +152,7 @@ double stage_s(const Simulation& simulation, const std::string& wanted) {
   return 0.0;
 }
 
-/// @return why it must be drawn anew, or nothing
+/// @return reason to draw the flight anew, or empty
 std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attempt, const fs::path& directory,
                        int threads, FlightTiming& timing) {
   const auto start = Clock::now();
