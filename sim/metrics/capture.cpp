@@ -12,7 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kCaptures = {
     "captures", "",
     "how often another vehicle flew into the net; the same one counts again once it has "
@@ -26,8 +26,8 @@ constexpr MetricDefinition kLeastNetDistance = {
 constexpr MetricDefinition kCaptureDefinitions[] = {kCaptures, kTimeToFirstCapture, kCapturesPerMin, kCaptureMiss,
                                                     kLeastNetDistance};
 
-/// True places only. Between ticks, target and net move along straight lines, so what is counted does not depend on the
-/// tick. A target counts again once it has been farther from the net than `rearm_m`.
+/// Captures from true positions. Between ticks, target and net are interpolated linearly, so that the count does not
+/// depend on the tick length. A target counts again once it has been farther from the net than `rearm_m`.
 class CaptureMetric final : public Metric {
  public:
   explicit CaptureMetric(const MetricSetup& setup)
@@ -60,11 +60,11 @@ class CaptureMetric final : public Metric {
  private:
   struct Target {
     bool known = false, armed = true;
-    Vector3 p_net_m = Vector3::Zero();  // in the last tick, from the net's middle
+    Vector3 p_net_m = Vector3::Zero();  // in the last tick, relative to the center of the net
   };
   struct Vehicle {
     std::optional<CaptureVolume> net;
-    std::vector<Target> targets;  // by VehicleId
+    std::vector<Target> targets;  // indexed by VehicleId
     int count = 0;
     double first_s = kNotMeasured, flown_s = 0.0, miss_sum_m = 0.0;
     double least_m = std::numeric_limits<double>::infinity();

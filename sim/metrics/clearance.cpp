@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kSeparation = {
     "min_separation_m", "m",
     "least distance between the centers of two vehicles in any tick; of a vehicle: from "
@@ -35,7 +35,7 @@ constexpr MetricDefinition kClearanceDefinitions[] = {kSeparation, kSeparationTi
                                                       kSurface,    kSurfaceTime,    kOther,
                                                       kOtherTime,  kOtherPartner,   kSeparationPartner};
 
-/// Least value so far with its time and partner.
+/// Minimum so far with its time and partner.
 struct Minimum {
   double value = std::numeric_limits<double>::infinity();
   TimeNs t = 0;
@@ -47,9 +47,9 @@ struct Minimum {
   bool measured() const { return value < std::numeric_limits<double>::infinity(); }
 };
 
-/// Least distances of the surfaces of the circumscribed spheres (clearance) and of centers (separation). A vehicle that
-/// starts on the ground counts for surfaces once it has been clear of them; after its crash it counts no more, but
-/// others still keep their distance to it.
+/// Minima of the distances to circumscribed spheres (clearance) and between centers (separation). The clearance of a
+/// vehicle that starts on the ground counts once it has taken off. After a crash it no longer counts, but other
+/// vehicles still keep their distance to the wreck.
 class ClearanceMetric final : public Metric {
  public:
   explicit ClearanceMetric(const MetricSetup& setup)
@@ -85,7 +85,7 @@ class ClearanceMetric final : public Metric {
     Minimum surface, other, separation;
   };
 
-  /// Compared by distance, of equal ones by number.
+  /// Sorted by distance, then by number.
   struct Pair {
     double distance_m = std::numeric_limits<double>::infinity();
     VehicleId a = kNoVehicle, b = kNoVehicle;
@@ -104,7 +104,7 @@ class ClearanceMetric final : public Metric {
       vehicle.other.add(clearance.vehicle_m, tick.t, clearance.nearest_vehicle);
   }
 
-  /// The least distance of all is that of some vehicle to its nearest.
+  /// The least distance of a team is that of some vehicle to its nearest neighbor.
   void add_separations(const TickView& tick) {
     Pair least;
     for (VehicleId i = 0; i < static_cast<VehicleId>(num_vehicles()); ++i) {
@@ -136,7 +136,7 @@ class ClearanceMetric final : public Metric {
 
   std::vector<Vehicle> vehicles_;
   Neighborhood neighborhood_;
-  Pair pair_;  // least of all so far
+  Pair pair_;  // least distance so far
   TimeNs t_pair_ = 0;
 };
 

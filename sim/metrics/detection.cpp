@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kDetectionRecall = {
     "detection_recall", "",
     "share of flying vehicles within metrics.detection_range_m for which there is a "
@@ -88,7 +88,7 @@ constexpr MetricDefinition kDetectionDefinitions[] = {kDetectionRecall,    kDete
                                                       kTrackOspa,          kTrackNees,
                                                       kTrackNeesWithin95};
 
-/// Of detections, and of tracks.
+/// Metrics of both detections and tracks.
 struct CommonDefinitions {
   MetricDefinition recall, recall_visible, precision, error_mean, error_std, latency;
 };
@@ -97,12 +97,12 @@ constexpr CommonDefinitions kOfDetections = {kDetectionRecall,    kDetectionReca
 constexpr CommonDefinitions kOfTracks = {kTrackRecall,    kTrackRecallVisible, kTrackPrecision,
                                          kTrackErrorMean, kTrackErrorStd,      kTrackLatency};
 
-constexpr double kMoving_mps = 0.5;     // slower than this a velocity has no direction
-constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom
+constexpr double kMoving_mps = 0.5;     // below this speed, the direction of a velocity is undefined
+constexpr double kChiSquare95 = 7.815;  // 95 % quantile with three degrees of freedom
 constexpr int kBins = 20;
-constexpr int kScans = 64;  // that a detector may be late
+constexpr int kScans = 64;  // stored scans, for detectors with delay
 
-/// Mean and standard deviation.
+/// Mean and standard deviation of samples.
 class Moments {
  public:
   void add(double value) {
@@ -124,14 +124,14 @@ class Moments {
 
 double ratio(double part, double whole) { return whole > 0.0 ? part / whole : kNotMeasured; }
 
-/// Targets counted in each scan, and how many of them were found.
+/// Number of targets, counted in each scan, and of those found.
 struct Recall {
   int targets = 0, found = 0, visible = 0, visible_found = 0;
 
   void add(const DetectionScore& score) {
     ++targets;
     found += score.found;
-    if (score.visible_points == 0) return;  // unknown counts as visible
+    if (score.visible_points == 0) return;  // an unknown number counts as visible
     ++visible;
     visible_found += score.found;
   }
@@ -150,7 +150,7 @@ struct Errors {
   }
 };
 
-/// What a detector or a tracker says of one target.
+/// Estimate of one target by a detector or a tracker.
 struct Estimate {
   TimeNs t = 0;
   Vector3 p_m = Vector3::Zero(), v_mps = Vector3::Constant(kNotMeasured);
@@ -158,35 +158,35 @@ struct Estimate {
   std::uint32_t track_id = 0;
 };
 
-/// One scan: when it was made, and how many of its returns lie on each vehicle.
+/// Times of one scan, and its number of returns on each vehicle.
 struct SeenScan {
   TimeNs stamp = 0, middle = 0;
-  std::vector<int> points;  // by VehicleId
+  std::vector<int> points;  // indexed by VehicleId
 };
 
-/// What is known of one track while it lives.
+/// State of one track during its existence.
 struct KnownTrack {
   std::uint32_t id = 0;
-  VehicleId target = kNoVehicle;  // that it was found to follow last
+  VehicleId target = kNoVehicle;  // vehicle assigned last
   bool alive = false;
 };
 
-/// A detector or a tracker of one observer, all the run long.
+/// Results of one observer's detector or tracker over the whole run.
 struct StageResult {
   Recall recall;
   Errors errors;
   std::array<Recall, kBins> recall_by_distance;
   std::array<Errors, kBins> errors_by_distance;
   Moments latency, ospa, nees;
-  int consistent = 0;            // squared errors within their 95 %
-  int estimates = 0, right = 0;  // counted in every scan
+  int consistent = 0;            // normalized squared errors within their 95 % quantile
+  int estimates = 0, right = 0;  // summed over scans
   int false_detections = 0;
-  int false_tracks = 0;  // ended and never was anybody's
+  int false_tracks = 0;  // ended without ever being assigned to a vehicle
   int identity_switches = 0, cross_associations = 0;
   TimeNs t_first = -1, t_last = 0;
   std::vector<KnownTrack> tracks;
-  std::vector<std::uint32_t> id_of_target;      // last, by VehicleId; 0: none
-  std::vector<TimeNs> first_seen, first_found;  // by VehicleId; -1: never
+  std::vector<std::uint32_t> id_of_target;      // last track of each vehicle, by VehicleId; 0: none
+  std::vector<TimeNs> first_seen, first_found;  // indexed by VehicleId; -1: never
 
   void prepare(std::size_t num_vehicles) {
     tracks.reserve(256);
@@ -196,10 +196,10 @@ struct StageResult {
   }
 };
 
-/// Detections and tracks of each observer against the true positions of all other vehicles. Estimates live in the
-/// observer's own world, so truth is carried there by the pose that the observer believed to have at the time: a drift
-/// of its localization is the business of estimate_error. Counted are vehicles that fly; what is estimated at one on
-/// the ground is neither right nor wrong.
+/// Detections and tracks of each observer against the true positions of all other vehicles. Estimates are relative to
+/// the observer's localization, so the truth is transformed by the observer's pose error at that time: localization
+/// drift is measured by estimate_error instead. Only flying vehicles are counted; estimates near a vehicle on the
+/// ground count neither as correct nor as false.
 class DetectionMetric final : public Metric {
  public:
   explicit DetectionMetric(const MetricSetup& setup)
@@ -243,12 +243,12 @@ class DetectionMetric final : public Metric {
  private:
   struct Observer {
     StageResult detector, tracker;
-    std::unique_ptr<RecentValues<Pose>> T_estimate_truth;  // from the true world to the one that it believes in
-    std::vector<SeenScan> scans;                           // a ring
+    std::unique_ptr<RecentValues<Pose>> T_estimate_truth;  // from the true world to the observer's estimated one
+    std::vector<SeenScan> scans;                           // ring buffer
     std::size_t num_scans = 0;
   };
 
-  // ---- what is needed later
+  // ---- history
   void remember(std::size_t i, const TickView& tick) {
     Observer& observer = observers_[i];
     const StateEstimate& estimate = tick.actions[i]->estimate;
@@ -269,7 +269,7 @@ class DetectionMetric final : public Metric {
     }
   }
 
-  /// The scan with that stamp, or null.
+  /// The scan with that stamp; null when not stored.
   const SeenScan* scan_of(const Observer& observer, TimeNs stamp) const {
     const std::size_t known = std::min<std::size_t>(observer.num_scans, kScans);
     for (std::size_t k = 1; k <= known; ++k) {
@@ -279,7 +279,7 @@ class DetectionMetric final : public Metric {
     return nullptr;
   }
 
-  // ---- one scan
+  // ---- scoring of one scan
   void judge_detections(std::size_t i, const TickView& tick, const MetricContext& context) {
     const Action& action = *tick.actions[i];
     estimates_.clear();
@@ -312,7 +312,7 @@ class DetectionMetric final : public Metric {
     follow_identities(observers_[i].tracker);
   }
 
-  /// Pairs estimates and vehicles and scores every vehicle that flies and every estimate that is nobody's.
+  /// Assigns estimates to vehicles, then scores every flying vehicle and every unassigned estimate.
   void judge(std::size_t i, DetectionScore::Stage stage, const SeenScan* scan, TimeNs middle, TimeNs now,
              std::span<const char> flying) {
     Observer& observer = observers_[i];
@@ -346,8 +346,8 @@ class DetectionMetric final : public Metric {
     if (stage == DetectionScore::Stage::kTracker) result.ospa.add(ospa(flying));
   }
 
-  /// The pairing of least total distance, each capped at the true-positive distance: what OSPA uses as well. Without
-  /// rivals it is the nearest estimate of eq. (67).
+  /// The assignment of least total distance, each capped at the true-positive distance, as in OSPA. For an isolated
+  /// target it is the nearest estimate, as in eq. (67).
   void pair_up(std::size_t i, const Observer& observer) {
     const double most_m = setup().config.true_positive_m;
     const std::size_t num = estimates_.size();
@@ -371,7 +371,7 @@ class DetectionMetric final : public Metric {
     }
   }
 
-  /// Motion of vehicle j at t as it would be in the world that the observer believes in.
+  /// Motion of vehicle j at t, transformed to the observer's estimated world.
   PointMotion truth_in_estimate(const Observer& observer, std::size_t j, TimeNs t) const {
     const Pose& T = observer.T_estimate_truth->value(observer.T_estimate_truth->before(t));
     const PointMotion truth = interpolate(truth_[j], t);
@@ -430,8 +430,8 @@ class DetectionMetric final : public Metric {
     result.false_detections += 1;
   }
 
-  /// Optimal subpattern assignment of order 1, cut off at the true-positive distance (Schuhmacher et al., IEEE TSP
-  /// 56(8), 2008), between the flying vehicles in range and the tracks that are not those of others.
+  /// Optimal subpattern assignment metric of order 1, cut off at the true-positive distance (Schuhmacher et al., IEEE
+  /// TSP 56(8), 2008), between the flying vehicles in range and the tracks not assigned to other vehicles.
   double ospa(std::span<const char> flying) const {
     const double cut_off_m = setup().config.true_positive_m;
     int vehicles = 0, tracks = 0, paired = 0;
@@ -451,7 +451,7 @@ class DetectionMetric final : public Metric {
     return most > 0 ? (sum_m + cut_off_m * (most - paired)) / most : 0.0;
   }
 
-  /// Whom does each track follow, and who follows each vehicle?
+  /// Updates the assignment between tracks and vehicles; counts identity switches, cross associations and false tracks.
   void follow_identities(StageResult& result) {
     for (KnownTrack& track : result.tracks) track.alive = false;
     for (std::size_t e = 0; e < estimates_.size(); ++e) {
@@ -472,7 +472,7 @@ class DetectionMetric final : public Metric {
     std::erase_if(result.tracks, [](const KnownTrack& track) { return !track.alive; });
   }
 
-  // ---- the end
+  // ---- results
   void report_detector(std::size_t i, MetricTable& table) const {
     const StageResult& r = observers_[i].detector;
     report_common(kOfDetections, i, r, table);
@@ -532,7 +532,7 @@ class DetectionMetric final : public Metric {
     return r.t_last > r.t_first ? count / (to_seconds(r.t_last - r.t_first) / 60.0) : kNotMeasured;
   }
 
-  /// Mean over the targets that were found, from the first scan in range that shows them.
+  /// Mean over the found targets, each from the first scan in range that contains returns of it.
   static double time_to_first_s(const StageResult& r) {
     Moments time;
     for (std::size_t j = 0; j < r.first_seen.size(); ++j) {
@@ -542,16 +542,16 @@ class DetectionMetric final : public Metric {
     return time.mean();
   }
 
-  std::vector<Observer> observers_;               // by VehicleId
-  std::vector<RecentValues<PointMotion>> truth_;  // by VehicleId; empty: nobody detects
+  std::vector<Observer> observers_;               // indexed by VehicleId
+  std::vector<RecentValues<PointMotion>> truth_;  // indexed by VehicleId; empty: no vehicle detects
   bool any_ = false;
 
-  // Of the scan being judged.
+  // Of the scan being scored:
   std::vector<Estimate> estimates_;
   std::vector<double> distances_;  // (vehicles x estimates)
   std::vector<int> estimate_of_, vehicle_of_;
   Assignment assignment_;
-  SeriesOf<DetectionScore>& scores_;  // about the observer
+  SeriesOf<DetectionScore>& scores_;  // rows describe the observer
   std::size_t first_score_ = 0;
 };
 

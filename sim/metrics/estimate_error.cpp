@@ -7,7 +7,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kPositionRmse = {
     "estimate_position_rmse_m", "m",
     "root mean square of |estimated - true position|, world frame, over all ticks with "
@@ -26,9 +26,9 @@ constexpr MetricDefinition kVelocityRmse = {"estimate_velocity_rmse_mps", "m/s",
 constexpr MetricDefinition kEstimateErrorDefinitions[] = {kPositionRmse, kPositionMax, kAteRmse,
                                                           kYawRmse,      kYawMax,      kVelocityRmse};
 
-/// Absolute trajectory error after the best alignment in position and yaw, the four unobservable directions of
-/// visual-inertial odometry (Zhang and Scaramuzza, IROS 2018, sec. III): minimizes sum |p_i - R_z(psi) q_i - t|^2 in
-/// closed form from running sums, so that no trajectory is kept. p: truth, q: estimate, both from their first
+/// Absolute trajectory error after the optimal alignment in position and yaw, the four unobservable directions of
+/// visual-inertial odometry (Zhang and Scaramuzza, IROS 2018, sec. III). Minimizes sum |p_i - R_z(psi) q_i - t|^2 in
+/// closed form from running sums, without storing trajectories. p: truth, q: estimate, both relative to their first
 /// positions.
 class AlignedError {
  public:
@@ -66,8 +66,8 @@ class AlignedError {
   Matrix3 sum_pq_ = Matrix3::Zero();
 };
 
-/// Estimates against the truth, in every tick with a valid estimate before a crash. An estimate in a local frame has a
-/// large error as it stands; `ate_position_rmse_m` is the one after alignment.
+/// Errors of estimates in every tick with a valid estimate before a crash. An estimate in a local frame has a large
+/// absolute error; `ate_position_rmse_m` is the error after alignment.
 class EstimateErrorMetric final : public Metric {
  public:
   explicit EstimateErrorMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}

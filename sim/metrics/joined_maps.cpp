@@ -15,7 +15,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kJoinedAt = {"joined_s", "s",
                                         "when the map was joined with that of another vehicle for the first time"};
 constexpr MetricDefinition kJoinedRmse = {
@@ -37,8 +37,8 @@ constexpr MetricDefinition kJoinedMapsDefinitions[] = {kJoinedAt,      kJoinedRm
                                                        kJoinedYawRmse, kJoinedYawEnd, kJoinedNees, kLooksSent,
                                                        kCloudsSent,    kWordsSent};
 
-/// How the local frames of two vehicles lie to each other, as one of them believes, against truth. The true frame is
-/// the one in which the vehicle's own estimate is right at that instant.
+/// Error of the transform between the local frames of two vehicles, as estimated by one of them. The true local frame
+/// is the one in which the vehicle's own estimate is exact at that instant.
 class JoinedMapsMetric final : public Metric {
  public:
   explicit JoinedMapsMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}

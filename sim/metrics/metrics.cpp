@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-// What is measured, each in the file of its name: adding a metric is a line here and one in metric_registry().
+// One metric per file of that name: a new metric needs a line here and one in metric_registry().
 MetricType outcome_metric();
 MetricType motion_metric();
 MetricType estimate_error_metric();
@@ -21,7 +21,7 @@ MetricType joined_maps_metric();
 
 namespace {
 
-// A vehicle at rest nearer to a surface than its own radius stands on it.
+// A vehicle at rest, nearer to a surface than its own radius, stands on it.
 constexpr double kRestSpeed_mps = 0.1;
 
 bool is_flying(const VehicleState& state, const Clearance& clearance) {
@@ -94,7 +94,7 @@ void Metrics::update(const TickView& tick, std::span<const Clearance> clearances
   ENSURE(tick.t > t_last_, to_seconds(tick.t), to_seconds(t_last_));
   for (std::size_t i = 0; i < count; ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
   const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_, series_};
-  // From the last to the first: the outcome, first in every report, follows from captures.
+  // In reverse order: the outcome, first in every report, depends on captures.
   for (auto metric = metrics_.rbegin(); metric != metrics_.rend(); ++metric) {
     for (const auto& table : (*metric)->series()) table->clear();
     (*metric)->update(tick, context);

@@ -5,7 +5,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kFlightTime = {
     "flight_time_s", "s",
     "time off the ground and not crashed: a vehicle at rest nearer to a surface than its own radius stands on it"};
@@ -21,7 +21,7 @@ constexpr MetricDefinition kMaxAcceleration = {
     "it flies; world frame, without gravity"};
 constexpr MetricDefinition kMotionDefinitions[] = {kFlightTime, kPathLength, kMeanSpeed, kMaxSpeed, kMaxAcceleration};
 
-/// True motion while flying. Accelerations are means over a tick.
+/// True motion during flight. Accelerations are averaged over a tick.
 class MotionMetric final : public Metric {
  public:
   explicit MotionMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}
@@ -59,7 +59,7 @@ class MotionMetric final : public Metric {
 
  private:
   struct Vehicle {
-    bool known = false;  // is there a last state?
+    bool known = false;  // a last state is stored
     Vector3 p_world_last_m = Vector3::Zero();
     Vector3 v_world_last_mps = Vector3::Zero();
     double flight_time_s = 0.0;

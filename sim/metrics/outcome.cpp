@@ -8,7 +8,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kOutcome = {"outcome", "",
                                        "how the run ended for a vehicle; for the run: the worst of its vehicles"};
 constexpr MetricDefinition kTimeToDone = {
@@ -21,7 +21,7 @@ constexpr MetricDefinition kCrashPartner = {"crash_partner", "",
                                             "what it touched: a vehicle, a class of surfaces, or none"};
 constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCrashTime, kCrashPartner};
 
-// From best to worst: a run is as good as its worst vehicle.
+// From best to worst: the outcome of a run is the worst of its vehicles.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
 constexpr std::array<OutcomeWord, 4> kOutcomes = {{
     {"done",
@@ -33,8 +33,8 @@ constexpr std::array<OutcomeWord, 4> kOutcomes = {{
 
 const char* word_for(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
 
-/// A crash outweighs whatever the mission says of itself, also when it comes after the mission was done. A wreck's
-/// agent goes on, but its mission does not.
+/// A crash overrides the mission's status, even after the mission is done. The agent of a crashed vehicle continues,
+/// but its mission does not.
 class OutcomeMetric final : public Metric {
  public:
   explicit OutcomeMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}
@@ -84,12 +84,12 @@ class OutcomeMetric final : public Metric {
     MissionStatus mission = MissionStatus::kRunning;
     double done_s = kNotMeasured;
     double crash_s = kNotMeasured;
-    bool caught_enough = false;  // targets, with its net
-    bool caught = false;         // by a vehicle that caught enough
+    bool caught_enough = false;  // targets captured by its net
+    bool caught = false;         // captured by a vehicle that has caught enough
     std::string partner;
   };
 
-  /// Captures after which the mission of vehicle i is done; 0: it does not hunt.
+  /// Number of captures that completes the mission of vehicle i; 0: no interceptor.
   int wanted(std::size_t i) const { return i < setup().perception.size() ? setup().perception[i].captures : 0; }
 
   bool every_target_caught() const {

@@ -11,7 +11,7 @@ namespace swiftlet::sim {
 
 namespace {
 
-// In a table '|' would begin a new cell.
+// Escapes '|', which would begin a new table cell.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

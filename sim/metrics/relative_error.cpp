@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kRelativeMae = {
     "relative_position_mae_m", "m",
     "mean of |believed - true place of the other vehicle|, both seen from the own body, "
@@ -26,8 +26,8 @@ constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "how long 
 constexpr MetricDefinition kRelativeErrorDefinitions[] = {kRelativeMae,     kRelativeRmse, kRelativeMax,
                                                           kRelativeYawRmse, kRelativeNees, kRelativeKnown};
 
-/// Where a vehicle believes another one to be, against where it is, both as seen from the vehicle: what it does not
-/// know of its own place is no error of relative localization.
+/// Error of a vehicle's estimate of another one's pose, both relative to the vehicle's own pose: errors of its own
+/// localization do not count.
 class RelativeErrorMetric final : public Metric {
  public:
   explicit RelativeErrorMetric(const MetricSetup& setup)

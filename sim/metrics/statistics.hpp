@@ -10,7 +10,7 @@ namespace swiftlet::sim {
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// Root mean square and greatest value of errors.
+/// Root mean square and maximum of errors.
 class ErrorStatistics {
  public:
   void add(double error) {

@@ -5,7 +5,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What it reports.
+// Reported metrics:
 constexpr MetricDefinition kTrackingRms = {
     "tracking_error_rms_m", "m",
     "root mean square of |true position - reference|, behind the reference governor, "
@@ -19,9 +19,9 @@ constexpr MetricDefinition kControlMax = {"control_error_max_m", "m",
                                           "greatest |estimated position - reference| of these ticks"};
 constexpr MetricDefinition kTrackingErrorDefinitions[] = {kTrackingRms, kTrackingMax, kControlRms, kControlMax};
 
-/// Position against the reference after the reference governor, while flying with a valid estimate. `tracking_error`:
-/// the truth (what counts; meaningless when the vehicle's frame is a local one); `control_error`: the estimate, which
-/// shows the controller's own share.
+/// Position error against the reference after the reference governor, in flight with a valid estimate.
+/// `tracking_error`: error of the truth (meaningless when the vehicle's frame is a local one); `control_error`: error
+/// of the estimate, which is the controller's own contribution.
 class TrackingErrorMetric final : public Metric {
  public:
   explicit TrackingErrorMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Values of the last ticks, by time. Holds 2048 of them: 8 s of ticks of 4 ms.
+/// Values of the last 2048 ticks, by time: 8 s at ticks of 4 ms.
 template <class Value>
 class RecentValues {
  public:
@@ -50,7 +50,7 @@ struct PointMotion {
   Vector3 p_m = Vector3::Zero(), v_mps = Vector3::Zero();
 };
 
-/// Position and velocity at t, linear between ticks, constant outside of what is remembered.
+/// Position and velocity at t, linear between ticks, constant outside of the stored interval.
 inline PointMotion interpolate(const RecentValues<PointMotion>& values, TimeNs t) {
   const std::size_t i = values.before(t), j = std::min(i + 1, values.size() - 1);
   const PointMotion &a = values.value(i), &b = values.value(j);
