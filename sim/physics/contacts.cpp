@@ -10,10 +10,10 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDiscHalfHeight_m = 0.01;  // a propeller with its coning
+constexpr double kDiscHalfHeight_m = 0.01;  // propeller including its coning
 constexpr double kArmHalfWidth_m = 0.012;
 constexpr double kFootRadius_m = 0.012;
-// Ends of the skids in body radii, as sim/world/vehicle_shape.cpp draws them.
+// Positions of the skids' ends in body radii, as in sim/world/vehicle_shape.cpp.
 constexpr double kFootAhead = 1.5;
 constexpr double kFootAside = 1.3;
 constexpr double kOutOfReach_m = 1.0;  // no impulse can bridge this within a step
@@ -27,11 +27,11 @@ struct Triangle {
   btVector3 low, high;
 };
 
-/// The static world as Bullet's collision algorithms want it: a list of the triangles near the vehicle in question.
+/// The static world for Bullet's collision algorithms: the triangles near the current vehicle.
 class NearTriangles final : public btConcaveShape {
  public:
   NearTriangles() {
-    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;  // the "custom" type is taken for a signed distance field
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;  // Bullet treats the "custom" type as a signed distance field
     m_collisionMargin = 0.0;
   }
 
@@ -66,7 +66,7 @@ class NearTriangles final : public btConcaveShape {
   btVector3 scaling_{1.0, 1.0, 1.0};
 };
 
-/// Contact shape of one airframe, and which of its parts are propellers.
+/// Collision shape of one airframe; marks the propellers among its parts.
 struct VehicleHull {
   std::vector<std::unique_ptr<btConvexShape>> parts;
   std::unique_ptr<btCompoundShape> compound = std::make_unique<btCompoundShape>(true);
@@ -102,14 +102,14 @@ VehicleHull make_hull(const Airframe& airframe) {
   hull.end_propeller = static_cast<int>(hull.parts.size());
 
   for (const Rotor& rotor : airframe.rotors) {
-    // From the center to just below the hub, so that the disc is what stands out.
+    // From the center to just below the hub, so that the propeller disc is outermost.
     const btVector3 tip = to_bt(rotor.position_m) - btVector3(0, 0, 2.0 * kDiscHalfHeight_m + kArmHalfWidth_m);
     if (tip.length() < 2.0 * kArmHalfWidth_m) continue;
     hull.add(std::make_unique<btBoxShape>(btVector3(0.5 * tip.length(), kArmHalfWidth_m, kArmHalfWidth_m)),
              frame_along(0.5 * tip, x_axis, tip));
   }
 
-  // Four legs, which stand on spheres: each gives one steady contact on any ground.
+  // Four legs that end in spheres: each gives one steady contact on any ground.
   const double top_m = 0.25 * airframe.body_height_m;
   for (int i = 0; i < 4; ++i) {
     const double side_x = (i & 1) != 0 ? 1.0 : -1.0;
@@ -134,11 +134,11 @@ VehicleHull make_hull(const Airframe& airframe) {
   return hull;
 }
 
-/// One vehicle in Bullet's terms.
+/// Bullet's representation of one vehicle.
 struct Body {
   VehicleHull hull;
   std::unique_ptr<btRigidBody> rigid;
-  std::vector<Triangle> triangles;  // what it can meet in this tick
+  std::vector<Triangle> triangles;  // triangles within reach in this tick
   btVector3 low, high;
   btCollisionAlgorithm* world_algorithm = nullptr;
 };
@@ -149,7 +149,7 @@ struct PairAlgorithm {
 };
 
 btDefaultCollisionConstructionInfo pool_sizes(std::size_t num_parts) {
-  // Every part keeps a manifold and an algorithm for the world; pairs of vehicles come on top.
+  // Every part keeps a manifold and an algorithm for the world; pairs of vehicles need further ones.
   btDefaultCollisionConstructionInfo info;
   info.m_defaultMaxPersistentManifoldPoolSize = static_cast<int>(num_parts) + 1024;
   info.m_defaultMaxCollisionAlgorithmPoolSize = 2 * static_cast<int>(num_parts) + 1024;
@@ -178,8 +178,8 @@ struct Contacts::Impl {
     dispatch_info.m_timeStep = config.step_s;
     solver_info.m_timeStep = config.step_s;
     solver_info.m_numIterations = 20;
-    solver_info.m_splitImpulse = true;                     // leaving a penetration adds no speed
-    solver_info.m_splitImpulsePenetrationThreshold = 1.0;  // ... never
+    solver_info.m_splitImpulse = true;                     // resolving a penetration adds no speed
+    solver_info.m_splitImpulsePenetrationThreshold = 1.0;  // disabled
     solver_info.m_restitutionVelocityThreshold = 0.1;
     solver_info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS |
                                SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
@@ -203,10 +203,10 @@ struct Contacts::Impl {
     info.m_friction = config.contact_friction;
     info.m_restitution = config.contact_restitution;
     body.rigid = std::make_unique<btRigidBody>(info);
-    body.rigid->setFlags(0);  // gyroscopic torque is the flight model's
+    body.rigid->setFlags(0);  // gyroscopic torque is part of the flight model
     body.rigid->setActivationState(DISABLE_DEACTIVATION);
     body.rigid->setUserIndex(static_cast<int>(bodies.size()));
-    // The algorithm of the pair (vehicle, world) exists from the start, so that flying low allocates nothing.
+    // The algorithm of the pair (vehicle, world) is created in advance, so that flying low allocates nothing.
     near_triangles.show(no_triangles, {-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0});
     const btCollisionObjectWrapper vehicle = wrap(*body.rigid);
     const btCollisionObjectWrapper ground = wrap(world);
@@ -257,9 +257,9 @@ struct Contacts::Impl {
     return rigid->getVelocityInLocalPoint(p_world - rigid->getWorldTransform().getOrigin());
   }
 
-  /// Normal speed of every contact point before the impulses, in the order of the manifolds. A surface that bounces
-  /// counts as touched in the step that reaches it and as absent before: Bullet would otherwise take up the gap first
-  /// and lose that much of the bounce.
+  /// Normal speed of every contact point before the impulses, in the order of the manifolds. A restituting surface
+  /// counts as touched in the step that reaches it and as absent before: Bullet would otherwise first close the gap and
+  /// lose part of the rebound.
   void note_approaches() {
     approaches.clear();
     for (int m = 0; m < manifolds.size(); ++m) {
@@ -307,8 +307,8 @@ struct Contacts::Impl {
   btCollisionObject world;
   std::vector<Body> bodies;
   std::vector<PairAlgorithm> pair_algorithms;
-  btManifoldArray manifolds;                         // of this step
-  btAlignedObjectArray<btCollisionObject*> objects;  // of this step
+  btManifoldArray manifolds;                         // contact manifolds of this step
+  btAlignedObjectArray<btCollisionObject*> objects;  // colliding objects of this step
   std::vector<double> approaches;
 };
 
@@ -324,7 +324,7 @@ void Contacts::gather_triangles(VehicleId vehicle, const StaticScene& scene, con
   body.low = to_bt(box_world.min());
   body.high = to_bt(box_world.max());
   scene.triangles_near_box(box_world, [&body](const Vector3& a, const Vector3& b, const Vector3& c, int) {
-    if ((b - a).cross(c - a).squaredNorm() < 1e-24) return;  // no area, no normal
+    if ((b - a).cross(c - a).squaredNorm() < 1e-24) return;  // degenerate triangle without normal
     Triangle triangle{
         {to_bt(a), to_bt(b), to_bt(c)}, to_bt(a.cwiseMin(b).cwiseMin(c)), to_bt(a.cwiseMax(b).cwiseMax(c))};
     if (TestAabbAgainstAabb2(triangle.low, triangle.high, body.low, body.high)) body.triangles.push_back(triangle);
@@ -335,7 +335,7 @@ Contacts::Overlap Contacts::overlap(VehicleId vehicle, const Vector3& p_world_m,
                                     const Eigen::Quaterniond& q_world_body) {
   Impl& impl = *impl_;
   Body& own = impl.bodies[vehicle];
-  // What Bullet remembers of the place before must not count.
+  // Discards Bullet's cached contacts of the previous position.
   impl.manifolds.resizeNoInitialize(0);
   own.world_algorithm->getAllContactManifolds(impl.manifolds);
   for (int m = 0; m < impl.manifolds.size(); ++m) impl.manifolds[m]->clearManifold();

@@ -8,7 +8,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kStanding_m = 0.03;  // uneven ground under the legs; contacts push a vehicle out of that gently
+// Tolerated penetration of the legs into uneven ground; contacts resolve it gently
+constexpr double kStanding_m = 0.03;
 constexpr double kFree_m = 0.001;
 constexpr double kSearchStep_m = 0.05;
 constexpr int kMostSteps = 4000;
@@ -24,7 +25,7 @@ std::optional<NoRoom> FreePlaces::check(std::size_t i, const Vector3& p_world_m)
   std::optional<NoRoom> problem = no_room_at(i, p_world_m, kStanding_m);
   if (!problem) return problem;
 
-  // Upwards until there is room, then back to the surface.
+  // Searches upwards to the first free position, then back down to the surface.
   const double top_m = world_.bounds_m().max().z() + contacts_->reach_m(static_cast<VehicleId>(i)) + kSearchStep_m;
   const double step_m = std::max(kSearchStep_m, (top_m - p_world_m.z()) / kMostSteps);
   const auto is_free = [&](double z) { return !no_room_at(i, {p_world_m.x(), p_world_m.y(), z}, kFree_m); };
@@ -52,7 +53,7 @@ std::optional<NoRoom> FreePlaces::no_room_at(std::size_t i, const Vector3& p_wor
   return NoRoom{overlap.depth_m, surface ? surface->surface_class : SurfaceClass::kUnlabeled};
 }
 
-/// Ground above and nothing at all below.
+/// Is there ground above and no surface below?
 bool FreePlaces::is_below_ground(const Vector3& p_world_m) const {
   const double down_m = p_world_m.z() - world_.bounds_m().min().z() + 1.0;
   const double up_m = world_.bounds_m().max().z() - p_world_m.z() + 1.0;

@@ -50,7 +50,7 @@ MultirotorModel::Motors MultirotorModel::run_motors(VehicleState& state,
     double& speed = state.rotor_speed_radps[i];
     double angle = target * h;
     if (config_.motor_lag) {
-      // The speed approaches its target from one side, so one time constant holds for the step.
+      // Speed approaches its target monotonically, so one time constant applies to the whole step.
       const bool up = target > speed;
       const double tau = up ? airframe_.motor_time_constant_up_s : airframe_.motor_time_constant_down_s;
       const double half_decay = half_step_decay_up_down_[up ? 0 : 1];
@@ -84,7 +84,7 @@ MultirotorModel::RotorLoad MultirotorModel::load(const std::array<double, kMaxRo
     load.thrust_N += thrust;
     load.torque_body_Nm.x() += arm.y() * thrust;
     load.torque_body_Nm.y() -= arm.x() * thrust;
-    // The air brakes the rotor; the body feels it through the motor.
+    // Aerodynamic drag torque of the rotor acts on the body through the motor.
     load.torque_body_Nm.z() -= direction_[i] * airframe_.torque_to_thrust_m * aerodynamic;
     load.momentum_z += direction_[i] * airframe_.rotor_inertia_kgm2 * speed[i];
   }
@@ -102,8 +102,8 @@ MultirotorModel::Acceleration MultirotorModel::accelerate(const RotorLoad& load,
   Vector3 force_body(0.0, 0.0, load.thrust_N);
   Vector3 torque_body = load.torque_body_Nm;
 
-  // Drag of the body by its velocity through the air: -1/2 rho C_d A_i |v| v_i. Without body drag the wake of a vehicle
-  // above still pushes: by the drag that it adds.
+  // Drag of the body by its velocity relative to the air: -1/2 rho C_d A_i |v| v_i. Without body drag, only the
+  // additional drag due to the downwash of other vehicles applies.
   const auto drag = [&](const Vector3& v_air_body) -> Vector3 {
     return (-0.5 * config_.air_density_kgpm3 * v_air_body.norm()) *
            airframe_.body_drag_area_m2.cwiseProduct(v_air_body);
@@ -115,7 +115,7 @@ MultirotorModel::Acceleration MultirotorModel::accelerate(const RotorLoad& load,
     force_body += drag(v_air_body) - drag(R_world_body.transpose() * (v_world - air.wind_world_mps));
   }
 
-  // H-force of each rotor, by the velocity of its hub in the rotor plane.
+  // H-force of each rotor, from the velocity of its hub in the rotor plane.
   if (rotor_drag_) {
     for (int i = 0; i < num_rotors_; ++i) {
       const Vector3& arm = airframe_.rotors[i].position_m;
@@ -147,7 +147,7 @@ void MultirotorModel::step(VehicleState& state, const std::array<double, kMaxRot
   const RotorLoad load_middle = load(motors.speed[1], motors.momentum_rate[1], air);
   const RotorLoad load_end = load(motors.speed[2], motors.momentum_rate[2], air);
 
-  // Runge-Kutta 4 on (q, v, w); the position is the same quadrature of the stages' velocities.
+  // Runge-Kutta 4 on (q, v, w); the position is integrated with the same weights from the stages' velocities.
   struct Slope {
     Eigen::Vector4d q;
     Vector3 v, omega;

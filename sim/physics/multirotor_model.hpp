@@ -9,40 +9,40 @@
 
 namespace swiftlet::sim {
 
-/// The air around one vehicle, held constant over a physics step.
+/// Air conditions at one vehicle, constant during a physics step.
 struct AirAtVehicle {
   Vector3 wind_world_mps = Vector3::Zero();
   Vector3 downwash_world_mps = Vector3::Zero();         ///< added to the wind
-  std::array<double, kMaxRotors> ground_effect_gain{};  ///< extra thrust as a fraction
+  std::array<double, kMaxRotors> ground_effect_gain{};  ///< additional thrust as a fraction
 };
 
-/// Free flight of one multirotor: motors, rotors, air and gravity on a rigid body. Contacts are not its business.
+/// Free flight of one multirotor: motors, rotors, air and gravity on a rigid body, without contacts.
 ///
-/// A step is exact for the motors: the command is held, so a first-order lag has a closed form. For the body it is
-/// classical Runge-Kutta 4, whose forces see the rotor speeds at the beginning, middle and end of the step. That is
-/// fourth order at about a quarter of a microsecond. A semi-implicit Euler step of the physics engine is first order.
-/// At 1 kHz the integration error of an agile flight stays below a micrometer a second.
+/// The motors are integrated exactly: with a constant command, a first-order lag has a closed form. The body is
+/// integrated by classical Runge-Kutta 4, with the rotor speeds at the beginning, middle and end of the step. This is
+/// of fourth order and takes about a quarter of a microsecond; the semi-implicit Euler step of the physics engine is of
+/// first order. At 1 kHz the integration error of an agile flight stays below a micrometer per second.
 class MultirotorModel {
  public:
   MultirotorModel(const Airframe& airframe, const PhysicsConfig& config);
 
-  /// One step of config.step_s. Does not touch state.t. A negative command stops the rotor.
+  /// One step of config.step_s. Does not change state.t. A negative command stops the rotor.
   void step(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command, const AirAtVehicle& air) const;
-  /// Motors alone: what a vehicle at rest on the ground still does.
+  /// Advances only the motors, for a vehicle at rest on the ground.
   void step_motors(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command) const;
 
   struct Acceleration {
     Vector3 linear_world_mps2;
     Vector3 angular_body_radps2;
   };
-  /// In free flight at this instant, rotor speeds taken as constant.
+  /// Acceleration in free flight at this instant, with constant rotor speeds.
   Acceleration acceleration(const VehicleState& state, const AirAtVehicle& air) const;
 
   double thrust_N(const VehicleState& state) const;  ///< in free air, without ground effect
   const Airframe& airframe() const { return airframe_; }
 
  private:
-  struct RotorLoad;  // what the rotors do to the body at one instant
+  struct RotorLoad;  // forces and torques of the rotors on the body at one instant
   struct Motors;     // rotor speeds at three instants of a step
 
   Motors run_motors(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command) const;

@@ -20,28 +20,29 @@ namespace {
 
 using RotorCommands = std::span<const std::array<double, kMaxRotors>>;
 
-constexpr TimeNs kPlanSpan = 8'000'000;    // who can touch what is decided for at most this long
-constexpr TimeNs kAirSpan = 8'000'000;     // wakes and ground effect are looked up this often: both change more slowly
-constexpr double kContactMargin_m = 0.03;  // more than the distance from which contacts are prepared
-constexpr double kSurfaceSlack_m = 2.0;    // distances are asked this much farther than needed, to be asked rarely
+constexpr TimeNs kPlanSpan = 8'000'000;  // longest interval between predictions of possible contacts
+// Interval between updates of wakes and ground effect, which change more slowly
+constexpr TimeNs kAirSpan = 8'000'000;
+constexpr double kContactMargin_m = 0.03;     // larger than the distance at which contacts are prepared
+constexpr double kSurfaceSlack_m = 2.0;       // search distance beyond the needed one, which makes searches rare
 constexpr double kPerRotorGroundRadii = 6.0;  // below this height every rotor has its own ray to the ground
 constexpr double kTurningRotor_radps = 10.0;
-// A vehicle that stands still for a while is frozen until the forces on it change.
+// A vehicle below these rates for kRestTime_s is frozen until the forces on it change.
 constexpr double kRestSpeed_mps = 0.01;
 constexpr double kRestRate_radps = 0.03;
 constexpr double kRestTime_s = 0.25;
 constexpr double kWakeLinear_mps2 = 0.1;
 constexpr double kWakeAngular_radps2 = 0.5;
 
-// From here on vehicles are worth several threads, which take so many at a time.
+// From this number on, vehicles are distributed over threads, in blocks of kVehiclesAtATime.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
 
-/// Distance to the nearest surface as known from an earlier place: at p it is at least distance - |p - from|.
+/// Distance to the nearest surface from an earlier position: at p it is at least distance - |p - from|.
 struct SurfaceBound {
   Vector3 from_world_m = Vector3::Zero();
   double distance_m = 0.0;
-  bool exact = false;  // a surface is at just this distance; otherwise there is none nearer
+  bool exact = false;  // true: exact distance; false: lower bound
 
   double at_least_m(const Vector3& p) const { return distance_m - (p - from_world_m).norm(); }
 };
@@ -55,22 +56,22 @@ struct Vehicle {
   AirAtVehicle air;
   std::optional<Gusts> gusts;
   double circumscribed_m = 0.0;
-  double contact_reach_m = 0.0;  // radius of the collision shape with the margin
+  double contact_reach_m = 0.0;  // radius of the collision shape plus margin
   double acceleration_bound_mps2 = 0.0;
   SurfaceBound surface;
 
-  // Of the current plan:
-  bool near_world = false;  // may meet a triangle before the plan ends
+  // Of the current prediction:
+  bool near_world = false;  // may touch a triangle before its end
   bool near = false;        // ... or another vehicle
-  double travel_m = 0.0;    // bound of the way until then
+  double travel_m = 0.0;    // upper bound of the displacement until then
 
   bool touching = false;
   bool asleep = false;
   double still_s = 0.0;
-  MultirotorModel::Acceleration free_acceleration{};  // when it fell asleep
+  MultirotorModel::Acceleration free_acceleration{};  // at the time of freezing
 };
 
-/// Rotors follow: their speeds are clamped, and a command that is not finite has been noticed before.
+/// Rotors are valid if these are: their speeds are clamped, and non-finite commands are rejected earlier.
 bool is_finite(const VehicleState& state) {
   return swiftlet::is_finite(state.p_world_m) && swiftlet::is_finite(state.q_world_body) &&
          swiftlet::is_finite(state.v_world_mps) && swiftlet::is_finite(state.omega_body_radps);
@@ -107,15 +108,15 @@ struct PhysicsWorld::Impl {
   Contacts contacts;
   std::vector<Crash> crashes;
 
-  // Scratch, kept to keep its memory.
+  // Scratch, kept to avoid allocations.
   std::vector<Vector3> positions;
   Neighborhood neighborhood;
-  std::vector<Vector3> pairs_from;  // where the vehicles were when all pairs were asked last,
+  std::vector<Vector3> pairs_from;  // positions at the last search of all pairs,
   double least_gap_m = 0.0;         // and the least gap then
   std::vector<Wake> wakes;
   std::vector<VehicleId> near_vehicles;
   std::vector<Contacts::Pair> near_pairs;
-  std::vector<VehicleState> before;  // of this step, for the near vehicles
+  std::vector<VehicleState> before;  // states of the near vehicles before this step
   std::vector<ContactBody> bodies;
   std::vector<Contacts::Pair> pairs;
   std::vector<Touch> touches;
@@ -165,13 +166,13 @@ struct PhysicsWorld::Impl {
     }
     entry.circumscribed_m = airframe.circumscribed_radius_m();
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
-    // Twice what rotors and gravity can do leaves room for drag in any wind that a vehicle survives.
+    // Twice the acceleration by rotors and gravity covers drag in any wind that a vehicle can fly in.
     entry.acceleration_bound_mps2 = 2.0 * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
     vehicles.push_back(std::move(entry));
     states.push_back(state);
   }
 
-  /// Calls act(vehicle) for all, by several threads where that pays: it may change nothing but its own vehicle.
+  /// Calls act(vehicle) for all vehicles, in parallel where that pays; it may modify only its own vehicle.
   template <class Act>
   void for_each_vehicle(const Act& act) const {
     const int count = static_cast<int>(vehicles.size());
@@ -182,7 +183,7 @@ struct PhysicsWorld::Impl {
     for (std::size_t i = 0; i < states.size(); ++i) positions[i] = states[i].p_world_m;
   }
 
-  // ---- what lies ahead: decided once for several steps ----
+  // ---- prediction of contacts, for several steps at once ----
 
   void plan(double span_s) {
     note_positions();
@@ -239,7 +240,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// Of the wakes of all others.
+  /// Sum of the downwash of all other vehicles.
   Vector3 downwash_at(VehicleId id) const {
     const Vector3 p_world = positions[id];
     Vector3 sum = Vector3::Zero();
@@ -249,7 +250,7 @@ struct PhysicsWorld::Impl {
     return sum;
   }
 
-  /// Height of each rotor above the surface below it, by a ray straight down.
+  /// Ground effect of each rotor from its height above the surface, by a vertical ray.
   void feel_ground(Vehicle& vehicle, const VehicleState& state) const {
     vehicle.air.ground_effect_gain.fill(0.0);
     const double reach_m = ground_effect_reach_m(vehicle);
@@ -273,8 +274,8 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// Pairs that may meet before the plan ends. The least gap between any two bounds from below how long nothing can
-  /// happen, so that a fleet that keeps its distance rarely asks about all of its pairs.
+  /// Pairs that may touch before the prediction ends. The least gap between any two vehicles bounds the time without
+  /// contacts, so that all pairs of a well separated fleet are rarely tested.
   void find_near_pairs() {
     near_pairs.clear();
     double way_m = 0.0;
@@ -340,7 +341,7 @@ struct PhysicsWorld::Impl {
     ENSURE(is_finite(state), vehicle.name, to_seconds(t), state.p_world_m, state.v_world_mps, state.omega_body_radps);
   }
 
-  /// A vehicle that can touch nothing before the plan ends needs nobody else.
+  /// A vehicle that cannot touch anything before the prediction ends is integrated independently of all others.
   void fly_clear(VehicleId id, int num_steps, RotorCommands commands, StateHistory& history) {
     vehicles[id].touching = false;
     vehicles[id].still_s = 0.0;
@@ -350,7 +351,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// All vehicles that may touch something, one step: free flight, then what contacts change of it.
+  /// One step of all vehicles that may touch something: free flight, then contact impulses.
   void fly_near(TimeNs t, RotorCommands commands, StateHistory& history) {
     for (const VehicleId id : near_vehicles) {
       before[id] = states[id];
@@ -391,7 +392,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// Where contacts pushed, their velocities carry the vehicle from its place at the beginning of the step.
+  /// Applies contact impulses: the corrected velocities move the vehicle from its pose at the beginning of the step.
   void take_over(const ContactBody& body) {
     if (!body.touched) return;
     VehicleState& state = states[body.vehicle];
@@ -473,8 +474,8 @@ struct PhysicsWorld::Impl {
     Vehicle& vehicle = vehicles[id];
     const Vector3& p = positions[id];
 
-    // The nearest surface was at a known distance from a known place: it bounds the search. Where none was near, the
-    // search goes farther than asked for, so that it holds for a while.
+    // The known distance at an earlier position bounds the search. Without a near surface, the search extends beyond
+    // the requested distance, so that its result holds longer.
     const double search_m = max_distance_m + vehicle.circumscribed_m;
     clearance.surface_m = max_distance_m;
     if (scene && vehicle.surface.at_least_m(p) < search_m) {
@@ -486,7 +487,7 @@ struct PhysicsWorld::Impl {
         clearance.surface_m = std::min(vehicle.surface.distance_m - vehicle.circumscribed_m, max_distance_m);
     }
 
-    // Squares first: most others are farther than the nearest so far.
+    // Squared distances first: most vehicles are farther than the nearest one so far.
     clearance.vehicle_m = std::numeric_limits<double>::infinity();
     for (const VehicleId other : neighborhood.candidates(id)) {
       const double radii_m = vehicle.circumscribed_m + vehicles[other].circumscribed_m;

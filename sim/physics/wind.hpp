@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-/// Of the three components of turbulence: u along the mean wind's heading, v to its left, w up.
+/// Scales of the turbulence components: u along the mean wind's heading, v to its left, w up.
 struct DrydenScales {
   Vector3 scale_length_m;
   Vector3 sigma_mps;
@@ -22,24 +22,24 @@ DrydenScales dryden_scales(double height_m, double wind_at_6m_mps);
 
 /// Turbulence at one vehicle. Each component is a first-order process in the distance flown through the air:
 ///   x' = a x + sqrt(1 - a^2) nu,  a = exp(-V dt / L_u) for u and exp(-2 V dt / L) for v and w.
-/// This is the exact discretization (stable for any step) of the usual forward-difference form. It is kept at unit
-/// variance and scaled by sigma on the way out, so that climbing changes the strength without a transient. Starts
-/// stationary.
+/// This is the exact discretization (stable for any step) of the usual forward-difference form. The state has unit
+/// variance and is scaled by sigma at output, so that a climb changes the intensity without a transient. The initial
+/// state is stationary.
 class Gusts {
  public:
   Gusts(const WindConfig& config, std::uint64_t seed, std::string_view vehicle);
 
   /// The gust of step number `step` (1, 2, ...; 0 is the start), world frame [m/s].
-  /// @param height_m      above the world's z = 0
-  /// @param airspeed_mps  of the vehicle. The frozen field is crossed at max(airspeed, mean wind, 1 m/s), so that a
-  ///                      vehicle hovering in still air feels changing gusts, too.
+  /// @param height_m      height above z = 0 of the world
+  /// @param airspeed_mps  airspeed of the vehicle. The frozen field is crossed at max(airspeed, mean wind, 1 m/s), so
+  /// that a vehicle hovering in still air also encounters changing gusts.
   const Vector3& advance(std::uint32_t step, double dt_s, double height_m, double airspeed_mps);
 
  private:
   WindConfig config_;
   Random random_;
   double mean_speed_mps_ = 0.0;
-  Vector3 along_ = Vector3::UnitX();  ///< heading of the mean wind; east when there is none
+  Vector3 along_ = Vector3::UnitX();  ///< heading of the mean wind; east without mean wind
   Vector3 left_ = Vector3::UnitY();
   Vector3 unit_gust_ = Vector3::Zero();  ///< (u, v, w) at unit variance
   Vector3 gust_world_mps_ = Vector3::Zero();
