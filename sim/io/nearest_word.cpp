@@ -34,10 +34,10 @@ const std::string* nearest_word(std::string_view word, const std::vector<std::st
   constexpr std::size_t kMaxLength = 64;
   if (word.empty() || word.size() > kMaxLength) return nullptr;
   const std::string* best = nullptr;
-  const std::size_t length = word.substr(0, word.rfind('.')).size();  // an extension in common is no likeness
+  const std::size_t length = word.substr(0, word.rfind('.')).size();  // a common extension is no similarity
   std::size_t best_distance = allowed_distance(length) + 1;
   for (const std::string& candidate : candidates) {
-    if (candidate.empty() || candidate.size() > kMaxLength || candidate == word) continue;  // the word was refused
+    if (candidate.empty() || candidate.size() > kMaxLength || candidate == word) continue;  // `word` itself is invalid
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < best_distance && distance < candidate.size()) {
       best = &candidate;

@@ -14,10 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The writer of a file holds its lock. False where the file system has no locks.
+/// Does another process hold the lock of the file? False where the file system has no locks.
 bool is_held_by_another(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
-/// Removes what lies under the partial name: the file of a killed run, or a link from an unpacked archive.
+/// Removes an existing file with the partial name: of a killed run, or a link from an unpacked archive.
 void remove_leftover(const fs::path& partial, const fs::path& path) {
   const int leftover = ::open(partial.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (leftover < 0 && errno != ELOOP && errno != ENOENT) fail_to_write(path, errno);
@@ -28,7 +28,7 @@ void remove_leftover(const fs::path& partial, const fs::path& path) {
   if (error != 0 && error != ENOENT) fail_to_write(path, error);
 }
 
-/// A file that was not there before, so that no link is followed and no other file is truncated.
+/// Creates a new file, so that no link is followed and no existing file is truncated.
 int create(const fs::path& partial, const fs::path& path) {
   for (bool again = true;; again = false) {
     const int descriptor = ::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -58,8 +58,8 @@ OutputFile::OutputFile(fs::path path, std::size_t buffer_bytes, MissingFolders m
   buffer_.reserve(capacity_);
 }
 
-// Two recorders of the same file would write over each other. One of two that begin at the same time may find the file
-// of the other before it is locked, and remove it.
+// Locks the file, since two recorders of one file would overwrite each other's output. When two begin at the same time,
+// one may find the other's file before it is locked, and remove it.
 void OutputFile::claim(const fs::path& path) {
   const bool held = is_held_by_another(descriptor_);
   struct stat status {};
@@ -85,7 +85,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
 void OutputFile::append(std::span<const std::byte> bytes) {
   if (bytes.size() > capacity_ - buffer_.size()) flush();
   if (bytes.size() >= capacity_) {
-    write_all(bytes);  // large blocks need no copy
+    write_all(bytes);  // large blocks bypass the buffer
   } else {
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   }

@@ -38,7 +38,7 @@ std::string escape_markup(std::string_view text) {
         escaped += "&quot;";
         break;
       default:
-        // XML does not allow control characters at all.
+        // XML forbids control characters, even escaped.
         if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') escaped += c;
     }
   }

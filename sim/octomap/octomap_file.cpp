@@ -19,9 +19,9 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr int kMiddle = 32768;  // key of the cell at the origin
-constexpr int kDepth = 16;      // of the tree
+constexpr int kDepth = 16;      // depth of the octree
 
-/// Log-odds of a cell, or nothing when nobody knows.
+/// Log-odds of a cell; empty for an unknown cell.
 std::optional<float> log_odds_of(const MapVoxels& map, std::size_t i, const octomap::OcTree& usual) {
   if (map.log_odds) return map.value[i];
   if (map.state[i] >= map.occupied_from) return usual.getClampingThresMaxLog();
@@ -51,7 +51,7 @@ struct Header {
   double edge_m = 0.0;
 };
 
-// The library's own reader tells its progress on the terminal, and little of what is wrong.
+// The library's own reader prints its progress to the terminal and gives few details of errors.
 Header read_header(std::istream& in, OctomapFormat format, const std::filesystem::path& file) {
   std::string line, id;
   std::getline(in, line);
@@ -72,11 +72,12 @@ Header read_header(std::istream& in, OctomapFormat format, const std::filesystem
   return header;
 }
 
-/// The library's readers go on behind the end of the data and below the leaves, until the stack is full. So the nodes
-/// are counted first: each is a value and a byte of children (.ot), or two bits for each of its children (.bt).
+/// The library's readers continue past the end of the data and below the leaves until the stack overflows. Therefore
+/// the nodes are counted first: each is a value and a byte of children (.ot), or two bits for each of its children
+/// (.bt).
 std::size_t count_nodes(const std::string& data, OctomapFormat format, const std::filesystem::path& file) {
   const std::size_t node_bytes = format == OctomapFormat::kBt ? 2 : sizeof(float) + 1;
-  std::vector<int> depths = {0};  // of the nodes that come
+  std::vector<int> depths = {0};  // depths of the pending nodes
   std::size_t count = 1, at = 0;
   while (!depths.empty()) {
     const int depth = depths.back();
@@ -88,7 +89,7 @@ std::size_t count_nodes(const std::string& data, OctomapFormat format, const std
     } else {
       const unsigned bits = static_cast<unsigned char>(data[at]) | static_cast<unsigned char>(data[at + 1]) << 8;
       for (int i = 0; i < 8; ++i) {
-        const unsigned child = bits >> (2 * i) & 3U;  // 0 unknown, 1 and 2 leaves, 3 a node with children
+        const unsigned child = bits >> (2 * i) & 3U;  // 0 unknown, 1 and 2 leaves, 3 inner node
         children += child != 0;
         nodes_to_come += child == 3;
       }
@@ -108,7 +109,7 @@ double cells_across(unsigned depth) { return std::ldexp(1.0, kDepth - static_cas
 std::string octomap_content(const MapVoxels& map, OctomapFormat format, const std::vector<std::string>& comments) {
   const octomap::OcTree usual(map.edge_m);
   octomap::OcTree tree(map.edge_m);
-  tree.setClampingThresMin(1e-9);  // a map may have other limits than the library's: values stay as they are
+  tree.setClampingThresMin(1e-9);  // the library's default limits would clamp values of maps with other limits
   tree.setClampingThresMax(1.0 - 1e-9);
   octomap::OcTreeKey key;
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -118,7 +119,7 @@ std::string octomap_content(const MapVoxels& map, OctomapFormat format, const st
   tree.updateInnerOccupancy();
   if (format == OctomapFormat::kBt) tree.toMaxLikelihood();
   tree.prune();
-  // The header is written here, because the library's own function tells its progress on the terminal.
+  // The header is written here because the library's function prints its progress to the terminal.
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out.precision(10);

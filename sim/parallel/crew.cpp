@@ -21,15 +21,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 
-// Longer than most gaps between the loops of a tick, much shorter than a time slice of the system.
+// Longer than most intervals between the loops of a tick, much shorter than a time slice of the system.
 constexpr microseconds kSpinForALoop{100};
-// A part of a loop takes some ten microseconds, and so does waking.
+// A part of a loop takes some ten microseconds, as does waking a thread.
 constexpr microseconds kSpinForAPart{50};
-constexpr int kPausesPerLook = 32;  // at the clock
+constexpr int kPausesPerLook = 32;  // pauses between readings of the clock
 
 thread_local Crew* t_crew = nullptr;
 
-/// Waits actively until it is true or the time is over.
+/// Busy-waits until the condition holds or the time limit is reached.
 template <class Condition>
 bool spin_until(microseconds limit, const Condition& is_true) {
   const auto end = Clock::now() + limit;
@@ -42,15 +42,15 @@ bool spin_until(microseconds limit, const Condition& is_true) {
   return false;
 }
 
-/// Neighboring parts of a loop that nobody has taken, in one word. The number of the loop is in it, so that nobody
-/// takes from a later loop what was seen of an earlier one.
+/// A range of consecutive untaken parts of a loop, in one atomic word. The word includes the loop's number, so that a
+/// stale value cannot take parts of a later loop.
 class alignas(64) Parts {
  public:
   static constexpr int kMax = 0xFFFF;
 
   void put(std::uint32_t loop, int begin, int end) { word_.store(joined(loop, begin, end), std::memory_order_release); }
 
-  /// One of them, or -1.
+  /// Takes one part; -1: none left.
   int take_first() { return take<true>(); }
   int take_last() { return take<false>(); }
 
@@ -75,11 +75,11 @@ class alignas(64) Parts {
   std::atomic<std::uint64_t> word_{0};
 };
 
-/// Tells loops that take some ten microseconds from those that take long, by how long those of their kind took before,
-/// and has small ones done alone where sharing does not pay. Of small ones it looks at the clock for one in some.
+/// Distinguishes loops of some ten microseconds from long ones by the earlier durations of their kind, and runs small
+/// ones serially where sharing does not pay. Of the small loops, only one in kLoopsPerLook is timed.
 class SmallLoops {
  public:
-  /// How one loop is done, and since when.
+  /// Mode and start time of one loop.
   struct Loop {
     double* kind_s;
     bool small, alone, timed;
@@ -98,7 +98,7 @@ class SmallLoops {
     const Clock::time_point now = Clock::now();
     const double took_s = seconds(now - loop.begin);
     *loop.kind_s = *loop.kind_s == kUnknown_s ? took_s : 0.9 * *loop.kind_s + 0.1 * took_s;
-    if (loop.begin - last_end_ > kPause) begin_span(loop.begin);  // the caller did something else
+    if (loop.begin - last_end_ > kPause) begin_span(loop.begin);  // the caller was busy elsewhere
     last_end_ = now;
     if (!loop.small) span_begin_ += now - loop.begin;
     if (now - span_begin_ < kSpan || num_loops_ == 0) return;
@@ -114,13 +114,13 @@ class SmallLoops {
   static constexpr double kSmall_s = 300e-6;
   static constexpr std::chrono::milliseconds kSpan{25}, kPause{50};
   static constexpr int kNumKinds = 16, kLoopsPerLook = 16;
-  /// Of a span, from which on somebody else wants this processor. On an idle one the system itself interrupts now and
-  /// then.
+  /// Involuntary context switches per span from which the processor counts as contended. The system causes a few even
+  /// on an idle processor.
   static constexpr int kContended = 3;
 
   static double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-  // Two kinds may share a place. Then both are as long as their mean.
+  // Two kinds of loops may share an entry, which then holds their mean duration.
   double* kind_of(Crew::Work work) {
     const auto address = reinterpret_cast<std::uintptr_t>(work);
     return &kinds_s_[(address >> 4 ^ address >> 9) % kNumKinds];
@@ -142,7 +142,7 @@ class SmallLoops {
   }();
   Clock::time_point span_begin_{}, last_end_{};
   int num_loops_ = 0;
-  long interruptions_ = 0;  // of this thread, ever
+  long interruptions_ = 0;  // involuntary context switches of this thread so far
 };
 
 }  // namespace
@@ -157,7 +157,7 @@ class Crew::Impl {
 
  private:
   void run_together(int count, int at_a_time, Sharing sharing, void* loop, Work work);
-  /// What holds for whoever has taken a part of the loop, until that part is done.
+  /// Constant from the first taken part of the loop to the end of the last.
   struct Loop {
     std::atomic<void*> loop{nullptr};
     std::atomic<Work> work{nullptr};
@@ -174,15 +174,15 @@ class Crew::Impl {
 
   alignas(64) Loop loop_;
   std::uint32_t loop_number_ = 0;
-  std::vector<Parts> untaken_;  // by member; the caller is number 0
+  std::vector<Parts> untaken_;  // indexed by member; the caller is number 0
   alignas(64) std::atomic<std::uint32_t> calls_{0};
   std::atomic<bool> over_{false};
-  alignas(64) std::atomic<std::int32_t> done_by_helpers_{0};  // parts of the loop
+  alignas(64) std::atomic<std::int32_t> done_by_helpers_{0};  // completed parts of the loop
   std::vector<std::thread> helpers_;
-  alignas(64) SmallLoops small_loops_;  // the caller writes it in every loop
+  alignas(64) SmallLoops small_loops_;  // written by the caller in every loop
 };
 
-// ---- the caller's side ----
+// ---- caller ----
 
 Crew::Impl::Impl(int num_helpers) : untaken_(num_helpers + 1) {
   for (int i = 1; i <= num_helpers; ++i) {
@@ -247,7 +247,7 @@ void Crew::Impl::call_helpers(int num_parts) {
   for (int i = 0; i < wanted; ++i) calls_.notify_one();
 }
 
-// ---- everybody's ----
+// ---- caller and helpers ----
 
 bool Crew::Impl::do_a_part(int member) {
   const int part = take_a_part(member);
@@ -259,8 +259,8 @@ bool Crew::Impl::do_a_part(int member) {
   return true;
 }
 
-// The own ones from the front; of others' from the back, where their owner comes last. Those of a loop in order are all
-// the caller's. Only the order of the work depends on what is read of the loop before a part of it is taken.
+// Takes own parts from the front, parts of other members from the back, which their owner reaches last. With kInOrder,
+// all parts belong to the caller. Loop data read before a part is taken affects only the order of the work.
 int Crew::Impl::take_a_part(int member) {
   if (const int part = untaken_[member].take_first(); part >= 0) return part;
   if (loop_.in_order.load(std::memory_order_relaxed)) return untaken_[0].take_first();
@@ -271,7 +271,7 @@ int Crew::Impl::take_a_part(int member) {
   return -1;
 }
 
-// ---- a helper's side ----
+// ---- helpers ----
 
 void Crew::Impl::help(int member) {
   for (;;) {
@@ -299,7 +299,7 @@ void Crew::share_out(int count, int at_a_time, Sharing sharing, void* loop, Work
     work(loop, 0, count);
     return;
   }
-  t_crew = nullptr;  // loops within this one
+  t_crew = nullptr;  // loops nested in this one run serially
   crew->impl_->run(count, at_a_time, sharing, loop, work);
   t_crew = crew;
 }

@@ -8,10 +8,11 @@ namespace {
 
 constexpr int kContendedAtMost = 30;
 constexpr int kContendedForSure = 6;
-// The system moves threads to other processors within some of its time slices, so the first spans say little.
+// The system moves threads to other processors within a few time slices, so the first spans after a change are not
+// counted.
 constexpr int kSpansToSettle = 2;
 constexpr int kSpansOfATry = 8;
-// A way that wins again and again is tried against ever more seldom.
+// The interval between trials doubles while the kept mode wins.
 constexpr int kSpansKeptAtFirst = 40;
 constexpr int kSpansKeptAtMost = 320;
 
@@ -41,7 +42,7 @@ void SharingJudge::learn(int num_loops, double wall_s, bool contended) {
   }
 }
 
-// What is measured from now on is of now; the other way's last rate is what it is compared with.
+// Restarts the measured rate of the new mode; the other mode keeps its last rate for comparison.
 void SharingJudge::turn_to(bool share) {
   share_ = share;
   spans_ = 0;

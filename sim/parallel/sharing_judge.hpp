@@ -5,24 +5,25 @@
 
 namespace swiftlet::sim {
 
-/// Does it pay to share small loops with other threads? Alone on a machine it does. Beside other programs a second
-/// thread may cost the first one more of its processor than it helps. The system shares out processors by threads, and
-/// a loop of some ten microseconds gains only while both run. So both ways are tried in turns, by spans of time, and
-/// the faster one is kept. Nobody tries while nobody else wants the processors.
+/// Decides whether small loops are shared with other threads. Sharing pays on an otherwise idle machine. Beside other
+/// programs a second thread may cost the first one more processor time than it contributes: the system assigns
+/// processors by thread, and a loop of some ten microseconds gains only while both threads run. Both modes are
+/// therefore tried alternately for spans of time, and the faster one is kept. Without contention for the processors
+/// there are no trials.
 class SharingJudge {
  public:
-  /// How the loops of the next span are done.
+  /// Mode of the loops in the next span.
   bool share() const { return share_; }
 
-  /// A span is over, in which small loops were done as share() said.
-  /// @param num_loops  how many
-  /// @param wall_s     how long they and what lies between them took [s], more than 0
-  /// @param contended  whether others wanted the processor of the thread that shares out
+  /// Records a span in which small loops ran as share() returned.
+  /// @param num_loops  number of loops
+  /// @param wall_s     total time of the loops and the intervals between them [s], more than 0
+  /// @param contended  whether other programs competed for the processor of the calling thread
   void learn(int num_loops, double wall_s, bool contended);
 
  private:
   enum Way { kAlone, kShared };
-  /// Loops a second over the spans that count, of each way.
+  /// Loops per second over the counted spans, for each mode.
   struct Rate {
     double num_loops = 0.0, wall_s = 0.0;
     double per_s() const { return wall_s > 0.0 ? num_loops / wall_s : 0.0; }
@@ -33,10 +34,10 @@ class SharingJudge {
 
   std::array<Rate, 2> rates_;
   bool share_ = true;
-  bool trying_ = false;  // the way that is not the better one
-  int contention_ = 0;   // spans that were contended less those that were not, lately
-  int spans_ = 0;        // since the last turn
-  int spans_kept_ = 0;   // how long the better way is kept before the other one is tried again
+  bool trying_ = false;  // testing the slower mode
+  int contention_ = 0;   // contended minus uncontended spans, clamped
+  int spans_ = 0;        // since the last change
+  int spans_kept_ = 0;   // spans for which the better mode is kept before the next trial
 };
 
 }  // namespace swiftlet::sim

@@ -10,14 +10,14 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Of the system call, for which the C library has no name; see sched_setattr(2).
+/// Argument of sched_setattr(2), for which the C library has no declaration.
 struct SchedulingAttributes {
   std::uint32_t size = sizeof(SchedulingAttributes);
   std::uint32_t policy = 0;
   std::uint64_t flags = 0;
   std::int32_t nice = 0;
   std::uint32_t priority = 0;
-  std::uint64_t runtime_ns = 0;  // the time slice, under the usual policies
+  std::uint64_t runtime_ns = 0;  // the time slice under the default policies
   std::uint64_t deadline_ns = 0;
   std::uint64_t period_ns = 0;
 };

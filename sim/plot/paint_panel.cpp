@@ -26,7 +26,7 @@ struct Range {
   bool empty() const { return low > high; }
 };
 
-// From data to pixels along one axis.
+// Maps data to pixels along one axis.
 struct Scale {
   bool log = false;
   double low = 0.0, high = 1.0;        // data
@@ -35,7 +35,7 @@ struct Scale {
   double at(double value) const {
     if (log && value <= 0.0) return std::numeric_limits<double>::quiet_NaN();
     const double t = log ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-    // Far outside is as good as farther outside, and keeps the numbers short.
+    // Clamps positions far outside, which keeps the numbers short without visible difference.
     return px_low + std::clamp(t, -100.0, 100.0) * (px_high - px_low);
   }
 };
@@ -71,7 +71,7 @@ std::string fill(const Style& style, double opacity) {
   return "fill=\"" + color_of(style) + "\" fill-opacity=\"" + number_text(opacity * style.opacity, 2) + "\"";
 }
 
-// ---- what the data spans -------------------------------------------------------------------------------------------
+// ---- data ranges ---------------------------------------------------------------------------------------------------
 
 void include_x(const Series& s, Range& range) {
   if (s.kind == kHorizontal) return;
@@ -98,7 +98,7 @@ bool has_kind(const Panel& panel, std::initializer_list<Kind> kinds) {
                      [&](const Series& s) { return std::find(kinds.begin(), kinds.end(), s.kind) != kinds.end(); });
 }
 
-/// A marker on the edge of the frame would be cut in half.
+/// Are there markers, which the edge of the frame would cut in half?
 bool marks_ends(const Panel& panel) {
   return std::any_of(panel.series().begin(), panel.series().end(),
                      [](const Series& s) { return s.kind == kLine && s.style.marker != Marker::kNone; });
@@ -129,9 +129,9 @@ Range padded(Range range, const Axis& axis, bool tight, bool from_zero) {
     const double room = tight ? 1.0 : std::pow(range.high / range.low, 0.04);
     return {range.low / room, range.high * room};
   }
-  // Much of the way to zero: then show zero.
+  // Include zero when the range begins near it.
   if (from_zero || (!tight && range.low > 0.0 && range.low < 0.35 * range.high)) range.include(0.0);
-  // What differs in its last bits alone is one value.
+  // Values that differ only in their last bits are equal.
   if (range.high - range.low <= 1e-9 * std::max(std::abs(range.low), std::abs(range.high))) {
     const double half = std::max(std::abs(range.low) * 0.1, 0.5);
     return {range.low - half, range.high + half};
@@ -243,7 +243,7 @@ void draw_band(SvgWriter& svg, const Series& s, const View& view) {
   }
 }
 
-// Series that stand side by side share the slot of a position.
+// Bars and boxes side by side share the slot of a position.
 struct Slot {
   double center_offset = 0.0, width = 0.8;
 };
@@ -368,7 +368,7 @@ void draw_legend(SvgWriter& svg, const std::vector<const Series*>& entries, doub
   }
 }
 
-// Pixels that marks cover, sparsely: enough to see whether a corner is free.
+// A sparse sample of the pixels covered by marks, to test whether a corner is free.
 std::vector<PointPx> covered(const Panel& panel, const View& view) {
   std::vector<PointPx> points;
   const auto segment = [&](PointPx a, PointPx b) {
@@ -424,7 +424,7 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
   return points;
 }
 
-// A corner of the frame that no mark touches.
+// A corner of the frame without marks.
 std::optional<PointPx> free_corner(const Panel& panel, const View& view, double width, double height) {
   const Frame& f = view.frame;
   if (width > 0.6 * f.width() || height > 0.6 * f.height()) return std::nullopt;
@@ -443,9 +443,9 @@ std::optional<PointPx> free_corner(const Panel& panel, const View& view, double 
   return std::nullopt;
 }
 
-// ---- the frame around it -------------------------------------------------------------------------------------------
+// ---- frame ---------------------------------------------------------------------------------------------------------
 
-// Equal axes: the range with room to spare grows about its middle.
+// Equal axes: extends the smaller range about its middle.
 void equalise(Range& x, Range& y, const Frame& frame) {
   const double meters_per_px = std::max((x.high - x.low) / frame.width(), (y.high - y.low) / frame.height());
   const auto grow = [&](Range& range, double pixels) {

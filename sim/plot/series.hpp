@@ -11,17 +11,17 @@ namespace swiftlet::sim::plot {
 
 enum Kind { kLine, kBand, kScatter, kBars, kBoxes, kHorizontal, kVertical, kText };
 
-/// What one call of a Panel added.
+/// One series of a Panel.
 struct Panel::Series {
   Kind kind = kLine;
   std::string label;
   Style style;
-  std::vector<double> x, y;       ///< of bars: position, height
-  std::vector<double> low, high;  ///< of bands
+  std::vector<double> x, y;       ///< bars: position, height
+  std::vector<double> low, high;  ///< lower and upper edges of bands
   std::vector<Box> boxes;
 };
 
-/// Draws a panel into the rectangle whose upper left corner is (left, top).
+/// Draws a panel into the rectangle with upper left corner (left, top).
 void paint_panel(SvgWriter& svg, const Panel& panel, double left, double top, double width, double height);
 
 }  // namespace swiftlet::sim::plot

@@ -13,7 +13,7 @@ namespace {
 
 std::string px(double value) { return number_text(value, 1); }
 
-// The points [begin, end) lie in one pixel column: what is drawn of them is their first, extremes and last.
+// Of the points [begin, end) in one pixel column, keeps the first, the extremes and the last.
 void keep_column(const std::vector<PointPx>& points, std::size_t begin, std::size_t end, std::vector<PointPx>& out) {
   if (end - begin <= 4) {
     out.insert(out.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -142,7 +142,7 @@ void SvgWriter::picture(double x, double y, double width, double height, std::st
 }
 
 void SvgWriter::begin_clip(double x, double y, double width, double height) {
-  // Named after the rectangle: a page with many figures has one meaning for each name.
+  // Named after the rectangle, so that each name has one meaning on a page with many figures.
   const std::string id = "clip_" + px(x) + "_" + px(y) + "_" + px(width) + "_" + px(height);
   out_ += "<clipPath id=\"" + id + "\"><rect x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(width) +
           "\" height=\"" + px(height) + "\"/></clipPath>\n<g clip-path=\"url(#" + id + ")\">\n";
@@ -156,7 +156,7 @@ std::string SvgWriter::finish() {
 }
 
 double text_width(std::string_view content, double size_px) {
-  // Code points, not bytes.
+  // Counts code points, not bytes.
   const auto count = std::count_if(content.begin(), content.end(),
                                    [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
   return 0.6 * size_px * static_cast<double>(count);

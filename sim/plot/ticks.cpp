@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLargestPlain = 1e5;
 constexpr double kSmallestPlain = 1e-4;
-constexpr double kMaxMultiple = 1e12;  // numbers of steps beyond are not exact any more
+constexpr double kMaxMultiple = 1e12;  // larger multiples of the step are not exact
 
 std::string power_of_ten(int exponent) {
   static constexpr std::array<const char*, 10> kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
@@ -22,7 +22,7 @@ std::string power_of_ten(int exponent) {
   return text;
 }
 
-// 1, 2 or 5 times a power of ten, at least about `least`.
+// Rounds `least` to 1, 2 or 5 times a power of ten.
 double round_step(double least) {
   const double power = std::pow(10.0, std::floor(std::log10(least)));
   const double fraction = least / power;
@@ -53,7 +53,7 @@ std::vector<Tick> linear_ticks(double low, double high, int wanted) {
   const int exponent = static_cast<int>(std::floor(std::log10(step) + 1e-9));
   const double largest = std::max(std::abs(low), std::abs(high));
   const bool plain = largest < kLargestPlain && largest >= kSmallestPlain;
-  // Beyond plain numbers all labels share the power of the largest.
+  // Outside the range of plain numbers, all labels share the exponent of the largest.
   const int shared = plain ? 0 : static_cast<int>(std::floor(std::log10(largest)));
   if (!(step > 0.0) || !(largest / step < kMaxMultiple)) return {{low, number_text(low, 6)}};
   for (double k = std::ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {

@@ -17,7 +17,7 @@ std::vector<Tick> linear_ticks(double low, double high, int wanted);
 /// Decades with minor ticks between; over less than a decade and a half also labeled 2 and 5. 0 < low < high.
 std::vector<Tick> log_ticks(double low, double high, int wanted);
 
-/// Shortest decimal text with at most `decimals` places, "-0" as "0", the same everywhere.
+/// Shortest decimal text with at most `decimals` places, "-0" as "0", equal on every machine.
 std::string number_text(double value, int decimals);
 
 }  // namespace swiftlet::sim::plot

@@ -14,10 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMark = "swiftlet plugin mark: ";  // before the version (cmake/Version.cmake)
+constexpr std::string_view kMark = "swiftlet plugin mark: ";  // precedes the version (cmake/Version.cmake)
 
 struct Loaded {
-  std::string allowed_version;  // empty: none are allowed
+  std::string allowed_version;  // empty: plugins are not allowed
   std::vector<std::string> paths;
 };
 
@@ -39,12 +39,13 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The version that a plugin with this content was built for, without running its code; empty when it is no plugin.
+/// The version for which a plugin with this content was built, without running its code; empty when it is no plugin.
 std::string version_in(const std::string& content) {
   for (std::size_t at = 0; (at = content.find(kMark, at)) != std::string::npos;) {
     at += kMark.size();
     const std::string version = content.substr(at, content.find('\0', at) - at);
-    if (!version.empty()) return version;  // the mark alone is the constant below, in a plugin that links this file
+    // An empty version is the constant kMark itself, in a plugin that links this file
+    if (!version.empty()) return version;
   }
   return {};
 }
@@ -91,7 +92,7 @@ std::string load_plugin(const std::string& file, const fs::path& folder) {
     return problem;
   }
   const std::string failed = "a plugin whose modules can be added, found " + in_quotes(file) + ": ";
-  try {  // stays loaded from here on: tables point into it
+  try {  // never unloaded, since registries refer to its code
     add_rows({agent_registry(), estimator_registry(), detector_registry(), tracker_registry(),
               relative_localizer_registry(), mapper_registry(), guidance_registry(), sensor_registry(),
               world_registry(), recorder_registry(), metric_registry()});
