@@ -8,14 +8,14 @@
 
 namespace swiftlet {
 
-/// An interceptor tells the others whom it chases, how soon it is there, and where it will be.
+/// Report of an interceptor to its teammates: pursued target, earliest time of interception, and predicted path.
 struct ChaseReport {
   static constexpr const char* kTopic = "chase";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "whom an interceptor chases, how soon it is there, and where it will be";
 
-  /// kLeads: the others keep out of its way. kYields: another one is there sooner. kSearches: it has lost its target.
-  /// kCaught: its target is in its net.
+  /// kLeads: the teammates give way. kYields: a teammate intercepts earlier. kSearches: the target is lost. kCaught:
+  /// the target is in the net.
   enum class Word { kIdle, kLeads, kYields, kSearches, kCaught };
   static constexpr std::array<const char*, 5> kWords = {"idle", "leads", "yields", "searches", "caught"};
 

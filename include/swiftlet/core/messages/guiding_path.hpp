@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// A place on the path of a guided vehicle.
+/// A waypoint of a guided vehicle.
 struct GuidingWaypoint {
   Eigen::Vector3f p_body_m = Eigen::Vector3f::Zero();
   float yaw_rad = 0.0F;
@@ -19,15 +19,15 @@ struct GuidingWaypoint {
   }
 };
 
-/// Where a guided vehicle is to go, told relatively to itself [Pritzl 2024, sec. II-A]. The frame is its level body
-/// frame: origin in the body, heading of the body, z up. It is that of an instant that the vehicle told of, or that of
-/// reception. It needs no other frame. An empty path says: hover. The word says what else there is to it.
+/// Path for a guided vehicle, relative to the vehicle itself [Pritzl 2024, sec. II-A]. The frame is its level body
+/// frame (origin in the body, heading of the body, z up) at the time of one of its odometry reports, or at reception.
+/// No other common frame is needed. An empty path means hover. `word` is the command.
 struct GuidingPath {
   static constexpr const char* kTopic = "guiding_path";
   static constexpr int kVersion = 2;
   static constexpr const char* kDoc = "waypoints for its receiver, in the receiver's own level body frame";
 
-  /// kMove: the guide has lost sight of the receiver, which may fly a small figure to be found again.
+  /// kMove: the guide has lost sight of the receiver, which may fly a small pattern to be detected again.
   enum class Word { kGuide, kMove, kDone, kFailed };
   static constexpr std::array<const char*, 4> kWords = {"guide", "move", "done", "failed"};
 

@@ -7,16 +7,15 @@
 #include "swiftlet/core/fields.hpp"
 #include "swiftlet/core/messages/wire.hpp"
 
-/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/fields.hpp). It stands
-/// in a file of its own, with one line in registry.cpp. Its bytes, its size on the air, its page of the reference, its
-/// table and its topic in recordings follow. Change kVersion with the fields: who has other ones does not read what
-/// they do not mean.
+/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/fields.hpp), in a file
+/// of its own, with one line in registry.cpp. Encoding, size, reference page, table and topic in recordings are derived
+/// from these. Increase kVersion when the fields change: messages with other versions are rejected.
 namespace swiftlet {
 
-/// How reading a message ended.
+/// Result of reading a message.
 enum class Reading { kDone, kOtherKind, kOtherVersion, kTooShort, kTooLong, kBadValue };
 
-/// The reason in words; empty when it was read.
+/// Reason of a rejection; empty for kDone.
 constexpr const char* reason_of(Reading reading) {
   constexpr const char* kReasons[] = {"",
                                       "it is of another kind",
@@ -27,7 +26,7 @@ constexpr const char* reason_of(Reading reading) {
   return kReasons[static_cast<std::size_t>(reading)];
 }
 
-/// Sets topic, version and payload; the memory of the message is used again.
+/// Sets topic, version and payload; reuses the memory of the message.
 template <class Kind>
 void write_message(const Kind& content, Message& message) {
   message.topic = Kind::kTopic;
@@ -37,7 +36,7 @@ void write_message(const Kind& content, Message& message) {
   Kind::visit(content, wire);
 }
 
-/// `content` is as it was unless the result is kDone.
+/// Reads the payload. `content` is unchanged unless the result is kDone.
 template <class Kind>
 Reading read_message(const Message& message, Kind& content) {
   if (message.topic != Kind::kTopic) return Reading::kOtherKind;
@@ -52,15 +51,15 @@ Reading read_message(const Message& message, Kind& content) {
   return Reading::kDone;
 }
 
-/// One row of registry.cpp: what recordings and the reference need to know of a kind.
+/// One row of registry.cpp: properties of a kind for recordings and the reference.
 struct MessageKind {
   const char* topic;
   const char* doc;  ///< one line
   int version;
-  std::size_t (*size_bytes)();  ///< on the air, with its header; without texts and elements of lists
+  std::size_t (*size_bytes)();  ///< transmitted bytes with the header, without texts and elements of lists
   std::vector<Column> (*columns)();
   Reading (*read)(const Message& message,
-                  ColumnSink* sink);  ///< puts its content when it can be read; null: only tries
+                  ColumnSink* sink);  ///< puts the content into `sink` if it is valid; null: only validates
 };
 
 template <class Kind>
@@ -83,10 +82,10 @@ constexpr MessageKind message_kind() {
 }
 
 std::span<const MessageKind> message_kinds();
-/// The kind of that topic, or null.
+/// Kind with this topic, or null.
 const MessageKind* find_message_kind(std::string_view topic);
 
-/// How a received message is recorded: what it says, who sent it, and when it came.
+/// Columns and row of a received message in recordings: content, sender, and time of reception.
 std::vector<Column> message_columns(const MessageKind& kind);
 void put_message(const MessageKind& kind, const Message& message, ColumnSink& sink);
 

@@ -8,13 +8,13 @@
 
 namespace swiftlet {
 
-/// All closures that its sender found between its own submaps and those of the receiver. Each replaces the one before.
+/// All closures between the sender's submaps and those of the receiver. Replaces the previous message.
 struct MapClosures {
   static constexpr const char* kTopic = "map_closures";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "closures between submaps of its sender and of its receiver";
 
-  /// T_own_other, as place and rotation vector.
+  /// T_own_other, as position and rotation vector.
   struct Closure {
     std::uint32_t own = 0, other = 0;
     Eigen::Vector3f p_own_m = Eigen::Vector3f::Zero();

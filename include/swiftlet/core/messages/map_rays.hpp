@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// A beam of a scan: from the sensor to what it met, or to where the air is clear.
+/// A beam of a scan: from the sensor to the hit, or to the end of the observed free space.
 struct ToldRay {
   Eigen::Vector3f origin_world_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f end_world_m = Eigen::Vector3f::Zero();
@@ -20,7 +20,7 @@ struct ToldRay {
   }
 };
 
-/// The beams of a scan for the map of somebody else. A scan of 30 000 beams takes 800 kB, so only few links carry it.
+/// Beams of a scan for the map of another vehicle. A scan of 30 000 beams takes 800 kB, which exceeds most links.
 struct MapRays {
   static constexpr const char* kTopic = "map_rays";
   static constexpr int kVersion = 1;

@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// Says where its sender is.
+/// Position of the sender.
 struct NeighborPosition {
   static constexpr const char* kTopic = "neighbor";
   static constexpr int kVersion = 1;

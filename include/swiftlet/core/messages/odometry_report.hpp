@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// What a guided vehicle says of itself: its odometry, and how far it came on the path that it was sent.
+/// Report of a guided vehicle: its odometry, and its progress on the received path.
 struct OdometryReport {
   static constexpr const char* kTopic = "odometry";
   static constexpr int kVersion = 1;

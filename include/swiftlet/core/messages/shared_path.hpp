@@ -8,13 +8,13 @@
 
 namespace swiftlet {
 
-/// Says where its sender will be. Beyond the last place it stays there.
+/// Predicted path of the sender, which stays at its last point.
 struct SharedPath {
   static constexpr const char* kTopic = "shared_path";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "where its sender will be in the next seconds";
 
-  /// kPlan: it will be flown unless somebody objects.
+  /// kPlan: will be flown unless another vehicle reports a conflicting path.
   enum class Word { kPlan, kFlown };
   static constexpr std::array<const char*, 2> kWords = {"plan", "flown"};
 

@@ -6,7 +6,7 @@
 
 namespace swiftlet {
 
-/// A part of a submap's compact cloud, which can be read without the other parts (core/slam/compact_cloud).
+/// Part of a submap's compact cloud; decodable without the other parts (core/slam/compact_cloud).
 struct SubmapChunk {
   static constexpr const char* kTopic = "submap_cloud";
   static constexpr int kVersion = 1;

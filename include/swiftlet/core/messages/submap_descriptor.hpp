@@ -6,8 +6,8 @@
 
 namespace swiftlet {
 
-/// What a finished submap of SLAM looks like, in a few bytes that no heading changes much. Who has one that looks alike
-/// may ask for its cloud.
+/// Compact, nearly heading-invariant descriptor of a finished SLAM submap. Vehicles with a similar submap may request
+/// its cloud.
 struct SubmapDescriptor {
   static constexpr const char* kTopic = "submap";
   static constexpr int kVersion = 1;

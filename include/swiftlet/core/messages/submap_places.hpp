@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// Where the submaps of SLAM lie in the sender's local frame, as it knows by now. The last one still grows.
+/// Poses of the SLAM submaps in the sender's local frame, as of now. The last submap still grows.
 struct SubmapPlaces {
   static constexpr const char* kTopic = "submap_places";
   static constexpr int kVersion = 1;

@@ -7,7 +7,8 @@
 
 namespace swiftlet {
 
-/// Asks a vehicle for what it has of its submaps. It says all that is still missing, so each replaces the one before.
+/// Request for data of the receiver's submaps. Lists everything that is still missing, so it replaces the previous
+/// request.
 struct SubmapRequest {
   static constexpr const char* kTopic = "submap_request";
   static constexpr int kVersion = 1;

@@ -7,14 +7,14 @@
 
 namespace swiftlet {
 
-/// What its sender sees flying, by its own sensors alone, and where it is itself. All of it lies in the sender's local
-/// frame, which drifts. What was heard of others is never told again. So nothing comes back to where it came from.
+/// Tracks from the sender's own sensors alone, and the sender's own state, in its local frame, which drifts. Received
+/// tracks are never forwarded, so no data returns to its source.
 struct ToldTracks {
   static constexpr const char* kTopic = "told_tracks";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "what flies near its sender, and where it is itself, in its own local frame";
 
-  /// A track of 120 bytes. Single precision is a tenth of a millimeter at a kilometer.
+  /// A track of 120 bytes. Single precision resolves a tenth of a millimeter at a kilometer.
   struct Told {
     std::uint32_t identity = 0;
     float age_s = 0.0F;

@@ -12,13 +12,12 @@
 
 #include "swiftlet/core/message.hpp"
 
-/// The bytes of a message's content as they go on the air: field after field in the order of its `visit`,
-/// little-endian, without padding. A time has 8 bytes, a vehicle and an `int` 4, a flag and a choice 1, a pose 56
-/// (position, quaternion). Texts and lists are preceded by their length in 2 bytes. Of a covariance the upper triangle
-/// is sent.
+/// Encoding of a message's content: field after field in the order of its `visit`, little-endian, without padding. A
+/// time has 8 bytes, a vehicle and an `int` 4, a flag and a choice 1, a pose 56 (position, quaternion). Texts and lists
+/// are preceded by their length in 2 bytes. Only the upper triangle of a covariance is encoded.
 namespace swiftlet {
 
-/// Appends fields to bytes.
+/// Appends fields to a byte buffer.
 class WireWriter {
  public:
   static constexpr bool kReads = false;
@@ -32,7 +31,7 @@ class WireWriter {
   std::vector<std::byte>& bytes_;
 };
 
-/// Takes fields from bytes. Whatever is not there is zero, and `short_of_bytes` tells so.
+/// Reads fields from a byte buffer. Missing bytes read as zero and set `short_of_bytes`.
 class WireReader {
  public:
   static constexpr bool kReads = true;
@@ -57,7 +56,7 @@ class WireReader {
   bool short_ = false;
 };
 
-/// The visitor over either of them: one list of rules writes and reads.
+/// Visitor over a writer or a reader, so that one set of rules defines both directions.
 template <class Stream>
 class Wire {
  public:
@@ -99,7 +98,7 @@ class Wire {
   }
 
  private:
-  /// Numbers in as many bytes as they have.
+  /// Numbers in their native size.
   template <class Number>
   requires std::is_arithmetic_v<std::remove_const_t<Number>>
   void number(Number& value) {
@@ -139,7 +138,7 @@ class Wire {
     Eigen::Quaterniond rotation;
     exchange(position);
     exchange(rotation);
-    constexpr double kOff = 1e-6;  // of a rotation that was sent, rounding takes less
+    constexpr double kOff = 1e-6;  // tolerance of the norm of a transmitted quaternion; rounding is smaller
     bad_ = bad_ || !(std::abs(rotation.norm() - 1.0) < kOff);
     pose = make_pose(position, rotation.normalized());
   }
