@@ -16,34 +16,34 @@ template <class Point>
 class PointCloud;
 }  // namespace pcl
 
-/// Scans, clouds and labels as PCL's clouds and back. Those who call these functions include PCL's own headers; this
-/// one does not.
+/// Conversion of scans, clouds and labels to and from PCL clouds. Callers must include PCL's headers; this header does
+/// not.
 namespace swiftlet {
 
-/// Returns only: a list of points. Image: a point a beam, in rows and columns, NaN where nothing came back.
+/// kReturns: a list of points. kImage: one point per beam, in rows and columns, NaN without a return.
 enum class PclLayout { kReturns, kImage };
 
-/// Points of a scan in the frame of its LiDAR, as measured: the motion during the sweep is in them.
+/// Points of a scan in the frame of its LiDAR, as measured, without motion compensation.
 pcl::PointCloud<pcl::PointXYZ> to_pcl(const Scan& scan, PclLayout layout = PclLayout::kReturns);
-/// The same with the intensity of each.
+/// to_pcl() with the intensity of each point.
 pcl::PointCloud<pcl::PointXYZI> to_pcl_with_intensity(const Scan& scan, PclLayout layout = PclLayout::kReturns);
-/// The same with a label of each. @param labels  one a beam
+/// to_pcl() with a label for each point. @param labels  one per beam
 pcl::PointCloud<pcl::PointXYZL> to_pcl_with_labels(const Scan& scan, std::span<const std::uint32_t> labels,
                                                    PclLayout layout = PclLayout::kReturns);
 /// Any frame, the same for all arguments.
 pcl::PointCloud<pcl::PointXYZ> to_pcl(std::span<const Eigen::Vector3f> points_m);
 
-/// Class and instance of each beam in one number, as SemanticKITTI has them: the class in the lower 16 bits.
+/// Class and instance of each beam in one number, as in SemanticKITTI: the class in the lower 16 bits.
 std::vector<std::uint32_t> semantic_labels(std::span<const std::uint16_t> surface_class,
                                            std::span<const std::uint16_t> instance);
 
-/// Finite points only, in their order.
+/// Finite points, in their order.
 std::vector<Eigen::Vector3f> points_from_pcl(const pcl::PointCloud<pcl::PointXYZ>& cloud);
 std::vector<Eigen::Vector3f> points_from_pcl(const pcl::PointCloud<pcl::PointXYZI>& cloud);
-/// @param labels  of the points that are returned
+/// @param labels  labels of the returned points
 std::vector<Eigen::Vector3f> points_from_pcl(const pcl::PointCloud<pcl::PointXYZL>& cloud,
                                              std::vector<std::uint32_t>& labels);
-/// Ranges and intensities of an image whose beams are the scan's; all else in the scan stays as it is.
+/// Sets ranges and intensities of a scan from an image with the same beams; other members are unchanged.
 void from_pcl(const pcl::PointCloud<pcl::PointXYZI>& image, Scan& scan);
 
 }  // namespace swiftlet

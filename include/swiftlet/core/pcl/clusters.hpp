@@ -7,10 +7,10 @@
 
 namespace swiftlet {
 
-/// Clusters by PCL's EuclideanClusterExtraction, in the order that Clusterer promises.
+/// Clusters by PCL's EuclideanClusterExtraction, in the order defined by Clusterer.
 std::unique_ptr<Clusterer> make_pcl_clusterer();
 
-/// Makes PCL's choices known by the name "pcl": from now on a configuration may say `clusterer: pcl`.
+/// Plugs in PCL's implementations as "pcl": configurations may then use `clusterer: pcl`.
 void plug_in_pcl();
 
 }  // namespace swiftlet

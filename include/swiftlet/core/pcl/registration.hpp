@@ -6,20 +6,19 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// PCL's registrations as functions: two clouds and a guess in, a pose out. Yardsticks for what matches scans here.
+/// PCL's registration methods as functions of two clouds and a guess, as baselines for the scan matchers.
 namespace swiftlet {
 
 struct PclRegistration {
   Pose T_target_source = Pose::Identity();
   double fitness_m2 = 0.0;  ///< mean square distance from a source point to the nearest target point
-  bool converged = false;   ///< false: too few points, or no pose at which the method stops
+  bool converged = false;   ///< false: too few points, or no convergence
 };
 
-/// Settings of Generalized ICP (Segal, Haehnel and Thrun, RSS 2009); the defaults are PCL's, distances those of a
-/// LiDAR.
+/// Settings of Generalized ICP (Segal, Haehnel and Thrun, RSS 2009); PCL's defaults, with distances for a LiDAR.
 struct PclGicpSettings {
   double max_correspondence_m = 2.0;
-  int num_neighbors = 20;  ///< from which the covariance of a point is made
+  int num_neighbors = 20;  ///< number of neighbors for the covariance of a point
   int max_iterations = 64;
   double transformation_epsilon = 1e-4;
 };
