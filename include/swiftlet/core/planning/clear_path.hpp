@@ -11,8 +11,7 @@
 
 namespace swiftlet {
 
-/// How a path is searched through a map. The budget is counted in cells, never in time, so the result is the same on
-/// any machine.
+/// Path search in a map. The budget is counted in cells, never in time, so results do not depend on the machine.
 struct ClearPathConfig {
   double clearance_m = 0.8;
   bool unknown_is_free = false;
@@ -26,27 +25,27 @@ struct ClearPathConfig {
 };
 
 enum class ClearPathStatus { kFound, kStartEnclosed, kGoalBlocked, kGoalUnknown, kGoalTooFar, kNoPath, kBudgetSpent };
-/// Can a map have a cell there? It counts cells up to a million along each axis.
+/// True when the position is within the range of cell indices, a million along each axis.
 bool is_on_map(const Vector3& p_local_m, double edge_m);
-/// Why there is no path, for an event.
+/// Text of the status, for an event.
 const char* text_of(ClearPathStatus status);
 
 /// A path, or the reason why there is none.
 struct ClearPath {
   ClearPathStatus status = ClearPathStatus::kNoPath;
   std::vector<Vector3> corners_local_m;  ///< from the start to the goal; empty when there is none
-  std::size_t expansions = 0;            ///< cells that were looked at in depth
+  std::size_t expansions = 0;            ///< number of expanded cells
 };
 
-/// Where a vehicle may be: in cells whose center has more than the clearance, within the limits of height. When that is
-/// asked for, they must be known. A start that lies nearer to an obstacle than that, or in unknown space, is left
-/// through a ball around it. There every cell counts that is not occupied and no nearer to obstacles than the start is.
+/// Admissible space of a vehicle: cells whose center has more than the clearance, within the height limits, and known
+/// if required. A start nearer to an obstacle, or in unknown space, is left within a ball around it, in which a cell is
+/// admissible when it is not occupied and no nearer to obstacles than the start.
 class ClearSpace {
  public:
-  /// Heights are those of the local frame. The view must outlive it.
+  /// Heights are in the local frame. The view must outlive this object.
   ClearSpace(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m);
   bool is_clear(const Vector3& p_local_m) const;
-  /// Every cell on the segment.
+  /// True when every cell on the segment is clear.
   bool is_clear_segment(const Vector3& from_local_m, const Vector3& to_local_m) const;
   bool near_start(const Vector3& p_local_m) const {
     return (p_local_m - start_local_m_).squaredNorm() <= relaxed_m_ * relaxed_m_;
@@ -61,23 +60,23 @@ class ClearSpace {
   double relaxed_m_;  // radius of the ball; 0: the start is clear
 };
 
-/// Why there can be no path, told without a search; kFound when there may be one.
+/// Reason for which no path can exist, determined without a search; kFound when a path may exist.
 ClearPathStatus why_refused(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
                             const Vector3& start_local_m, const Vector3& goal_local_m);
 
-/// A short path with clearance [Kratky 2021, the planner that Pritzl 2024 uses]. A* searches the 26 neighbors of a
-/// cell. Then corners are cut where the straight way is clear, again and again from both ends. A pure function: the
-/// same view gives the same path.
+/// A short path with clearance [Kratky 2021, the planner that Pritzl 2024 uses]. A* over the 26 neighbors of a cell,
+/// followed by repeated shortcuts from both ends along clear straight lines. A pure function: equal views give equal
+/// paths.
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m);
 
-/// A clear path with its corners cut: from the beginning, then from the end, and so on, as long as it gets shorter.
+/// Shortens a clear path by shortcuts, from the start, then from the end, and so on, while its length decreases.
 std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
 
-/// Has the map changed so that what is left of a path is not clear any more? Asked with a cell's edge less of clearance
-/// than it was planned with: an obstacle whose cells flicker makes no other path.
-/// @param p_local_m     where the vehicle is
-/// @param next          of the corners, the next one; from the one before the vehicle is on its way
+/// True when the map has changed so that the rest of a path is no longer clear. The clearance is one cell edge less
+/// than in planning, so that flickering obstacle cells do not cause replanning.
+/// @param p_local_m     position of the vehicle
+/// @param next          index of the next corner; the vehicle is between the previous one and this
 bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,
                 std::span<const Vector3> corners_local_m, std::size_t next = 1);
 

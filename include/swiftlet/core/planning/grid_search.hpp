@@ -17,9 +17,9 @@ struct PathResult {
   std::vector<Vector3> corners_world_m;  ///< from the start to the goal; empty when there is none
 };
 
-/// Corners of a short free path: A* over the 26 neighbors of a cell, then all corners left out that are not needed.
-/// A pure function: the same space gives the same path.
-/// @param max_expansions  cells that may be looked at in depth
+/// Corners of a short free path: A* over the 26 neighbors of a cell, then removal of unnecessary corners. A pure
+/// function: equal spaces give equal paths.
+/// @param max_expansions  limit of expanded cells
 PathResult find_path(const FreeSpaceView& space, const Vector3& start_world_m, const Vector3& goal_world_m,
                      std::size_t max_expansions = std::numeric_limits<std::size_t>::max());
 

@@ -10,10 +10,10 @@
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 
-/// Where to look next, so that a map gets whole.
+/// Next-best views for exploration.
 namespace swiftlet {
 
-/// How views are looked for. Budgets are counted, never timed, so the result is the same on any machine.
+/// Search of views. Budgets are counted, never timed, so results do not depend on the machine.
 struct NextViewConfig {
   double range_m = 5.0;
   double up_deg = 45.0;
@@ -29,7 +29,7 @@ struct NextViewConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A box of the world, with edges along its axes. Its places are asked for in the local frame.
+/// An axis-aligned box of the world, tested with positions in the local frame.
 struct WorldBox {
   Vector3 min_world_m = Vector3::Constant(-std::numeric_limits<double>::infinity());
   Vector3 max_world_m = Vector3::Constant(std::numeric_limits<double>::infinity());
@@ -41,7 +41,7 @@ struct WorldBox {
   }
 };
 
-/// Cubes of unknown space that were looked at and stayed unknown.
+/// Cubes of unknown space that stayed unknown after a view.
 class GivenUp {
  public:
   explicit GivenUp(double grain_m) : grain_m_(grain_m) {}
@@ -52,12 +52,12 @@ class GivenUp {
  private:
   std::uint64_t key_of(const Vector3& p_local_m) const;
   double grain_m_;
-  std::unordered_set<std::uint64_t> keys_;  // asked only, never walked through
+  std::unordered_set<std::uint64_t> keys_;  // only looked up, never iterated
 };
 
-/// Rays from a point, spread evenly over what a LiDAR that turns sees from there. Each gives the first unknown place
-/// in the box that it meets, unless something occupied comes first or that place was given up.
-/// @param found_local_m  what was there is replaced
+/// First unknown positions in the box on rays from a point, evenly spread over the field of view of a LiDAR that
+/// rotates there. Rays that first hit occupied space, and positions that were given up, are omitted.
+/// @param found_local_m  cleared first
 void unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
                       const GivenUp& given_up, const Vector3& p_local_m, int num_rays,
                       std::vector<Vector3>& found_local_m);
@@ -66,14 +66,14 @@ enum class NextViewStatus { kFound, kNothingLeft, kStartEnclosed, kBudgetSpent }
 
 struct NextView {
   NextViewStatus status = NextViewStatus::kNothingLeft;
-  std::vector<Vector3> corners_local_m;  ///< a clear path from the start to the view; empty when there is none
-  double share = 0.0;                    ///< of the rays from there that end in unknown space
-  std::size_t expansions = 0;            ///< places that were looked at in depth
+  std::vector<Vector3> corners_local_m;  ///< clear path from the start to the view; empty when there is none
+  double share = 0.0;                    ///< share of the rays from the view that end in unknown space
+  std::size_t expansions = 0;            ///< number of expanded positions
 };
 
-/// The reachable place from which most is seen that is unknown, the way there counted: share * exp(-weight * way)
-/// [Bircher 2016]. Places lie on a lattice around the start, and ways along it. The search ends when no place
-/// farther away can be better. A pure function.
+/// Reachable position with the most visible unknown space, discounted by the path length: share * exp(-weight * length)
+/// [Bircher 2016]. Positions and paths are on a lattice around the start. The search ends when no farther position can
+/// be better. A pure function.
 NextView find_next_view(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
                         const GivenUp& given_up, const Vector3& start_local_m);
 

@@ -6,21 +6,21 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// Regions of a horizontal plane with borders of straight edges. Coordinates are rounded to micrometers, and all else
-/// is exact, so regions with nearly collinear edges are no special case. Any frame, the same for all arguments.
+/// Regions of a horizontal plane with polygonal borders. Coordinates are rounded to micrometers and operations are
+/// exact, so nearly collinear edges need no special treatment. Any frame, the same for all arguments.
 namespace swiftlet {
 
 using Vector2 = Eigen::Vector2d;
-using Ring = std::vector<Vector2>;  ///< a closed line; its last corner is joined with its first
+using Ring = std::vector<Vector2>;  ///< closed line; the last corner is connected to the first
 
-/// Any number of polygons with holes: borders counter-clockwise, holes clockwise, no two of which cross.
+/// Any number of polygons with holes: borders counter-clockwise, holes clockwise, without crossings.
 /// Any frame, the same for all arguments.
 struct PlaneRegion {
   std::vector<Ring> rings_m;
   bool empty() const { return rings_m.empty(); }
 };
 
-/// What a closed line goes around, whatever its direction; it may cross itself.
+/// Interior of a closed line of any direction, which may intersect itself.
 /// Any frame, the same for all arguments.
 PlaneRegion inside_of(const Ring& ring_m);
 
@@ -29,7 +29,7 @@ PlaneRegion union_of(std::span<const PlaneRegion> regions);
 PlaneRegion intersection_of(const PlaneRegion& a, const PlaneRegion& b);
 PlaneRegion difference_of(const PlaneRegion& a, const PlaneRegion& b);
 
-/// All that lies within a distance of a path, and at most 0.5 % of that distance more.
+/// Points within a distance of a path, with a tolerance of 0.5 % of that distance outward.
 /// Any frame, the same for all arguments.
 PlaneRegion around_path(std::span<const Vector2> path_m, double distance_m);
 
@@ -47,28 +47,28 @@ struct CellMask {
   Vector2 center_m(int column, int row) const { return origin_m + edge_m * Vector2(column + 0.5, row + 0.5); }
 };
 
-/// The cells of a mask that are not zero; neighbors with a common edge are joined.
+/// Union of the nonzero cells of a mask; cells with a common edge are merged.
 PlaneRegion region_of(const CellMask& mask);
 /// Marks the cells whose centers lie in the region.
 void mark_inside(const PlaneRegion& region, CellMask& mask);
 
-/// Its polygons, each with its holes.
+/// Connected polygons of the region, each with its holes.
 std::vector<PlaneRegion> parts_of(const PlaneRegion& region);
 double area_m2(const PlaneRegion& region);
 /// Any frame, the same for all arguments.
 bool contains(const PlaneRegion& region, const Vector2& p_m);
-/// To the nearest border, whether inside or outside. Any frame, the same for all arguments.
+/// Distance to the nearest border, from inside or outside. Any frame, the same for all arguments.
 double distance_to_border_m(const PlaneRegion& region, const Vector2& p_m);
 
-/// The point of a region that is farthest from its borders.
+/// Point of a region with the largest distance from its borders.
 /// Any frame, the same for all arguments.
 struct Pole {
   Vector2 p_m = Vector2::Zero();
-  double distance_m = 0.0;  ///< to the nearest border
+  double distance_m = 0.0;  ///< distance to the nearest border
 };
 
-/// By quartering squares that may hold it, the most promising first, as polylabel does.
-/// @param precision_m  how much farther from the borders another point may be at most
+/// Computes the pole by best-first subdivision of squares, as polylabel.
+/// @param precision_m  maximum deviation from the optimal distance
 Pole pole_of_inaccessibility(const PlaneRegion& region, double precision_m);
 
 }  // namespace swiftlet

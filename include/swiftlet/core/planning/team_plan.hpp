@@ -10,7 +10,7 @@
 #include "swiftlet/core/planning/clear_path.hpp"
 #include "swiftlet/core/planning/guiding_viewpoint.hpp"
 
-/// Paths for a primary vehicle, which has the map, and for a secondary one that it guides [Pritzl 2024, alg. 1].
+/// Paths of a primary vehicle, which has the map, and of a secondary one that it guides [Pritzl 2024, alg. 1].
 namespace swiftlet {
 
 /// The defaults are those of [Pritzl 2024, tab. I].
@@ -29,42 +29,42 @@ struct TeamPlannerConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A place with a heading, in the local frame of the primary vehicle.
+/// A position with a heading, in the local frame of the primary vehicle.
 struct PlannedPose {
   Vector3 p_local_m = Vector3::Zero();
   double yaw_rad = 0.0;
 };
 
-/// What is to be done next.
+/// Result of planning: the next action.
 struct TeamPlan {
   enum class Next { kGoalReached, kMovePrimary, kMoveSecondary, kFail };
   Next next = Next::kFail;
-  std::string reason;  ///< why it failed
+  std::string reason;  ///< reason of a failure
   ClearPathStatus primary_search = ClearPathStatus::kFound;
   ClearPathStatus secondary_search = ClearPathStatus::kFound;
   Vector3 goal_local_m = Vector3::Zero();
-  std::vector<PlannedPose> secondary_path;  ///< from where it stands to the goal
-  std::vector<Vector3> primary_local_m;     ///< from where it stands to the viewpoint
+  std::vector<PlannedPose> secondary_path;  ///< from the vehicle's position to the goal
+  std::vector<Vector3> primary_local_m;     ///< from the vehicle's position to the viewpoint
   GuidingViewpoint viewpoint;
-  std::vector<PlaneRegion> visible;  ///< from where the waypoints of the secondary's path are seen
+  std::vector<PlaneRegion> visible;  ///< visibility regions of the waypoints of the secondary's path
 };
 
-/// What planning does one after the other.
+/// Stages of planning, in their order.
 enum class PlanningStage { kSecondaryPath, kViewpoint, kPrimaryPath };
 
-/// Who else is in the air beside the primary vehicle and the secondary one that is to move.
+/// Other vehicles, beside the primary and the moving secondary vehicle.
 struct TeamTraffic {
-  /// What the secondary vehicle still has to fly to the place from which this plan begins. When it is not empty, both
-  /// vehicles fly at once: the guide's path keeps out of the air of the whole path, too.
+  /// Remaining path of the secondary vehicle to the start of this plan. If it is not empty, both vehicles fly at the
+  /// same time, and the guide's path also keeps clear of the air of this whole path.
   std::span<const PlannedPose> flying = {};
   std::vector<Vector3> hovering_local_m = {};  ///< other secondary vehicles
 };
 
-/// Plans once, from a map in which no vehicle is. The air above and below each is kept free of the others,
-/// because of the wind of its rotors. It is laid over the map, which is not copied. A pure function.
+/// Plans once, from a map without vehicles. The air above and below each vehicle is kept free of the others, because of
+/// rotor downwash. Keep-out volumes are overlaid on the map without a copy. A pure function.
 ///
-/// The goal may lie too near to an obstacle. Then the nearest clear place within goal_search_m takes its stead.
-/// @param begins  told when a stage begins, for those who time them
+/// A goal too near to an obstacle is replaced by the nearest clear position within goal_search_m.
+/// @param begins  called at the beginning of each stage, for timing
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
                    const PlannedPose& secondary, const PlannedPose& goal, const TeamTraffic& traffic = {},
                    const std::function<void(PlanningStage)>& begins = {});

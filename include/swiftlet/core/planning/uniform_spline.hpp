@@ -7,14 +7,14 @@
 
 namespace swiftlet {
 
-/// A smooth curve by time: the uniform cubic B-spline of its control points. It is at rest in the first one at t = 0
-/// and in the last one at the end. Velocity and acceleration are continuous; the curve stays in the convex hull of any
-/// four neighbors. Any frame, the same for all arguments.
+/// A smooth curve over time: the uniform cubic B-spline of its control points. At rest in the first one at t = 0 and in
+/// the last one at the end. Velocity and acceleration are continuous; each segment lies in the convex hull of four
+/// consecutive control points. Any frame, the same for all arguments.
 class UniformSpline {
  public:
   UniformSpline() = default;
   /// @param control_points_m  at least one
-  /// @param interval_s        between neighbors
+  /// @param interval_s        time between consecutive control points
   UniformSpline(std::vector<Vector3> control_points_m, double interval_s);
 
   struct State {
@@ -29,7 +29,7 @@ class UniformSpline {
   double interval_s_ = 1.0;
 };
 
-/// Least distance between the points of two curves at the same time, until the longer one ends [m].
+/// Smallest distance between the points of two curves at equal times, until the longer one ends [m].
 double least_distance_m(const UniformSpline& a, const UniformSpline& b);
 
 }  // namespace swiftlet
