@@ -35,32 +35,31 @@ struct FrameLinkConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Where another observer's local frame lies in one's own, and how it drifts.
+/// Estimates the pose of another observer's local frame in the own one, and its drift.
 ///
-/// Both have z up, so that three numbers of the position and the heading are unknown. Nobody knows at first who sees
-/// whom. So paths are compared: what one saw flying and where it flew itself, with the same of the other. Two paths
-/// that one level alignment lays onto each other may be of one body. Straight ones tell nothing, because any two of the
-/// same speed fit. So do those that are hardly known, so the bends of a path count in its own standard deviations. What
-/// two paths say is believed when the same alignment lays other paths onto each other as well. In a wide field two
-/// bodies hardly fly the same way by chance. One pair alone is believed when it bends much for a long time. Nothing is
-/// believed as long as another alignment is supported as well. The one that is believed is fitted to all its pairs by
-/// `RelativeAlignment`.
+/// Both frames have z up, so three coordinates and the heading are unknown, and so is the association of tracks. Paths
+/// are compared: tracks and own path of one observer with those of the other. A level alignment that maps one path onto
+/// another is a hypothesis that both are of one body. Straight paths are ambiguous, because any two of equal speed
+/// match, and so are uncertain ones; so the curvature of a path counts in its standard deviations. A hypothesis is
+/// accepted when its alignment maps further paths onto each other, because coincident motion of two bodies is unlikely.
+/// A single pair is accepted when its path curves sufficiently for a long time. No hypothesis is accepted while another
+/// alignment is supported as well. The accepted one is fitted to all its pairs by `RelativeAlignment`.
 ///
-/// From there a Kalman filter follows T_local_other. Position and heading walk by what both observers fly, each by its
-/// own drift about its own place. Every pair of paths that surely is of one body measures them. Paths that lie so near
-/// to each other that they might be exchanged measure nothing. Meanwhile the comparison goes on. When it says something
-/// else again and again, the filter starts anew.
+/// From then on a Kalman filter tracks T_local_other. Position and heading follow random walks with the odometry drift
+/// of both observers, each about its own position. Every unambiguous pair of paths is a measurement; paths so close
+/// together that they might be exchanged are not. The comparison continues meanwhile. When it contradicts the filter
+/// repeatedly, the filter is reset.
 class FrameLink {
  public:
   FrameLink(const FrameLinkConfig& config, const OdometryDriftConfig& drift);
 
-  /// Compares what is known of the newest instant that both have told of. Cheap when there is nothing new.
+  /// Compares the histories up to the newest time covered by both. Cheap without new data.
   void update(const ObserverHistory& own, const ObserverHistory& other);
   void clear();
 
-  /// As of the newest of both; nothing as long as it is not sure enough.
+  /// Alignment as of the newest time of both; nothing while it is too uncertain.
   const std::optional<FrameAlignment>& alignment() const { return told_; }
-  /// Instant of the newest pair that measured it.
+  /// Time of the newest pair used as a measurement.
   TimeNs measured() const { return measured_; }
   std::uint64_t num_starts() const { return num_starts_; }
   std::uint64_t num_lost() const { return num_lost_; }
@@ -68,13 +67,13 @@ class FrameLink {
  private:
   using Vector4 = Eigen::Matrix<double, 4, 1>;
   using Matrix4 = Eigen::Matrix<double, 4, 4>;
-  /// A path of each side that may be the same body's.
+  /// A pair of paths that may be of one body.
   struct Match {
-    std::size_t own = 0, other = 0;  // of the paths below; 0: the observer itself
+    std::size_t own = 0, other = 0;  // indices of the paths below; 0: the observer itself
     FrameAlignment alignment;
     double duration_s = 0.0;
-    double bends = 0.0;                                      // in standard deviations
-    std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of paths that it lays onto each other, its own first
+    double bends = 0.0;                                      // curvature in standard deviations
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;  // (own, other) path pairs that fit the alignment
   };
 
   void list_paths(const ObserverHistory& own, const ObserverHistory& other);
@@ -83,12 +82,12 @@ class FrameLink {
   void find_support(Match& match, const OtherMotion& anchor) const;
   bool supports(std::size_t own, std::size_t other, const FrameAlignment& alignment, const OtherMotion& anchor) const;
   void append_pairs(std::size_t own, std::size_t other, double yaw_rad, std::vector<AlignmentPair>& pairs) const;
-  /// Where the other frame lies, anchored in where the other observer was.
+  /// Filter state: pose of the other frame, anchored at a position of the other observer.
   struct State {
     Vector3 anchor_other_m = Vector3::Zero();
-    Vector4 x = Vector4::Zero();  // place of the anchor in the own frame, heading
+    Vector4 x = Vector4::Zero();  // position of the anchor in the own frame, heading
     Matrix4 P = Matrix4::Identity();
-    Flown own_flown, other_flown;  // by then
+    Flown own_flown, other_flown;  // accumulated at that time
   };
 
   void compare(const ObserverHistory& own, const ObserverHistory& other, TimeNs t);
@@ -105,10 +104,10 @@ class FrameLink {
   TimeNs last_ = -1, measured_ = -1;
   int num_disagreements_ = 0;
   std::uint64_t num_starts_ = 0, num_lost_ = 0;
-  std::vector<const SampledPath*> own_paths_, other_paths_;  // of one update; the observers first
+  std::vector<const SampledPath*> own_paths_, other_paths_;  // paths of one update; the observers first
 };
 
-/// A moving point of the other frame in the own one, with the uncertainty of the alignment.
+/// Transforms a moving point from the other frame to the own one, including the uncertainty of the alignment.
 MotionEstimate in_own_frame(const FrameAlignment& alignment, const MotionEstimate& in_other);
 
 }  // namespace swiftlet

@@ -10,27 +10,27 @@
 
 namespace swiftlet {
 
-/// Where something was in an observer's local frame, and what that observer had flown by then.
+/// Position of an object in an observer's local frame, and the distance flown by that observer until then.
 struct PathSample {
   TimeNs t = 0;
   Vector3 p_local_m = Vector3::Zero();
   Vector3 v_local_mps = Vector3::Zero();
-  Matrix3 covariance = Matrix3::Identity();  ///< of the position
-  double yaw_rad = 0.0;                      ///< of the observer itself
-  Flown flown;                               ///< by the observer
+  Matrix3 covariance = Matrix3::Identity();  ///< covariance of the position
+  double yaw_rad = 0.0;                      ///< heading of the observer itself
+  Flown flown;                               ///< accumulated by the observer
 };
 
-/// The samples of one thing in the last seconds, by time. Memory is bounded.
+/// Samples of one object in the last seconds, in order of time. Memory is bounded.
 class SampledPath {
  public:
-  /// One that is not newer than the newest is passed over: false.
+  /// Adds a sample; false, and ignored, when it is not newer than the newest.
   bool push(const PathSample& sample);
   void forget_before(TimeNs t);
   bool empty() const { return samples_.empty(); }
   const PathSample& newest() const { return samples_.back(); }
   std::span<const PathSample> samples() const { return samples_; }
-  /// Between two samples: position by a cubic through positions and velocities, the rest linear. Nothing outside, or in
-  /// a longer gap.
+  /// Sample at a time between two samples: position by cubic interpolation of positions and velocities, the rest
+  /// linear. Nothing outside, or in a longer gap.
   std::optional<PathSample> at(TimeNs t, double gap_max_s) const;
 
  private:
@@ -38,7 +38,7 @@ class SampledPath {
   std::vector<PathSample> samples_;
 };
 
-/// What one observer knows: where it was itself, and where it saw others. All in its local frame.
+/// Path of one observer and paths of its tracks, in its local frame.
 class ObserverHistory {
  public:
   struct Seen {
@@ -46,18 +46,18 @@ class ObserverHistory {
     SampledPath path;
   };
 
-  /// Of the observer, in order of time; what it flew is found here.
+  /// Adds a state of the observer, in order of time; the flown distance is computed here.
   bool push_self(TimeNs t, const Vector3& p_local_m, const Vector3& v_local_mps, double yaw_rad, double sigma_m);
-  /// Of a track. What the observer had flown is that of its newest own sample.
+  /// Adds a state of a track. Its flown distance is that of the observer's newest state.
   void push_track(std::uint32_t identity, TimeNs t, const Vector3& p_local_m, const Vector3& v_local_mps,
                   const Matrix3& covariance);
-  /// Everything up to here is told: what is not there was not seen.
+  /// Marks the history as complete until t: objects without a sample were not observed.
   void complete_until(TimeNs t) { until_ = t; }
   void forget_before(TimeNs t);
   void clear();
 
   const SampledPath& self() const { return self_; }
-  std::span<const Seen> seen() const { return seen_; }  ///< by identity
+  std::span<const Seen> seen() const { return seen_; }  ///< sorted by identity
   TimeNs until() const { return until_; }
 
  private:

@@ -12,7 +12,7 @@
 
 namespace swiftlet {
 
-/// Several observers of the same targets, each with a detector that tracks before it detects; docs/detection.md.
+/// Several observers of the same targets, each with a track-before-detect detector; docs/detection.md.
 struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   double rate_hz = 5.0;
   int max_told = 16;
@@ -28,15 +28,15 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Own tracks and those that others tell by radio (`ToldTracks`), as one list in the own local frame. Nothing of an
-/// observer is fused before it is known where its frame lies (`FrameLink`). Observers are no targets: a track that is
-/// one of them is left out, and where they are is told as `RelativeEstimate`.
+/// Own tracks and tracks received by radio (`ToldTracks`), fused in the own local frame. Tracks of an observer are used
+/// once the pose of its frame is known (`FrameLink`). Observers are not targets: their tracks are removed, and their
+/// states are reported as `RelativeEstimate`.
 ///
-/// What is told together holds for the instant of the newest track, and is told anew after every scan of the own
-/// detector. Whole states are told, so a message that comes after a newer one adds nothing and is passed over. One that
-/// is late is as good as its age. A sender that falls silent counts for `timeout_s`.
+/// The fused tracks hold for the time of the newest track, and are updated after every scan of the own detector.
+/// Messages contain whole states, so one older than the newest received is ignored, and a delayed one is only less
+/// accurate. The tracks of a silent sender are used for `timeout_s`.
 std::unique_ptr<Tracker> make_shared_tracks(const ModuleConfig& config, const AgentSetup& setup);
-/// The same about a tracker of one's own. Without a detector that tells existences, its tracks count as `certainty`.
+/// Shares the tracks of a custom tracker. Without existence probabilities from a detector, its tracks have `certainty`.
 std::unique_ptr<Tracker> make_shared_tracks(const SharedTracksConfig& config, const AgentSetup& setup,
                                             std::unique_ptr<Tracker> own);
 

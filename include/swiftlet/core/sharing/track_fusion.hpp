@@ -12,10 +12,10 @@
 
 namespace swiftlet {
 
-/// A track of one observer, carried into one's own local frame and to the instant of the fusion.
+/// A track of one observer, transformed to the own local frame and predicted to the time of the fusion.
 struct ObservedTrack {
   VehicleId observer = kNoVehicle;
-  std::uint32_t identity = 0;  ///< at that observer
+  std::uint32_t identity = 0;  ///< identity at that observer
   MotionEstimate estimate;
   double existence = 0.0;
 };
@@ -36,7 +36,7 @@ struct TrackFusionConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What all observers together see flying.
+/// A target as estimated by all observers.
 struct FusedTrack {
   std::uint32_t id = 0;
   MotionEstimate estimate;
@@ -44,26 +44,26 @@ struct FusedTrack {
   std::vector<std::size_t> members;  ///< indices of the observed tracks, by observer; at most one of each
 };
 
-/// Which tracks of several observers are of one target, and what they say of it together.
+/// Associates tracks of several observers with targets, and fuses them.
 ///
-/// Tracks are joined by their identities. What was found to be one target stays one, as long as its tracks agree. Two
-/// tracks of different observers are found to be one when position and velocity agree within `merge_sq`. Each must be
-/// the other's likeliest partner by `margin`, and their distance must be known to `sure_m`. All of that must be so more
-/// often than not (`confirmations`). In doubt they stay apart. Until that is decided, two that may be one (`gate_sq`)
-/// are not both told. Of such a group the tracks of the observer are told who sees most of it. What does not agree for
-/// `doubt_s` is two. Tracks of one observer are never joined, because it saw two.
+/// Tracks are joined by identity: once associated, tracks stay joined while they agree. Two tracks of different
+/// observers are joined when position and velocity agree within `merge_sq`, each is the other's likeliest partner by
+/// `margin`, and their distance is known to `sure_m`, more often than not (`confirmations`). Otherwise they stay
+/// separate. Until the decision, of a group of candidates (`gate_sq`) only the tracks of one observer are reported: the
+/// one with the most of them. Tracks that disagree for `doubt_s` are separated. Tracks of one observer are never
+/// joined, because it observed two targets.
 ///
-/// Estimates are fused by covariance intersection. Why not by the sum of informations, with decorrelated tracklets
-/// (Drummond, SPIE 3163, 1997)? The error of a frame's alignment is the same in all that its observer tells, for
-/// seconds. And the motion of the target is the same noise for all. Neither is independent from message to message. And
-/// a whole estimate needs no other message to be understood, so lost ones cost nothing but age.
+/// Estimates are fused by covariance intersection rather than by summing the information of decorrelated tracklets
+/// (Drummond, SPIE 3163, 1997): for seconds, the alignment error of an observer's frame is common to all its reports,
+/// and the target's process noise is common to all observers, so their errors are not independent. Whole estimates are
+/// also self-contained, so lost messages only increase their age.
 class TrackFusion {
  public:
   explicit TrackFusion(const TrackFusionConfig& config) : config_(config) {}
 
-  /// All of one instant. @param observed  by observer and identity; the first observer's are told when in doubt
+  /// Fuses tracks of one time. @param observed  by observer and identity; the first observer takes precedence in doubt
   void update(TimeNs t, std::span<const ObservedTrack> observed);
-  /// Those that exist with enough probability, by identity.
+  /// Targets above the reporting threshold, by identity.
   std::span<const FusedTrack> told() const { return told_; }
   std::uint64_t num_joined() const { return num_joined_; }
   std::uint64_t num_broken() const { return num_broken_; }
@@ -75,28 +75,28 @@ class TrackFusion {
     std::uint32_t identity = 0;
     bool operator==(const Key&) const = default;
   };
-  /// One target, as far as is known.
+  /// State of one target.
   struct Target {
-    std::uint32_t serial = 0;  // of all that there ever were
-    std::uint32_t id = 0;      // that is told; 0: none yet
-    TimeNs last = 0;           // when it last had a track
+    std::uint32_t serial = 0;  // serial number
+    std::uint32_t id = 0;      // reported id; 0: none yet
+    TimeNs last = 0;           // time of its last track
     std::vector<Key> keys;
-    std::vector<std::size_t> members;  // of this update
+    std::vector<std::size_t> members;  // indices of its tracks in this update
     MotionEstimate estimate;
     double existence = 0.0;
-    bool held_back = false, was_told = false;  // the latter in the update before
+    bool held_back = false, was_told = false;  // was_told: reported in the previous update
   };
-  /// Two targets that may be one.
+  /// Two targets that may be the same.
   struct Suspicion {
     std::uint32_t first = 0, second = 0;  // serials
     TimeNs since = 0;
-    int agreed = 0;  // times, less those that they did not
+    int agreed = 0;  // number of agreements minus disagreements
     bool now = false;
   };
   struct Pair {
-    std::size_t a = 0, b = 0;  // of targets_
+    std::size_t a = 0, b = 0;  // indices in targets_
     Disagreement disagreement;
-    bool is_open = true;  // it may still be one
+    bool is_open = true;  // the targets may be the same
   };
 
   void attach(std::span<const ObservedTrack> observed);
@@ -107,16 +107,16 @@ class TrackFusion {
   void hold_back(std::span<const ObservedTrack> observed);
   void tell();
   Target& begin(const Key& key);
-  Suspicion* suspicion_of(const Target& a, const Target& b);  // null: they are not suspected
+  Suspicion* suspicion_of(const Target& a, const Target& b);  // null: none
   bool disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const;
   std::optional<std::size_t> misfit(const Target& target, std::span<const ObservedTrack> observed) const;
   bool is_likeliest(const Pair& pair) const;
   bool are_rivals(const Pair& pair, const Pair& other) const;
 
   TrackFusionConfig config_;
-  std::vector<Target> targets_;  // by serial
+  std::vector<Target> targets_;  // sorted by serial
   std::vector<Suspicion> suspicions_;
-  std::vector<Pair> pairs_;  // of this update
+  std::vector<Pair> pairs_;  // pairs of this update
   std::vector<FusedTrack> told_;
   std::uint32_t next_serial_ = 1, next_id_ = 1;
   std::uint64_t num_joined_ = 0, num_broken_ = 0, num_held_back_ = 0;
