@@ -17,11 +17,11 @@ struct AdaptiveVoxelConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Thins points by the widest cubes that still leave enough of them, as a binary search finds it: to a tenth of the
-/// edge. Any frame, the same for all arguments; ranges count from its origin.
+/// Thins points by the largest voxels that leave at least points_min of them, by binary search of the edge to a tenth
+/// of it. Any frame, the same for all arguments; ranges are measured from its origin.
 class AdaptiveVoxelFilter {
  public:
-  /// Returns the edge [m]; 0: there were too few points to thin them. Farther ones than the range are left out.
+  /// Returns the edge [m]; 0: too few points for thinning. Points beyond the range are removed.
   double thin(std::span<const Eigen::Vector3f> points_m, const AdaptiveVoxelConfig& config,
               std::vector<Eigen::Vector3f>& kept_m);
 

@@ -13,7 +13,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Solves H x = b for a symmetric, positive definite H of sparse blocks of 6 x 6, by L D L^T (T. Davis, "Algorithm 849:
 /// a concise sparse Cholesky factorization package", ACM TOMS 2005, by blocks). Minimum degree orders the blocks. One
-/// thread and a fixed order of sums: same bits everywhere.
+/// thread and a fixed order of sums: bit-identical everywhere.
 class BlockCholesky {
  public:
   BlockCholesky() = default;
@@ -21,38 +21,38 @@ class BlockCholesky {
     set_pattern(num_blocks, pairs);
     set_zero();
   }
-  /// `pairs` of blocks off the diagonal, in any order and with repetitions. What memory there is serves again. The
-  /// values have to be set to zero then.
+  /// `pairs` of blocks off the diagonal, in any order, duplicates allowed. Reuses the memory. Values must be set to
+  /// zero afterwards.
   void set_pattern(int num_blocks, std::span<const std::pair<int, int>> pairs);
 
   int num_blocks() const { return static_cast<int>(diagonal_.size()); }
   void set_zero();
-  /// The block (i, i).
+  /// Block (i, i).
   Matrix6& diagonal(int i) { return diagonal_[place_[i]]; }
   const Matrix6& diagonal(int i) const { return diagonal_[place_[i]]; }
-  /// To the block (i, j) of one of the pairs that the pattern was made of, and to (j, i) with it.
+  /// Adds to the block (i, j) of a pair of the pattern, and its transpose to (j, i).
   void add(std::size_t pair, const Matrix6& block);
-  /// Of H + damping diag(H). False when that is not positive definite.
+  /// Factorizes H + damping diag(H). False when it is not positive definite.
   bool factorize(double damping);
-  /// With the last factors.
+  /// Solves with the last factors.
   void solve(std::span<const Vector6> b, std::vector<Vector6>& x);
 
  private:
-  // Blocks in the order of elimination: `place_[i]` is where block i stands in it.
+  // Blocks in the order of elimination: `place_[i]` is the index of block i in it.
   std::vector<int> place_;
   std::vector<Matrix6> diagonal_;
-  // Upper part of H by columns: rows above the diagonal, rising.
+  // Upper part of H by columns: rows above the diagonal, ascending.
   std::vector<int> first_, row_;
   std::vector<Matrix6> value_;
   struct Slot {
     int value = 0;
     bool turned = false;  // j is eliminated before i
   };
-  std::vector<Slot> slots_;  // by pair
+  std::vector<Slot> slots_;  // indexed by pair
   // L by columns.
   std::vector<int> parent_, first_of_L_, num_in_L_, row_of_L_;
   std::vector<Matrix6> L_, D_inverse_;
-  // Of the factorization.
+  // Scratch of the factorization.
   std::vector<Matrix6> column_;
   std::vector<int> flag_, pattern_, path_;
   std::vector<Vector6> ordered_;  // b, then x, in the order of elimination

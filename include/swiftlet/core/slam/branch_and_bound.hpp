@@ -23,11 +23,11 @@ class OccupancyPyramid {
 
  private:
   double cell_m_;
-  Eigen::Vector3i min_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();  // of level 0; others reach further
+  Eigen::Vector3i min_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();  // box of level 0
   std::vector<std::vector<std::uint8_t>> bits_;
 };
 
-/// Headings and displacements from the estimate among which the best one is sought. In cells of the pyramid.
+/// Search window: headings and displacements relative to the guess, in cells of the pyramid.
 struct SearchWindow {
   int xy_cells = 10, z_cells = 2;
   double yaw_rad = 0.0, yaw_step_rad = 0.01;
@@ -35,44 +35,45 @@ struct SearchWindow {
 
 struct GridMatch {
   Pose T_map_cloud = Pose::Identity();
-  double score = 0.0;  ///< share of the points that lie in occupied cells
+  double score = 0.0;  ///< share of the points in occupied cells
 };
 
 struct SearchResult {
-  std::optional<GridMatch> best;  ///< none: no score reaches the least one
+  std::optional<GridMatch> best;  ///< none: no score reaches score_min
   std::int64_t num_expanded = 0;
-  bool complete = true;  ///< false: the budget ended it; the best one may have been missed
+  bool complete = true;  ///< false: the budget ended the search; the best pose may be missed
 };
 
-/// What is not to be found: poses near to this one, whose headings are.
+/// Poses excluded from the search: those near this one in position and heading.
 struct Excluded {
   Pose T_map_cloud = Pose::Identity();
   double distance_m = 0.0;
-  double angle_rad = 7.0;  ///< more than any two headings differ: all count as near
+  double angle_rad = 7.0;  ///< default: larger than any difference of headings, so that only the distance counts
 };
 
-/// The displacement and heading in the window with the highest score; of equal ones the first. Branch and bound:
-/// exact, unless the budget of expanded nodes ends it.
+/// Displacement and heading in the window with the highest score; for equal scores the first. Branch and bound: exact,
+/// unless the budget of expanded nodes ends it.
 ///
-/// @param yaws_allowed  a flag for each heading of the window, in rising order; empty: all
+/// @param yaws_allowed  a flag for each heading of the window, ascending; empty: all
 SearchResult search_best_pose(const OccupancyPyramid& map, std::span<const Eigen::Vector3f> points_cloud_m,
                               const Pose& T_map_cloud_guess, const SearchWindow& window, double score_min,
                               std::int64_t budget, std::span<const std::uint8_t> yaws_allowed = {},
                               const Excluded* excluded = nullptr);
 
-/// How many headings a window has, and which they are.
+/// Number of headings of a window, and their offsets.
 int num_yaws(const SearchWindow& window);
 double yaw_offset_rad(const SearchWindow& window, int i);
 
-/// Directions of surfaces about the vertical, by slices of height: to compare headings [Hess et al., Cartographer].
+/// Histogram of surface directions about the vertical, by slices of height, for comparing headings [Hess et al.,
+/// Cartographer].
 class RotationalHistogram {
  public:
   static constexpr int kBuckets = 120;  // over half a turn
   explicit RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m);
-  /// As another vehicle tells it: shares of the largest in 255ths.
+  /// From a received message: shares of the largest bucket in 255ths.
   explicit RotationalHistogram(std::span<const std::uint8_t, kBuckets> told);
   std::vector<std::uint8_t> told() const;
-  /// Cosine of the angle between this one, turned by yaw, and another: 1 when they agree.
+  /// Cosine similarity of this histogram, rotated by yaw, and another; 1: equal.
   double similarity(const RotationalHistogram& other, double yaw_rad) const;
 
  private:

@@ -31,66 +31,66 @@ struct ClosureConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Why two submaps were or were not joined; in the order of the checks.
+/// Result of the attempt to join two submaps; in the order of the checks.
 enum class ClosureVerdict {
-  kTooFlat,      ///< too little that stands upright to tell where it is
-  kNoMatch,      ///< no pose in the window scores enough
+  kTooFlat,      ///< too few upright structures for a unique pose
+  kNoMatch,      ///< no pose in the window reaches the minimum score
   kNotSearched,  ///< the budget ended the search
-  kRival,        ///< another place scores about as well: equal aisles
-  kOpen,         ///< the surfaces leave a direction open
-  kMoved,        ///< the refinement left the place that was found
-  kNoOverlap,    ///< too little of one is known in the other
-  kDoesNotFit,   ///< too much of that lies off its surfaces
+  kRival,        ///< another pose scores about as well, as in parallel aisles
+  kOpen,         ///< a direction is not constrained by the surfaces
+  kMoved,        ///< the refinement left the pose found by the search
+  kNoOverlap,    ///< too small a share of one is known in the other
+  kDoesNotFit,   ///< too large a share of the overlap is off the surfaces
   kClosed,
 };
 
 struct ClosureResult {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
-  Pose T_older_newer = Pose::Identity();  ///< when closed
-  /// When closed, a projector: what the surfaces tell of an error of that pose. It is the identity, or leaves out the
-  /// one direction that they leave open. Displacements are in axes of the older submap, turns in those of the newer.
+  Pose T_older_newer = Pose::Identity();  ///< valid for kClosed
+  /// Projector onto the constrained directions of that pose, for kClosed: the identity, or without the one
+  /// unconstrained direction. Displacements are in axes of the older submap, rotations in those of the newer.
   Matrix6 told = Matrix6::Identity();
   double score = 0.0, overlap = 0.0, near_share = 0.0;
   std::int64_t num_expanded = 0;
 };
 
-/// Where one submap lies in another, sought around a guess: branch and bound over headings and displacements, then
-/// refinement from points to surfaces. A false closure is worse than none, so it is refused when anything is doubtful.
+/// Finds the pose of one submap in another around a guess: branch and bound over headings and displacements, then
+/// refinement from points to surfaces. A false closure is worse than none, so ambiguous results are rejected.
 ///
-/// A guess that is nearly right needs no search, as its points meet their surfaces at once. These may leave one
-/// direction open, as a wall and the floor do. Of that direction the closure then tells nothing.
+/// If the guess is already accurate, the points fit the surfaces without a search. The surfaces may then leave one
+/// direction unconstrained, as a wall and the floor do; the closure does not constrain it.
 ///
 /// Frames of submaps have z up.
-/// @param guess_off_m  how far the guess may be off: what is found farther away is refused
+/// @param guess_off_m  maximum error of the guess: poses farther away are rejected
 ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
                            const ClosureConfig& config, double guess_off_m = std::numeric_limits<double>::infinity());
 
-/// A submap of a map in whose frame all poses are told.
+/// A submap of a map; poses are in the frame of the map.
 struct MapPart {
   Pose T_map_part = Pose::Identity();
   std::span<const Eigen::Vector3f> points_part_m;
-  const RotationalHistogram* directions = nullptr;  ///< null: they are made of the points
+  const RotationalHistogram* directions = nullptr;  ///< null: computed from the points
 };
 
 struct MapMatch {
-  ClosureResult result;  ///< its pose is in the part
-  std::size_t part = 0;  ///< in which the cloud lies, when closed
+  ClosureResult result;  ///< pose in the part
+  std::size_t part = 0;  ///< index of the part that contains the cloud, when closed
 };
 
-/// In which part of a map does a cloud lie, and where? Each is searched from its middle on, as far as the windows go.
-/// Nothing is taken when another place anywhere in the map scores about as well, or another heading at the same place.
+/// Finds the part of a map that contains a cloud, and its pose. Each part is searched around its center within the
+/// window. The result is rejected when another position in the map, or another heading, scores about as well.
 ///
-/// @param directions  of the cloud; null: they are made of its points
+/// @param directions  histogram of the cloud; null: computed from its points
 MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
                      const ClosureConfig& config, const RotationalHistogram* directions = nullptr);
-/// Defaults for that: any heading, and stricter checks than where an estimate says where to look.
+/// Defaults of find_in_map: any heading, and stricter checks than around an estimate.
 ClosureConfig global_closure_config();
-/// The same for a vehicle that looks for itself with few scans: parts of the map may lack some of what it sees.
+/// Defaults for relocalization from few scans: parts of the map may lack some of the observed surroundings.
 ClosureConfig locating_config();
 
-/// Of a cloud whose frame has z up: one point in each cell of columns in which something stands at least a meter high.
-/// Floors fit anywhere and are left out. Any frame, the same for all arguments.
+/// One point in each occupied cell of columns with structure at least a meter high. Floors, which match anywhere, are
+/// removed. The cloud's frame has z up. Any frame, the same for all arguments.
 std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_cloud_m, double cell_m,
                                               double range_max_m);
 

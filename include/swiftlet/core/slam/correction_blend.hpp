@@ -6,12 +6,12 @@
 
 namespace swiftlet {
 
-/// How a new correction is shown. Both forms of the document let a part through at once.
+/// Form of the blend of a new correction. Both forms of the document apply a part at once.
 enum class BlendForm {
-  kLimited,   ///< no step: speed, acceleration and jerk have limits
-  kPrinted,   ///< eq. 2 of [Orsulic 2021] as printed: 6.9 % at once
-  kReleased,  ///< as its authors released it: 1.1 % at once
-  kNone,      ///< all of it at once
+  kLimited,   ///< no step: speed, acceleration and jerk are limited
+  kPrinted,   ///< eq. 2 of [Orsulic 2021] as printed: a step of 6.9 %
+  kReleased,  ///< released program of the authors: a step of 1.1 %
+  kNone,      ///< full step
 };
 
 struct CorrectionBlendConfig {
@@ -24,23 +24,23 @@ struct CorrectionBlendConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Shows a new correction T_world_local little by little, so that goals of the world do not jump in the local frame
-/// that control lives in. A newer correction begins a new blend from the pose that is shown at that moment.
+/// Blends in a new correction T_world_local, so that goals in the world frame do not jump in the local frame of the
+/// controller. A newer correction starts a new blend from the present output.
 ///
-/// The limited form also goes on with the rate and the acceleration shown at that moment. It moves the vehicle's place
-/// along a polynomial of fifth degree, as long as the limits ask for. They hold for the whole of motion and turn at any
-/// point within `lever_m` of where the vehicle was.
+/// The limited form also continues the present rate and acceleration. It moves the vehicle's position along a quintic
+/// polynomial with the duration required by the limits. They apply to the combined translation and rotation of any
+/// point within `lever_m` of the vehicle's position at the start.
 class CorrectionBlend {
  public:
   explicit CorrectionBlend(const CorrectionBlendConfig& config) : config_(config) {}
 
-  /// From here on it shows this one, without any blend.
+  /// Sets the output without a blend.
   void reset(const Pose& T_world_local);
-  /// A new correction was learned. Not before an instant that advance() has seen.
+  /// Starts a blend toward a new correction. `t` is not before the last advance().
   void head_for(TimeNs t, const Pose& T_world_local, const Vector3& p_local_body_m);
-  /// What is to be shown at t, which does not go back.
+  /// Output at t, which must not decrease.
   const Pose& advance(TimeNs t);
-  /// Is the correction shown in full?
+  /// True when the output equals the correction.
   bool is_done() const { return !blending_ && !waiting_; }
 
  private:
@@ -59,14 +59,14 @@ class CorrectionBlend {
   double peak_share(const Motion& start, double duration_s) const;
 
   CorrectionBlendConfig config_;
-  Pose T_world_local_ = Pose::Identity();  // shown
-  Pose T_target_ = Pose::Identity();       // world_local, of the blend that goes on
+  Pose T_world_local_ = Pose::Identity();  // output
+  Pose T_target_ = Pose::Identity();       // target of the present blend
   Vector3 pivot_local_m_ = Vector3::Zero();
   bool blending_ = false;
   TimeNs begin_ = 0;
   double duration_s_ = 0.0;
   Motion start_;
-  // The next one, while no motion from here to there keeps the limits.
+  // Pending correction, while no motion toward it keeps the limits.
   bool waiting_ = false;
   Pose T_next_ = Pose::Identity();
   Vector3 next_pivot_local_m_ = Vector3::Zero();

@@ -44,7 +44,7 @@ struct GlobalSlamConfig {
   double optimize_every_s = 10.0;
   double fit_spread_m = 5.0;
   std::string map;
-  std::shared_ptr<const SavedMap> loaded_map;  ///< the content of that file; whoever makes a vehicle reads it
+  std::shared_ptr<const SavedMap> loaded_map;  ///< content of the file `map`, read by the creator of the vehicle
   double locate_every_m = 4.0;
   double locate_every_s = 1.5;
   ClosureConfig locate = locating_config();
@@ -57,31 +57,31 @@ struct GlobalSlamConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Where the local frame lies in the world. Key frames (nodes) and submaps of the local trajectory are poses of a
-/// graph. Closures join them when the vehicle comes by again, and GNSS fixes pull them where there are any.
+/// Estimates the pose of the local frame in the world. Key frames (nodes) and submaps of the local trajectory are poses
+/// of a graph, with closures at revisited places and GNSS fixes where available as factors.
 ///
-/// The graph is bounded at one place: visits_kept submaps stay. A further one is dropped when it is finished. Only its
+/// The graph is bounded at one place: visits_kept submaps stay. A further one is dropped when it is finished; only its
 /// pose and closures stay, until the next submap is finished.
 ///
-/// With the map of an earlier flight the graph begins with that flight's. A vehicle whose start was told looks for
-/// closures with its submaps as with its own. One that was told nothing looks for itself in all of them.
+/// With a map of an earlier flight the graph starts with that flight's. With a known start pose, its submaps are
+/// closure candidates like the own ones. With an unknown start pose, the vehicle is relocalized in all of them.
 class GlobalSlam : public TellsSubmaps {
  public:
-  /// @param pose_known  was the start pose told? Else it is a guess that GNSS may overrule.
+  /// @param pose_known  false: the start pose is a guess that GNSS may replace
   GlobalSlam(const GlobalSlamConfig& config, bool pose_known);
 
-  /// A scan that local SLAM has placed, in order of time.
-  /// @param T_world_local  the correction so far: where the first node is taken to lie
+  /// Adds a scan registered by local SLAM, in order of time.
+  /// @param T_world_local  present correction, which places the first node
   void add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
                 const Pose& T_world_local);
   void add_gnss(const GnssSample& sample);
-  /// A correction that has become known by t, if there is one.
+  /// Correction that has become available by t, if any.
   std::optional<Pose> correction(TimeNs t);
-  /// Where submaps lie by what has become known until then.
+  /// Poses of the submaps as of the last available result.
   const SubmapPoses& submap_poses() const { return told_; }
-  /// The way of this flight, submaps and closures, in the local frame.
+  /// Trajectory of this flight, submaps and closures, in the local frame.
   void append_overlays(std::vector<Overlay>& overlays) const;
-  /// This flight and those before it. One that has not found itself in the map that it was given adds nothing to it.
+  /// Map of this flight and of the earlier ones. A flight that is not localized in its prior map adds nothing to it.
   std::shared_ptr<const SavedMap> saved_map() const;
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
@@ -93,42 +93,42 @@ class GlobalSlam : public TellsSubmaps {
   double way_m(int submap) const override { return submaps_[static_cast<std::size_t>(submap)].begin_m; }
   std::uint64_t places_revision() const override { return told_.revision; }
   int num_closures() const { return num_closures_; }
-  /// Of the clouds of all finished submaps: what takes the memory.
+  /// Number of points of all finished submaps, the main part of the memory.
   std::size_t num_points() const;
-  /// Is it known where this flight lies in the map that it was given?
+  /// True when the pose of this flight in its prior map is known.
   bool located() const { return located_; }
-  /// It looked for itself as often as it may from one place, and looks again only when it has moved on.
+  /// Relocalization has reached its limit of attempts from one place; it resumes when the vehicle moves on.
   bool gave_up_looking() const;
   const PoseGraph& graph() const { return graph_; }
 
  private:
   struct Node {
     TimeNs t = 0;
-    int pose = 0;  // in the graph
+    int pose = 0;  // index in the graph
     Pose T_local_body = Pose::Identity();
     double way_m = 0.0;
   };
   /// Odometry from an older pose to the start of a submap. Replaces the poses of dropped submaps in between.
   struct Tie {
-    int pose = -1;  // in the graph; -1: none
+    int pose = -1;  // index in the graph; -1: none
     Pose T_pose_local = Pose::Identity();
     double way_m = 0.0;  // path length of the odometry
   };
-  enum class Closed { kNot, kPartly, kFully };  // kPartly: one direction stays open
+  enum class Closed { kNot, kPartly, kFully };  // kPartly: one direction is unconstrained
   struct Submap {
-    int pose = 0;        // in the graph
-    int first_pose = 0;  // first one to be removed with it
+    int pose = 0;        // index in the graph
+    int first_pose = 0;  // first pose that is removed together with it
     Pose T_local_submap = Pose::Identity();
-    double begin_m = 0.0, end_m = 0.0;  // of the way
+    double begin_m = 0.0, end_m = 0.0;  // path length
     std::vector<Eigen::Vector3f> points_submap_m;
-    bool thinned_out = false;  // most of what it saw is in older ones
+    bool thinned_out = false;  // most of its content is in older ones
     Closed closed = Closed::kNot;
     Tie tie;
     double hidden_m = 0.0;  // path length of dropped submaps since the last full closure
   };
-  /// An older submap, and where the newest one lies in it.
+  /// An older submap, and the pose of the newest one in it.
   struct Older {
-    int pose = 0;  // in the graph
+    int pose = 0;  // index in the graph
     std::span<const Eigen::Vector3f> points_older_m;
     Pose T_older_newer = Pose::Identity();
   };
@@ -161,22 +161,22 @@ class GlobalSlam : public TellsSubmaps {
   GraphWorkspace graph_workspace_;
   std::vector<Node> nodes_;
   std::vector<Submap> submaps_;      // the last one grows
-  std::vector<GnssSample> waiting_;  // fixes that no node follows yet
+  std::vector<GnssSample> waiting_;  // fixes newer than the last node
   std::vector<MatchedPosition> matched_;
   bool fitted_ = false;
-  int num_given_poses_ = 0;  // the first ones of the graph are those of the map that was given
+  int num_given_poses_ = 0;  // poses of the prior map; the first ones in the graph
   bool located_ = false;
-  double sought_at_m_ = 0.0;  // of the way, when it last looked for itself
-  TimeNs sought_ = 0;         // when it last did, where it hovers as well
-  double hovers_at_m_ = 0.0;  // of the way, then
-  int num_sought_here_ = 0;   // looks without having moved on
+  double sought_at_m_ = 0.0;  // path length at the last attempt after moving on
+  TimeNs sought_ = 0;         // time of the last attempt, also in hover
+  double hovers_at_m_ = 0.0;  // path length at the last attempt
+  int num_sought_here_ = 0;   // attempts since the vehicle moved on
   int num_closures_ = 0;
-  bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
+  bool news_ = false, fixes_ = false;  // new since the last optimization: a closure, a fix
   TimeNs last_optimized_ = 0;
   struct Learned {
     TimeNs begun = 0;
     Pose T_world_local = Pose::Identity();
-    std::vector<Pose> T_local_own, T_local_given;  // of the submaps that there were
+    std::vector<Pose> T_local_own, T_local_given;  // poses of the submaps at that time
   };
   std::vector<Learned> learned_;  // few
   SubmapPoses told_;

@@ -21,19 +21,19 @@ struct GridMatchConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The terms of the cost of a pose [Cartographer]. Derivatives are those by a change of the position, then by a
-/// rotation vector in body axes.
+/// Terms of the cost of a pose [Cartographer]. Derivatives are with respect to a change of position, then a rotation
+/// vector in body axes.
 namespace grid_cost {
 
-/// One minus the probability that a point meets a surface.
+/// Residual of a point: one minus the probability of a surface there.
 struct Miss {
   double r = 0.0;
   Vector6 by_pose = Vector6::Zero();
 };
 Miss miss_of(const HybridGrid& grid, const Eigen::Vector3f& point_body_m, const Pose& T_grid_body);
 
-/// How far a pose lies from the predicted one. The difference of positions comes first. Then comes the vector part of
-/// the quaternion between the attitudes, which is half of their angle.
+/// Residual of a pose relative to its prediction: difference of positions, then the vector part of the quaternion
+/// between the attitudes, half of their angle.
 struct Change {
   Vector6 r = Vector6::Zero();
   Matrix6 by_pose = Matrix6::Zero();
@@ -42,32 +42,32 @@ Change change_of(const Pose& T, const Pose& T_predicted);
 
 }  // namespace grid_cost
 
-/// Points of a scan, and the grid on which they should lie.
+/// Points of a scan, and the grid that they are matched to.
 struct GridCloud {
   const HybridGrid* grid = nullptr;
   std::span<const Eigen::Vector3f> points_body_m;
-  double weight = 1.0;  ///< of all of them together
+  double weight = 1.0;  ///< total weight of the points
 };
 
-/// What the points alone say of the pose, beside the prediction: half of `cost` is the sum of their squared residuals.
+/// Contribution of the points alone, without the prediction; `cost` is half of the sum of their squared residuals.
 struct GridEvidence {
   double cost = 0.0;
-  Matrix6 H = Matrix6::Zero();  ///< of the cost, by Gauss and Newton
-  Vector6 g = Vector6::Zero();  ///< its gradient
-  /// Covariance of the gradient, if the points are independent [White 1980].
+  Matrix6 H = Matrix6::Zero();  ///< Gauss-Newton Hessian of the cost
+  Vector6 g = Vector6::Zero();  ///< gradient of the cost
+  /// Covariance of the gradient for independent points [White 1980].
   Matrix6 scatter = Matrix6::Zero();
 };
 
 struct GridsMatch {
   Pose T_local_body = Pose::Identity();
-  Vector6 moved = Vector6::Zero();  ///< from the prediction
+  Vector6 moved = Vector6::Zero();  ///< step from the prediction
   GridEvidence evidence;            ///< at that pose
-  Vector6 held = Vector6::Zero();   ///< by so much the two terms of the prediction count: they are added to H
+  Vector6 held = Vector6::Zero();   ///< diagonal of the prediction's terms, to be added to H
   int num_iterations = 0;
 };
 
-/// The pose of least cost near the predicted one: occupied space for both clouds, translation and rotation. By
-/// Levenberg and Marquardt's method.
+/// Pose of least cost near the predicted one: occupied space for both clouds, translation and rotation.
+/// Levenberg-Marquardt.
 GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3& origin_local_m,
                           const Pose& T_local_body_predicted, const GridMatchConfig& config);
 

@@ -27,11 +27,12 @@ struct GridMatchingConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The local SLAM of the document: scans against the older of two submaps of probability grids [Orsulic 2021; Hess
-/// 2016]. The pose is that of its least squares. The filter predicts, and learns velocity and biases from it.
+/// Local SLAM of the document: scans are matched to the older of two submaps of probability grids [Orsulic 2021; Hess
+/// 2016]. The pose is that of its least squares. The filter predicts it, and corrects velocity and biases by it.
 ///
-/// Grids have slopes along walls and floors as well, where scan lines lie apart. So they cannot tell which directions
-/// are open. The planes of the last scans do, as in fit_scan(). That is told, and changes no pose.
+/// Grids also have gradients along walls and floors, between scan lines, so they do not reveal unconstrained
+/// directions. These are determined from the planes of the last scans, as in fit_scan(), and reported without a change
+/// of the pose.
 class GridMatcher : public ScanMatcher {
  public:
   explicit GridMatcher(const GridMatchingConfig& config);
@@ -57,11 +58,11 @@ class GridMatcher : public ScanMatcher {
   GridSubmaps submaps_;
   VoxelThinner thinner_;
   AdaptiveVoxelFilter filter_;
-  // Of one scan.
+  // Scratch of one scan.
   std::vector<Eigen::Vector3f> in_range_body_m_, dense_body_m_, high_body_m_, low_body_m_;
   std::vector<Eigen::Vector3f> planes_body_m_, judged_body_m_;
   std::vector<Vector3> points_local_m_;
-  // Of the last scans that went into the map, in two that take turns as submaps do.
+  // Planes of the last inserted scans, in two overlapping maps that alternate like submaps.
   struct Planes {
     SurfaceMap map;
     int num_scans = 0;

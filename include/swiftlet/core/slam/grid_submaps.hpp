@@ -21,8 +21,8 @@ struct GridSubmapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What some scans in a row saw, in two resolutions. Its grids have the axes of the local frame, and an origin of their
-/// own in it: where the vehicle was when it began.
+/// Several successive scans in two resolutions. The grids have the axes of the local frame, and their own origin in it:
+/// the vehicle's position at their beginning.
 struct GridSubmap {
   explicit GridSubmap(const GridSubmapConfig& config) : high(config.high_resolution_m), low(config.low_resolution_m) {}
 
@@ -31,17 +31,17 @@ struct GridSubmap {
   int num_scans = 0;
 };
 
-/// Two submaps at a time take every scan. When the newer one has its number of scans, the older one has twice as many
-/// and is done, and another begins.
+/// Two submaps at a time receive every scan. When the newer one has its number of scans, the older one has twice as
+/// many and is discarded, and another begins.
 class GridSubmaps {
  public:
   explicit GridSubmaps(const GridSubmapConfig& config);
 
   bool empty() const { return num_active_ == 0; }
   int num_active() const { return num_active_; }
-  /// To which scans are matched. There must be one.
+  /// Submap for scan matching. Requires a non-empty set.
   const GridSubmap& older() const { return submaps_[older_]; }
-  /// The same one as long as there is no other.
+  /// Equal to older() while there is only one.
   const GridSubmap& newer() const { return submaps_[num_active_ == 2 ? 1 - older_ : older_]; }
 
   void insert(std::span<const Vector3> points_local_m, const Vector3& origin_local_m);
@@ -54,9 +54,9 @@ class GridSubmaps {
 
   GridSubmapConfig config_;
   OddsTable hit_, miss_;
-  std::vector<GridSubmap> submaps_;  // two, which take turns
+  std::vector<GridSubmap> submaps_;  // two that alternate
   int older_ = 0, num_active_ = 0;
-  std::vector<Vector3> all_m_, near_m_;  // of one scan, in a submap's frame
+  std::vector<Vector3> all_m_, near_m_;  // points of one scan, in a submap's frame
 };
 
 }  // namespace swiftlet

@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// Probabilities from 0.1 to 0.9 as the numbers 1 to 32767; 0 is what nobody saw, and counts as 0.1.
+/// Probabilities from 0.1 to 0.9 as integers 1 to 32767; 0 is unknown, and counts as 0.1.
 namespace grid_value {
 
 inline constexpr std::uint16_t kUnknown = 0, kMost = 32767;
@@ -20,12 +20,12 @@ inline double probability_of(std::uint16_t value) {
   constexpr double kStep = (kMostProbability - kLeastProbability) / (kMost - 1);
   return value == kUnknown ? kLeastProbability : kLeastProbability + kStep * (value - 1);
 }
-/// The nearest one; of what lies beyond either end, that end.
+/// Value of the nearest representable probability, clamped at both ends.
 std::uint16_t value_of(double probability);
 
 }  // namespace grid_value
 
-/// What one observation of a given probability makes of each value: odds are multiplied.
+/// Update table for an observation with a given probability: multiplication of odds.
 class OddsTable {
  public:
   explicit OddsTable(double probability);
@@ -35,10 +35,10 @@ class OddsTable {
   std::vector<std::uint16_t> table_;
 };
 
-/// How probably each cell holds a surface, in blocks of 8 x 8 x 8 cells that are made where something is seen. A cell's
-/// center lies at its index times the resolution, as in Cartographer, not half a cell beyond.
+/// Probability of a surface in each cell, in blocks of 8 x 8 x 8 cells, allocated on demand. A cell's center is its
+/// index times the resolution, as in Cartographer, without an offset of half a cell.
 ///
-/// Any frame, the same for all arguments. Results hang on the set of the points of each scan, not on their order.
+/// Any frame, the same for all arguments. Results depend on the set of the points of each scan, not on their order.
 class HybridGrid {
  public:
   explicit HybridGrid(double resolution_m);
@@ -48,19 +48,19 @@ class HybridGrid {
   std::uint16_t value(const Eigen::Vector3i& cell) const;
   double probability(const Eigen::Vector3i& cell) const { return grid_value::probability_of(value(cell)); }
 
-  /// Probability between the centers of cells, and its slope.
+  /// Interpolated probability and its gradient.
   struct Interpolated {
     double probability = grid_value::kLeastProbability;
     Vector3 slope_1_m = Vector3::Zero();
   };
-  /// By cubic polynomials along each axis that have the cells' values at their centers, and no slope there.
+  /// Cubic interpolation along each axis through the values at cell centers, with zero slope there.
   Interpolated interpolate(const Vector3& p_m) const;
 
-  /// A scan: its points are hits, and the last cells before them on the way from the origin are misses. Each cell
-  /// changes once, and what is hit is not missed.
+  /// Inserts a scan: its points are hits, and the last cells before them on the rays from the origin are misses. Each
+  /// cell is updated once; hits take precedence.
   void insert(std::span<const Vector3> points_m, const Vector3& origin_m, const OddsTable& hit, const OddsTable& miss,
               int cells_missed);
-  /// Keeps its memory.
+  /// Keeps the memory.
   void clear();
 
   double resolution_m() const { return resolution_m_; }
@@ -69,7 +69,7 @@ class HybridGrid {
 
  private:
   using Block = std::array<std::uint16_t, 512>;
-  static constexpr std::uint16_t kChanged = 0x8000;  // by the scan that is being inserted
+  static constexpr std::uint16_t kChanged = 0x8000;  // flag of cells updated by the present scan
 
   const Block* find(const Eigen::Vector3i& cell) const;
   std::uint32_t find_or_make(std::uint64_t key);
@@ -77,14 +77,14 @@ class HybridGrid {
   void rebuild(std::size_t table_size);
 
   double resolution_m_;
-  std::vector<std::uint64_t> keys_;  // of the blocks
+  std::vector<std::uint64_t> keys_;  // keys of the blocks
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> table_;  // open addressing; index + 1 of a block; 0: empty
   struct Place {
     std::uint32_t block = 0, cell = 0;
   };
   std::vector<Place> changed_;
-  std::uint64_t last_key_ = 0;  // of the block that changed last
+  std::uint64_t last_key_ = 0;  // key of the block that changed last
   std::uint32_t last_block_ = 0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// Noise of the IMU and what is known at the start.
+/// Noise of the IMU and uncertainty at the start.
 struct InertialConfig : ImuNoise {
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 0.5;
@@ -15,8 +15,8 @@ struct InertialConfig : ImuNoise {
   void visit(ConfigVisitor& v);
 };
 
-/// What a scan says of the pose: the cost 0.5 d^T information d + gradient^T d of a small change d of it. The change is
-/// one of position in the local frame [m], then a rotation vector in body axes [rad].
+/// Constraint of a scan on the pose: the cost 0.5 d^T information d + gradient^T d of a small change d of it, with d
+/// the change of position in the local frame [m], then a rotation vector in body axes [rad].
 struct PoseEvidence {
   Matrix6 information = Matrix6::Zero();
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
@@ -25,9 +25,9 @@ struct PoseEvidence {
 /// Error-state Kalman filter on position, velocity, attitude, biases of accelerometer and gyroscope, and the direction
 /// of gravity in the local frame.
 ///
-/// The local frame is what the first scan made of it: the pose at the start is exact by definition. What is uncertain
-/// is how that frame stands against the vertical. So a tilt of the start that was told wrongly bends neither the map
-/// nor the biases. Errors of attitude are local (R_true = R exp(theta)) as in J. Solà, arXiv 1711.02508.
+/// The first scan defines the local frame: the start pose is exact by definition, and the direction of gravity in that
+/// frame is uncertain instead. So an error of the given start tilt bends neither the map nor the biases. Attitude
+/// errors are local (R_true = R exp(theta)) as in J. Solà, arXiv 1711.02508.
 class InertialFilter {
  public:
   static constexpr int kStates = 17;
@@ -40,55 +40,55 @@ class InertialFilter {
     Vector3 accel_bias_body_mps2 = Vector3::Zero();
     Vector3 gyro_bias_body_radps = Vector3::Zero();
     Eigen::Vector2d tilt_local =
-        Eigen::Vector2d::Zero();  ///< horizontal parts of the unit vector of gravity, local frame
+        Eigen::Vector2d::Zero();  ///< horizontal components of the unit vector of gravity, local frame
 
     Vector3 gravity_local_mps2() const;
-    /// A small change, as the filter counts errors.
+    /// State after a small change in the filter's error coordinates.
     State changed_by(const Error& d) const;
   };
 
-  /// The state after dt under a body rate and a specific force, both free of bias.
+  /// State after dt under a body rate and a specific force, both corrected by their biases.
   static State advanced(const State& state, const Vector3& omega_body_radps, const Vector3& force_body_mps2,
                         double dt_s);
-  /// How a small error of the state before grows over dt.
+  /// Transition matrix of a small error over dt.
   static Covariance transition(const State& state, const Vector3& omega_body_radps, const Vector3& force_body_mps2,
                                double dt_s);
 
   InertialFilter(const InertialConfig& config, const Pose& T_local_body_start);
 
-  /// Forward by the time since the last sample. The first sample begins at its own time.
+  /// Propagates the state by the time since the last sample. The first sample starts at its own time.
   void predict(const ImuSample& sample);
-  /// Forward to t under the last sample's rates.
+  /// Propagates the state to t with the last sample's rates.
   void predict_to(TimeNs t);
-  /// What another filter learned of biases and gravity, and of the velocity at the start. With twice its doubt, because
-  /// the same measurements come again.
+  /// Initializes biases, gravity and start velocity from another filter, with twice its standard deviations, because
+  /// the same measurements are applied again.
   void begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps);
 
-  /// The map begins here: what the pose is in the local frame is right by definition.
+  /// Makes the present pose exact by definition: the map begins here.
   void anchor_pose();
 
-  /// Iterated update by a scan: `evidence_at(pose)` is linearized anew at each iterate (Bell and Cathey 1993). Returns
-  /// how many iterates were made.
+  /// Iterated update by a scan: `evidence_at(pose)` is relinearized at each iterate (Bell and Cathey 1993). Returns the
+  /// number of iterations.
   template <class EvidenceAt>
   int update(EvidenceAt&& evidence_at, int most_iterations);
 
-  /// A pose that others found by weights of their own. They weighed what a scan tells against the prediction.
+  /// A pose estimated outside of the filter from the scan and the prediction, with weights of its own.
   struct WeighedPose {
-    Eigen::Matrix<double, 6, 1> moved;  ///< from the prediction to it, as PoseEvidence counts
-    Eigen::Matrix<double, 6, 1> told;   ///< by the scan: slope times the prediction's error, and noise
+    Eigen::Matrix<double, 6, 1> moved;  ///< change from the prediction, in the coordinates of PoseEvidence
+    Eigen::Matrix<double, 6, 1> told;   ///< contribution of the scan: slope times the prediction's error, plus noise
     Matrix6 slope;
     Matrix6 scatter;  ///< covariance of the noise
-    Matrix6 gain;     ///< the pose moves by gain times what was told
+    Matrix6 gain;     ///< the pose changes by gain times the scan's contribution
   };
-  /// The pose becomes theirs. All other states take the share that leaves them the least variance. The covariance is
-  /// true for any gain (Joseph's form).
+  /// Adopts the pose. All other states are corrected with the gain of least variance. The covariance is valid for any
+  /// gain (Joseph's form).
   void take(const WeighedPose& pose);
 
-  /// At the last sample; the body rate is free of its estimated bias.
+  /// State at the last sample; the body rate is corrected by its estimated bias.
   const State& state() const { return state_; }
   Pose T_local_body() const { return make_pose(state_.nav.p_m, state_.nav.q); }
   const Covariance& covariance() const { return P_; }
-  /// Of position (local frame) and attitude (body axes).
+  /// Covariance of position (local frame) and attitude (body axes).
   Matrix6 pose_covariance() const;
   bool is_sound() const;
 
@@ -96,7 +96,7 @@ class InertialFilter {
   using PoseColumns = Eigen::Matrix<double, kStates, 6>;
   void step(const Vector3& omega_body_radps, const Vector3& force_body_mps2, double dt_s);
   PoseColumns pose_columns() const;
-  /// The most likely error, given the prior and the evidence at an iterate that lies by `at` off the prior.
+  /// Most likely error, given the prior and the evidence at an iterate with offset `at` from the prior.
   Error most_likely(const PoseEvidence& evidence, const Error& at) const;
   void settle(const PoseEvidence& evidence);
   void settle(const Covariance& posterior);

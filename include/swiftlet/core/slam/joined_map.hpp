@@ -8,21 +8,21 @@
 
 namespace swiftlet {
 
-/// How the local frame of another vehicle lies in one's own, by submaps that both have seen. Both frames have z up.
+/// Pose of another vehicle's local frame in the own one, from submaps of the same places. Both frames have z up.
 struct JoinedMap {
   VehicleId other = kNoVehicle;
-  TimeNs joined = 0;  ///< when enough closures agreed for the first time
+  TimeNs joined = 0;  ///< time at which enough closures agreed first
   Pose T_local_otherlocal = Pose::Identity();
-  /// Of the place of the other's newest submap [m] and of the heading [rad], in the own local frame.
+  /// Covariance of the position of the other's newest submap [m] and of the heading [rad], in the own local frame.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
-  int num_closures = 0;  ///< that agree
+  int num_closures = 0;  ///< number of consistent closures
 };
 
-/// Who joins its map with those of others: an estimator, and the agent that it flies.
+/// Interface of estimators, and their agents, that join their maps with those of others.
 class JoinsMaps {
  public:
   virtual ~JoinsMaps() = default;
-  /// As of now, in the order of the vehicles.
+  /// Present joined maps, in the order of the vehicles.
   virtual std::span<const JoinedMap> joined_maps() const = 0;
 };
 

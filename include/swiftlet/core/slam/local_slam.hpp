@@ -16,21 +16,21 @@
 
 namespace swiftlet {
 
-/// Covariance of what is wrong with the map where the vehicle is. The vehicle's own filter knows its pose in the map.
+/// Covariance of the local error of the map. The filter of the vehicle estimates its pose relative to the map.
 ///
-/// A scan that goes into the map takes the error of its pose along. So the map is off by what its scans were off by,
-/// each as far as it has renewed it.
+/// An inserted scan carries the error of its pose into the map. So the error of the map is that of its scans, each
+/// weighted by its share in the renewal of the map.
 class MapDrift {
  public:
   explicit MapDrift(const Vector3& p_local_m) : p_local_m_(p_local_m) {}
   void move_to(const Vector3& p_local_m);
-  /// A scan went into the map. Covariances are of position (local frame) and attitude (body axes).
+  /// Updates the covariance after an insertion. Covariances are of position (local frame) and attitude (body axes).
   void inherit(const Matrix6& covariance, const Matrix3& R_local_body);
   Matrix6 covariance(const Matrix3& R_local_body) const;
 
  private:
   Vector3 p_local_m_;
-  Matrix6 C_ = Matrix6::Zero();  // of position and rotation vector, both in local axes
+  Matrix6 C_ = Matrix6::Zero();  // covariance of position and rotation vector, both in local axes
 };
 
 struct LocalSlamConfig : SurfaceMatchingConfig {
@@ -43,41 +43,41 @@ struct LocalSlamConfig : SurfaceMatchingConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What one scan did.
+/// Result of one scan.
 struct ScanOutcome {
-  bool used = false;  ///< it moved the estimate, or began the map
-  ScanFit fit;        ///< at the last iterate
+  bool used = false;  ///< the scan corrected the estimate, or started the map
+  ScanFit fit;        ///< fit at the last iterate
   int num_iterations = 0;
   bool inserted = false;
 };
 
-/// Motion from scan to scan and the map nearby. Scans are carried to one instant by the IMU's motion and matched to the
-/// map, together with what the IMU says. Then they go into it. It closes no loops, so it drifts, slowly and smoothly.
+/// Scan-to-scan motion and the local map. Scans are motion-compensated by the IMU and matched to the map, fused with
+/// inertial propagation, and inserted. Without loop closures the estimate drifts, slowly and smoothly.
 class LocalSlam {
  public:
-  /// @param matcher  by what scans find their pose; none: by surfaces
+  /// @param matcher  method of scan matching; null: surfaces
   LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
             std::unique_ptr<ScanMatcher> matcher = nullptr);
 
   void add(const ImuSample& sample);
-  /// A scan that ended not after the last IMU sample.
-  /// @param others  vehicles that fly nearby: what the scan saw of them is left out
+  /// Adds a scan that ended not after the last IMU sample.
+  /// @param others  nearby flying vehicles, whose returns are removed
   ScanOutcome add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others = {});
 
   const InertialFilter& filter() const { return filter_; }
   const ScanMatcher& matcher() const { return *matcher_; }
-  /// Is the start over, so that what is in the map stays as it is?
+  /// True when the initialization is over, so that the map is no longer rebuilt.
   bool started() const { return start_.over; }
-  /// When and where the last scan went into the map.
+  /// Time and pose of the last insertion into the map.
   const TimedPose& inserted_at() const { return inserted_; }
-  /// Of the scan that was added last, thinned for the map.
+  /// Points of the last scan, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return matcher_->points_body_m(); }
-  /// Of the pose in the local frame: that of a filter, relative to the map, and that of the planes in sight. That of
-  /// what the map has drifted is in it, too. The filter is this one, or this one carried on.
+  /// Covariance of the pose in the local frame: that of a filter, relative to the map, plus those of the visible planes
+  /// and of the drift of the map. `filter` is the own one, or one propagated from it.
   Matrix6 pose_covariance(const InertialFilter& filter) const;
 
  private:
-  /// What the vehicle learns of its biases in the first scans makes them anew.
+  /// Initialization: the first scans are processed again with the biases estimated from them.
   struct Start {
     std::vector<ImuSample> imu;
     struct Swept {
@@ -106,11 +106,11 @@ class LocalSlam {
   std::unique_ptr<ScanMatcher> matcher_;
   ScanMatcher::Admission admission_;
   MapDrift drift_;
-  Matrix6 shared_covariance_ = Matrix6::Zero();  // of the pose, by errors of the map that scans share
+  Matrix6 shared_covariance_ = Matrix6::Zero();  // covariance of the pose due to map errors common to successive scans
 
-  TimedPose inserted_;  // the last scan that went into the map
+  TimedPose inserted_;  // last insertion
   int num_inserted_ = 0;
-  std::vector<Eigen::Vector3f> returns_body_m_;  // of one scan
+  std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
 };
 
 }  // namespace swiftlet

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// What of a submap goes on the air.
+/// Transmitted part of a submap.
 struct CompactCloudConfig {
   double voxel_m = 0.5;
   double flat_voxel_m = 1.5;
@@ -19,7 +19,7 @@ struct CompactCloudConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// When closures between two vehicles are believed.
+/// Acceptance of closures between two vehicles.
 struct MapJoinConfig {
   int closures_min = 2;
   double chi2_max = 16.81;
@@ -34,7 +34,7 @@ struct MapJoinConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Two vehicles tell each other of their submaps by radio, and find out how their local frames lie to each other.
+/// Exchange of submaps by radio, to estimate the relative pose of the vehicles' local frames.
 struct MapSharingConfig {
   bool enabled = false;
   double latency_s = 0.5;

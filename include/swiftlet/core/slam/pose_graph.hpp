@@ -12,45 +12,45 @@
 
 namespace swiftlet {
 
-/// A residual whose length is more than `scale` counts by its length, not by its square (Huber).
+/// Residuals longer than `huber` have linear instead of quadratic cost (Huber).
 inline constexpr double kNoHuber = std::numeric_limits<double>::infinity();
 
-/// Where pose `to` lies as seen from pose `from`: within a submap, between submaps, or from key frame to key frame.
+/// Measured pose `to` relative to pose `from`: within a submap, between submaps, or between key frames.
 struct RelativeFactor {
   int from = 0, to = 0;
   Pose T_from_to = Pose::Identity();
-  Matrix6 information = Matrix6::Identity();  ///< of position (axes of `from`) and rotation vector (axes of `to`)
+  Matrix6 information = Matrix6::Identity();  ///< for position (axes of `from`) and rotation vector (axes of `to`)
   double huber = kNoHuber;
 };
 
-/// Where a pose lies in the world.
+/// Measured pose in the world.
 struct PriorFactor {
   int pose = 0;
   Pose T_world_pose = Pose::Identity();
-  Matrix6 information = Matrix6::Identity();  ///< of position (world axes) and rotation vector (axes of the pose)
+  Matrix6 information = Matrix6::Identity();  ///< for position (world axes) and rotation vector (axes of the pose)
 };
 
-/// Which way is up, in the axes of a pose: what the IMU tells of its tilt.
+/// Direction of the vertical in the axes of a pose: tilt measured by the IMU.
 struct GravityFactor {
   int pose = 0;
   Vector3 up_body = Vector3::UnitZ();
   double sigma_rad = 1.0;
 };
 
-/// A position on the straight line between two poses, at the share beta of it [Orsulic 2021, eq. 3].
+/// Measured position on the straight line between two poses, at the fraction beta [Orsulic 2021, eq. 3].
 struct PositionFactor {
   int before = 0, after = 0;
   double beta = 0.0;
   Vector3 p_world_m = Vector3::Zero();
-  Vector3 weight_world_1_m = Vector3::Ones();  ///< by axis, of the residual
+  Vector3 weight_world_1_m = Vector3::Ones();  ///< weight of the residual along each axis
   double huber = kNoHuber;
 };
 
-/// How the standard deviations of a GNSS fix weight it.
+/// Weighting of a GNSS fix by its standard deviations.
 enum class GnssWeighting {
-  kIsotropic,  ///< all axes by the worst [Orsulic 2021, eq. 6]
-  kPerAxis,    ///< each by its own [eq. 5]
-  kReleased,   ///< each by the square of its own, as the authors released it
+  kIsotropic,  ///< all axes by the largest [Orsulic 2021, eq. 6]
+  kPerAxis,    ///< each axis by its own [eq. 5]
+  kReleased,   ///< each axis by the square of its own, as in the authors' released program
 };
 
 struct GnssFactorConfig {
@@ -62,7 +62,7 @@ struct GnssFactorConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// a / sigma + b by axis [Orsulic 2021, eq. 7].
+/// a / sigma + b along each axis [Orsulic 2021, eq. 7].
 Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m);
 
 struct GraphSolverConfig {
@@ -78,19 +78,18 @@ struct GraphReport {
   bool converged = false;
 };
 
-/// What an optimization needs beside the graph. Whoever keeps it for the next one saves the time to take new memory, a
-/// tenth of all for 10 000 nodes.
+/// Scratch memory of an optimization. Reuse saves its allocation, a tenth of the time for 10 000 nodes.
 struct GraphWorkspace {
   BlockCholesky H;
   std::vector<Vector6> gradient, step, of_relatives, of_relatives_tried;
   std::vector<Pose> tried;
 };
 
-/// Poses in the world and what is known of them, sparse and robust. Optimization is by Levenberg and Marquardt; budgets
-/// count iterations, never time.
+/// Sparse, robust pose graph in the world frame. Optimization by Levenberg-Marquardt; budgets count iterations, never
+/// time.
 class PoseGraph {
  public:
-  /// Returns its index.
+  /// Returns the index of the pose.
   int add_pose(const Pose& T_world_pose);
   void add(const RelativeFactor& factor);
   void add(const PriorFactor& factor);
@@ -104,9 +103,9 @@ class PoseGraph {
   std::span<const PriorFactor> prior_factors() const { return priors_; }
   std::span<const GravityFactor> gravity_factors() const { return gravities_; }
   std::span<const PositionFactor> position_factors() const { return positions_; }
-  /// Forgets all poses but the first ones, and every factor that needs another one.
+  /// Removes all poses except the first ones, and every factor that refers to a removed one.
   void truncate(int num_poses);
-  /// Of all poses from this one on.
+  /// Removes the priors of all poses from this one on.
   void clear_priors(int from = 0) {
     std::erase_if(priors_, [from](const PriorFactor& f) { return f.pose >= from; });
   }
@@ -117,8 +116,8 @@ class PoseGraph {
     GraphWorkspace workspace;
     return optimize(config, workspace);
   }
-  /// Of a small change of one pose (moved()), given all factors as they stand now. The identity when they leave any
-  /// pose open.
+  /// Covariance of a small change of one pose (moved()) under the present factors. The identity when they leave any
+  /// pose unconstrained.
   Matrix6 covariance_of(int pose) const;
 
  private:
@@ -133,10 +132,10 @@ class PoseGraph {
   std::vector<PositionFactor> positions_;
 };
 
-/// Poses change by a displacement in world axes and a turn in their own.
+/// Applies a displacement in world axes and a rotation in the pose's own axes.
 Pose moved(const Pose& T_world_pose, const Vector6& step);
 
-/// Residuals and derivatives by such changes; a row per residual.
+/// Residuals and their derivatives with respect to such changes; a row per residual.
 struct RelativeResidual {
   Vector6 r = Vector6::Zero();
   Matrix6 J_from = Matrix6::Zero(), J_to = Matrix6::Zero();
@@ -152,16 +151,16 @@ struct GravityResidual {
   Matrix3 J_turn = Matrix3::Zero();
 };
 GravityResidual residual_of(const GravityFactor& factor, const Pose& T_world_pose);
-/// Weighted; its derivatives are (1 - beta) and beta times the weights.
+/// Weighted residual; its derivatives are (1 - beta) and beta times the weights.
 Vector3 residual_of(const PositionFactor& factor, const Pose& T_world_before, const Pose& T_world_after);
 
-/// A point of a trajectory and where it was measured to be.
+/// A point of a trajectory and its measured position.
 struct MatchedPosition {
   Vector3 p_local_m = Vector3::Zero(), p_world_m = Vector3::Zero();
   double weight = 1.0;
 };
-/// The pose of the local frame in the world that fits best, by heading and translation: both have z up. The heading
-/// stays what it is (`yaw_rad`) where the points are too near to each other to tell one.
+/// Least-squares pose of the local frame in the world, over heading and translation: both have z up. The heading stays
+/// `yaw_rad` when the spread of the points is too small to determine it.
 Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, double least_spread_m);
 
 }  // namespace swiftlet

@@ -12,46 +12,45 @@
 
 namespace swiftlet {
 
-/// What a flight keeps for later ones: its pose graph and the clouds that hang on it. Poses are in the world, as far as
-/// that flight knew it.
+/// Map saved for later flights: pose graph and attached clouds. Poses are in the world, as estimated by that flight.
 struct SavedMap {
   struct Node {
-    TimeNs t = 0;  ///< of that flight
-    int pose = 0;  ///< in the graph
+    TimeNs t = 0;  ///< time of that flight
+    int pose = 0;  ///< index in the graph
   };
   struct Submap {
-    int pose = 0;  ///< in the graph
+    int pose = 0;  ///< index in the graph
     std::vector<Eigen::Vector3f> points_submap_m;
   };
-  double voxel_m = 0.2;  ///< a submap has one point in a cube of this edge
+  double voxel_m = 0.2;  ///< edge of the cubes that contain one point of a submap each
   PoseGraph graph;
   std::vector<Node> nodes;
   std::vector<Submap> submaps;
-  std::vector<MapPiece> pieces;  ///< occupied and free cells, where a mapper has cast the rays of the scans
+  std::vector<MapPiece> pieces;  ///< occupied and free cells, for submaps with cast rays
 
   const Pose& T_world_submap(const Submap& submap) const { return graph.pose(submap.pose); }
 };
 
-/// What does not fit together in a map, in a few words; empty when all is well.
+/// Short description of an inconsistency of the map; empty when it is valid.
 std::string fault_of(const SavedMap& map);
 
-/// The pieces of its submaps. One without any has a piece of its points, with nothing free.
+/// Pieces of the submaps. A submap without pieces gets one from its points, without free cells.
 std::vector<MapPiece> pieces_of(const SavedMap& map);
-/// The map with what a mapper has seen of the submaps of this flight. Unchanged when it does not know them.
+/// The map with a mapper's pieces of this flight's submaps. Unchanged when the map does not contain these.
 std::shared_ptr<const SavedMap> with_pieces(std::shared_ptr<const SavedMap> map, const SubmapPoses& poses,
                                             std::span<const MapPiece> own);
 
-/// All points of its submaps.
+/// Points of all submaps.
 std::vector<Eigen::Vector3f> points_world_m(const SavedMap& map);
 
-/// Its cells in another frame, all of them occupied.
+/// Cells of the map in another frame, all of them occupied.
 void append_voxels(const SavedMap& map, const Pose& T_local_world, MapVoxels& copy);
 
-/// Who keeps such a map: an estimator, and the agent that it flies.
+/// Interface of estimators, and their agents, that keep such a map.
 class KeepsMap {
  public:
   virtual ~KeepsMap() = default;
-  /// As of now; null when it keeps none.
+  /// Present map; null: none.
   virtual std::shared_ptr<const SavedMap> saved_map() const = 0;
 };
 

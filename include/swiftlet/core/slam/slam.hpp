@@ -14,11 +14,11 @@
 
 namespace swiftlet {
 
-/// Where am I, by nothing but LiDAR and IMU. The compass gives the heading at the start to a vehicle that was not told
-/// it, and the first GNSS fix after that its place [Orsulic 2021, sec. III-C]. With `global` it closes loops and takes
-/// GNSS fixes in; a new correction is shown little by little.
+/// Localization by LiDAR and IMU. An unknown start heading is taken from the compass, and an unknown start position
+/// from the first GNSS fix after that [Orsulic 2021, sec. III-C]. With `global` it closes loops and fuses GNSS fixes;
+/// new corrections are blended in gradually.
 struct SlamConfig : ModuleConfigOf<SlamConfig> {
-  /// What scans are matched to: planes, or the document's grids of probability.
+  /// Map for scan matching: planes, or the document's probability grids.
   enum class Matching { kSurfaces, kGrid };
 
   std::vector<std::string> lidars;

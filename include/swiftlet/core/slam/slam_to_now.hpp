@@ -12,34 +12,34 @@
 
 namespace swiftlet {
 
-/// Local SLAM whose scans take a while on board. Each is matched as of the instant at which it arrived, by what was
-/// known then. The IMU's samples since that instant are kept, and carry the corrected state from there to now.
+/// Local SLAM with processing latency. Each scan is matched as of its arrival, with the data available then. The IMU
+/// samples since then are kept, and propagate the corrected state to the present.
 ///
-/// At most kMostSamples of them are kept. If more come while a scan waits, it is matched as of a later instant.
+/// At most kMostSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
 class SlamToNow {
  public:
   static constexpr std::size_t kMostSamples = 2048;
 
-  /// @param matcher  as LocalSlam takes it
+  /// @param matcher  as in LocalSlam
   SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start, double own_radius_m,
             std::unique_ptr<ScanMatcher> matcher = nullptr);
 
   void add(const ImuSample& sample);
-  /// A scan that arrived at t, with all samples of the IMU until then.
+  /// Adds a scan that arrived at t, after all IMU samples until then.
   void add(TimeNs t, std::shared_ptr<const Scan> scan, std::span<const SeenVehicle> others = {});
 
   struct Matched {
     TimeNs arrived = 0;
     ScanOutcome outcome;
   };
-  /// The oldest scan whose latency is over by t, if there is one.
+  /// Result for the oldest scan whose latency is over by t, if any.
   std::optional<Matched> match_next(TimeNs t);
 
-  /// As of the scan that was matched last, or later.
+  /// State as of the last matched scan, or later.
   const LocalSlam& at_scan() const { return slam_; }
-  /// At the last sample of the IMU.
+  /// State at the last IMU sample.
   const InertialFilter& now() const { return num_ahead() > 0 ? now_ : slam_.filter(); }
-  /// Of the pose now, in the local frame.
+  /// Covariance of the present pose, in the local frame.
   Matrix6 pose_covariance() const { return slam_.pose_covariance(now()); }
 
  private:
@@ -59,7 +59,7 @@ class SlamToNow {
   LocalSlam slam_;
   InertialFilter now_;
   std::vector<ImuSample> ring_;
-  std::uint64_t num_samples_ = 0, num_told_ = 0;  // of all; the ring has those that local SLAM was not told yet
+  std::uint64_t num_samples_ = 0, num_told_ = 0;  // all samples; the ring has those not yet passed to local SLAM
   std::vector<Arrival> waiting_;                  // few
 };
 

@@ -23,7 +23,7 @@ struct SurfaceMatchingConfig {
   SurfaceMapConfig map;
 };
 
-/// Scans against the planes of what was seen before, in one iterated update together with the IMU.
+/// Matches scans to the planes of the map, in one iterated update together with the IMU.
 class SurfaceMatcher : public ScanMatcher {
  public:
   explicit SurfaceMatcher(const SurfaceMatchingConfig& config) : config_(config), map_(config.map) {}
@@ -44,8 +44,8 @@ class SurfaceMatcher : public ScanMatcher {
   SurfaceMatchingConfig config_;
   SurfaceMap map_;
   ScanFitter fitter_;
-  Vector3 cropped_local_m_ = Vector3::Zero();  // where the vehicle was when what is far was forgotten last
-  // Of one scan.
+  Vector3 cropped_local_m_ = Vector3::Zero();  // position at the last removal of distant cells
+  // Scratch of one scan.
   VoxelThinner thinner_;
   std::vector<Eigen::Vector3f> dense_body_m_, sparse_body_m_;
   std::vector<Vector3> points_local_m_;

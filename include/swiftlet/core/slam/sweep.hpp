@@ -11,16 +11,16 @@
 
 namespace swiftlet {
 
-/// Where the body was during the last seconds, as the filter knew it: at every IMU sample. Only differences of poses
-/// count, so that a correction moves all of them alike.
+/// Poses of the body during the last seconds as estimated by the filter, at every IMU sample. Only differences of poses
+/// are used, so a correction moves all of them equally.
 class MotionHistory {
  public:
   void push(TimeNs t, const Vector3& p_local_m, const Eigen::Quaterniond& q_local_body);
-  /// The whole past, moved by a correction in the local frame.
+  /// Transforms the whole history by a correction in the local frame.
   void move(const Pose& T_new_old);
-  /// The speed turned out to be another one: the past moves, but for the instant t.
+  /// Changes the velocity of the history; the pose at t stays fixed.
   void change_velocity(TimeNs t, const Vector3& by_local_mps);
-  /// Interpolated between samples; the nearest known one outside of them.
+  /// Pose interpolated between samples; outside, the nearest one.
   Pose at(TimeNs t) const;
   bool covers(TimeNs t) const { return count_ > 0 && entry(0).t <= t; }
   bool empty() const { return count_ == 0; }
@@ -36,15 +36,15 @@ class MotionHistory {
 
   std::vector<Entry> ring_ = std::vector<Entry>(kCapacity);
   int first_ = 0, count_ = 0;
-  mutable int cursor_ = 0;  // beams ask for times that hardly ever go back
+  mutable int cursor_ = 0;  // index of the last lookup; times of successive beams rarely decrease
 };
 
-/// Keeps the first point in every cube of a grid, in the order of the points. Any frame, the same for all arguments.
+/// Keeps the first point in every voxel, in the order of the points. Any frame, the same for all arguments.
 class VoxelThinner {
  public:
-  /// Appends the indices of the points that are kept.
+  /// Appends the indices of the kept points.
   void thin(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<std::uint32_t>& kept);
-  /// The points themselves, in place of what was in `kept_m`.
+  /// Replaces `kept_m` by the kept points.
   void thin_into(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<Eigen::Vector3f>& kept_m);
 
  private:
@@ -57,9 +57,9 @@ class VoxelThinner {
   std::vector<std::uint32_t> kept_;
 };
 
-/// The returns of a scan in the body frame of one instant: each beam is carried by the motion since it was fired.
+/// Returns of a scan in the body frame at time t: each point is compensated for the motion since its firing.
 ///
-/// @param own_radius_m  returns nearer than this to the body's origin are the vehicle itself
+/// @param own_radius_m  returns within this radius of the body's origin are from the vehicle itself
 void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double own_radius_m, double range_max_m,
                std::vector<Eigen::Vector3f>& points_body_m);
 

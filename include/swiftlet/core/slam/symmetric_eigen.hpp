@@ -7,15 +7,15 @@
 
 namespace swiftlet {
 
-/// Eigenvalues in rising order and unit eigenvectors (columns) of a symmetric matrix.
+/// Eigenvalues in ascending order and unit eigenvectors (columns) of a symmetric matrix.
 template <int N>
 struct SymmetricEigen {
   Eigen::Matrix<double, N, 1> values;
   Eigen::Matrix<double, N, N> vectors;
 };
 
-/// Jacobi's rotations in a fixed order (Golub and Van Loan, Matrix Computations, sec. 8.5), for small N. Arithmetic and
-/// square roots only: the bits are the same everywhere.
+/// Jacobi rotations in a fixed order (Golub and Van Loan, Matrix Computations, sec. 8.5), for small N. Arithmetic and
+/// square roots only: bit-identical everywhere.
 template <int N>
 SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
   constexpr int kMostSweeps = 16;
@@ -52,7 +52,7 @@ SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
     }
   }
   out.values = A.diagonal();
-  for (int i = 0; i < N; ++i) {  // few: insertion in order
+  for (int i = 0; i < N; ++i) {  // insertion sort, for small N
     int least = i;
     for (int j = i + 1; j < N; ++j)
       if (out.values(j) < out.values(least)) least = j;

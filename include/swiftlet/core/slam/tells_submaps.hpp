@@ -8,18 +8,18 @@
 
 namespace swiftlet {
 
-/// Who has submaps of its way, in the order in which they began. The last one grows.
+/// Interface of a SLAM with submaps along its path, in the order of their beginning. The last one grows.
 class TellsSubmaps {
  public:
   virtual ~TellsSubmaps() = default;
   virtual int num_submaps() const = 0;
-  /// Of one that is finished: they stay what they are.
+  /// Points of a finished submap, which is immutable.
   virtual std::span<const Eigen::Vector3f> points_submap_m(int submap) const = 0;
-  /// As far as is known by now.
+  /// Present estimate of the submap's pose.
   virtual const Pose& T_local_submap(int submap) const = 0;
-  /// Of the flight, when it began.
+  /// Path length of the flight at the submap's beginning.
   virtual double way_m(int submap) const = 0;
-  /// Grows whenever a pose changes or a submap begins.
+  /// Increases whenever a pose changes or a submap begins.
   virtual std::uint64_t places_revision() const = 0;
 };
 
