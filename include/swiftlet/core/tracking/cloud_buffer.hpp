@@ -10,21 +10,21 @@
 
 namespace swiftlet {
 
-/// A cloud as the tracker keeps it: its points, when each was measured, and boxes around runs of neighboring points. By
-/// these a search around a place looks at few of them.
+/// A buffered cloud of the tracker: points, measurement times, and bounding boxes of runs of consecutive points, which
+/// accelerate radius searches.
 class BufferedCloud {
  public:
   void assign(const LocalCloud& cloud);
 
   TimeNs stamp() const { return stamp_; }
   TimeNs middle() const { return stamp_ + duration_ / 2; }
-  /// Pose of the sensor in the middle of the sweep.
+  /// Pose of the sensor at mid-sweep.
   const Pose& T_local_lidar() const { return T_local_lidar_; }
   const Eigen::Vector3f& point(std::uint32_t i) const { return points_[i]; }
   TimeNs time_of(std::uint32_t i) const {
     return duration_ == 0 ? stamp_ : stamp_ + from_seconds(beams_->offset_s(static_cast<int>(beam_[i])));
   }
-  float reflectivity(std::uint32_t i) const { return reflectivity_[i]; }  ///< 0: not known
+  float reflectivity(std::uint32_t i) const { return reflectivity_[i]; }  ///< 0: unknown
   /// Appends the indices of the points within the radius, in increasing order.
   void select(const Vector3& center_local_m, double radius_m, std::vector<std::uint32_t>& indices) const;
 
@@ -32,7 +32,7 @@ class BufferedCloud {
   struct Box {
     Eigen::Vector3f min_local_m, max_local_m;
   };
-  static constexpr std::size_t kRun = 64;  // points to a box
+  static constexpr std::size_t kRun = 64;  // points per box
 
   TimeNs stamp_ = 0;
   TimeNs duration_ = 0;
@@ -44,11 +44,11 @@ class BufferedCloud {
   std::vector<Box> boxes_;
 };
 
-/// The last N_buf clouds, oldest first; memory is used again.
+/// The last N_buf clouds, oldest first; reuses memory.
 class CloudBuffer {
  public:
   explicit CloudBuffer(int capacity) : clouds_(capacity) {}
-  /// The place for a new cloud, the oldest one's when the buffer is full.
+  /// Slot for a new cloud; replaces the oldest one when the buffer is full.
   BufferedCloud& push() {
     if (count_ < clouds_.size())
       ++count_;

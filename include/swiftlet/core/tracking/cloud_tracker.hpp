@@ -19,20 +19,20 @@
 
 namespace swiftlet {
 
-/// How far the position on which a track is corrected may be off.
+/// Covariance of the positions that correct tracks.
 struct TrackMeasurementConfig {
   enum class Noise { kConstant, kSigmaW };
   Noise noise = Noise::kConstant;
   double sigma_m = 0.3;            ///< Z
   double sigma_initial_m = 0.3;    ///< P_0,r
   MeasurementNoise sensor;         ///< Sigma_w
-  double sigma_sampling_m = 0.15;  ///< only one side of the target is seen
+  double sigma_sampling_m = 0.15;  ///< additional standard deviation, because only one side of the target is visible
 
   void visit(ConfigVisitor& v);
 };
 
-/// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md tells where the paper and its
-/// released code differ and what is the default here.
+/// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md describes where the paper and its
+/// released code differ and which is the default here.
 struct CloudTrackerConfig {
   int buffer_size = 10;       ///< N_buf
   double radius_scale = 1.5;  ///< c_r
@@ -57,23 +57,23 @@ struct CloudTrackerConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Follows any number of flying objects through the clouds of a LiDAR, from detections that may be older than the
-/// newest cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in the local frame.
+/// Tracks any number of flying objects through the clouds of a LiDAR, from detections that may be older than the newest
+/// cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in the local frame.
 class CloudTracker {
  public:
   CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter);
 
-  /// Routine newPointCloud(). A cloud that is not newer than the last one is passed over.
-  /// @param background  occupied voxels O; null: nothing is known
+  /// Routine newPointCloud(). A cloud not newer than the last one is ignored.
+  /// @param background  occupied voxels O; null: unknown
   void new_cloud(const LocalCloud& cloud, const BackgroundQuery* background);
-  /// Routine newDetections(): each is carried through the buffered clouds that are newer.
+  /// Routine newDetections(): each detection is propagated through the buffered clouds that are newer.
   void new_detections(std::span<const Detection> detections, const BackgroundQuery* background);
 
   /// Tracks with enough detections, in order of their identity.
   void publish(std::vector<Track>& tracks) const;
-  /// What their motion models believe, in the same order; none where the filter has one model.
+  /// Mode estimates of the tracks, in the same order; empty when the filter has one model.
   void publish_modes(std::vector<TrackModes>& modes) const;
-  int num_tracks() const { return static_cast<int>(targets_.size()); }  ///< published or not
+  int num_tracks() const { return static_cast<int>(targets_.size()); }  ///< including unpublished ones
   void append_counters(std::vector<Counter>& counters) const;
 
   /// r_unc of eq. (29) [m].
@@ -82,11 +82,11 @@ class CloudTracker {
  private:
   struct Target {
     std::uint32_t id = 0;
-    TimeNs t = 0;  // for which its state holds
+    TimeNs t = 0;  // time of the state
     MotionState state;
     int num_detections = 0;
     bool corrected = false;
-    Vector3 measured_local_m = Vector3::Zero();  // the newest measurement
+    Vector3 measured_local_m = Vector3::Zero();  // newest measurement
     Matrix3 measured_covariance = Matrix3::Identity();
     float reflectivity = 0.0F;
   };
@@ -95,7 +95,7 @@ class CloudTracker {
     Vector3 position_local_m;
     Matrix3 covariance;  // Z
     TimeNs t;
-    float reflectivity;                      // the greatest
+    float reflectivity;                      // maximum
     std::span<const std::uint32_t> members;  // indices into selected_
   };
 
@@ -122,7 +122,7 @@ class CloudTracker {
   std::uint64_t num_clouds_ = 0, num_late_clouds_ = 0;
   std::uint64_t num_detections_ = 0, num_late_detections_ = 0;
 
-  // Memory of one update, kept for the next.
+  // Scratch memory of one update, reused.
   std::vector<Target> predicted_;
   std::vector<std::uint32_t> selected_, around_;
   std::vector<Eigen::Vector3f> selected_points_;

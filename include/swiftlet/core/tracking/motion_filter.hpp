@@ -22,7 +22,8 @@ struct MotionBelief {
   Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
 };
 
-/// What a filter knows of one target: the belief, and the beliefs of its motion models when it has several. A value.
+/// Filter state of one target: the mixture, and the beliefs of the single motion models if there are several. A value
+/// type.
 struct MotionState {
   static constexpr int kMaxModes = 3;
   MotionBelief belief;
@@ -30,32 +31,32 @@ struct MotionState {
   std::array<double, kMaxModes> mode_probability{1.0, 0.0, 0.0};
 };
 
-/// Standard deviations of the process noise that one step of `period_s` adds, eq. (34).
+/// Standard deviations of the process noise of one step of `period_s`, eq. (34).
 struct ProcessNoise {
   double sigma_position_m = 0.01;
   double sigma_velocity_mps = 0.2;
   double sigma_acceleration_mps2 = 0.3;
 
   void visit(ConfigVisitor& v);
-  /// Of a step of another length: variance grows with time, so that two half steps add what one step does. A period
-  /// of 0 adds the same in every step, as printed.
+  /// Covariance for a step of another length: variance is proportional to time, so that two half steps equal one step.
+  /// A period of 0 adds the same in every step, as printed.
   Matrix9 covariance(double dt_s, double period_s) const;
 };
 
-/// Predicts and corrects beliefs; has no state of its own.
+/// Predicts and corrects beliefs; stateless.
 class MotionFilter {
  public:
   virtual ~MotionFilter() = default;
-  /// Does it keep the beliefs of several models, in the order of TrackModes::Model?
+  /// True when the filter has several models, in the order of TrackModes::Model.
   virtual bool has_modes() const { return false; }
-  /// At rest at a position, eqs. (35) and (36).
+  /// Initial state at rest, eqs. (35) and (36).
   virtual MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const = 0;
   virtual void predict(MotionState& state, double dt_s) const = 0;
-  /// By a measured position z = H x + noise of covariance Z, eqs. (32) and (33).
+  /// Corrects by a measured position z = H x + noise of covariance Z, eqs. (32) and (33).
   virtual void correct(MotionState& state, const Vector3& z_local_m, const Matrix3& Z) const = 0;
 };
 
-/// Standard deviations of velocity and acceleration of a target about which nothing but its place is known, eq. (36).
+/// Initial standard deviations of velocity and acceleration of a target with known position only, eq. (36).
 struct InitialSpread {
   double sigma_velocity_mps = 1.0;
   double sigma_acceleration_mps2 = 1.0;
@@ -91,12 +92,12 @@ struct ImmConfig {
 };
 std::unique_ptr<MotionFilter> make_imm_filter(const ImmConfig& config);
 
-// The parts, for tests and for filters of your own.
-Matrix9 constant_velocity_transition(double dt_s);      ///< acceleration ends
+// Components, for tests and custom filters.
+Matrix9 constant_velocity_transition(double dt_s);      ///< zero acceleration
 Matrix9 constant_acceleration_transition(double dt_s);  ///< A of eq. (30)
 Matrix9 coordinated_turn_transition(double dt_s, double rate_radps);
 double turn_rate_radps(const Vector9& mean);
-/// Kalman correction by a position; the log of the measurement's likelihood.
+/// Kalman correction by a position; returns the log-likelihood of the measurement.
 double correct_belief(MotionBelief& belief, const Vector3& z_local_m, const Matrix3& Z);
 
 }  // namespace swiftlet

@@ -11,16 +11,16 @@
 
 namespace swiftlet {
 
-/// Tracks for pictures, in a color for each identity. "tracks" shows where they are, have been, and will be in two
+/// Track overlays with a color for each identity. "tracks" shows present and past positions, and the prediction for two
 /// seconds. "tracks.covariance" shows ellipses of three standard deviations in the coordinate planes.
 class TrackOverlays {
  public:
-  /// After every update of the tracks.
+  /// Called after every update of the tracks.
   void push(std::span<const Track> tracks);
   void append(std::span<const Track> tracks, std::vector<Overlay>& overlays) const;
 
  private:
-  /// Where one track was, in a ring.
+  /// Past positions of one track, in a ring buffer.
   struct Trail {
     static constexpr std::size_t kCapacity = 100;  // 10 s of a LiDAR at 10 Hz
     std::uint32_t id = 0;

@@ -13,28 +13,28 @@
 
 namespace swiftlet {
 
-/// What a tracker knows in one tick: all values, nothing kept.
+/// Inputs of a tracker in one tick; references are valid for this call only.
 struct TrackerInput {
   const Observation& observation;
   const StateEstimate& estimate;                                   ///< valid
-  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< finished in this tick
   bool has_detections = false;                                     ///< the detector finished a scan in this tick
-  std::span<const Detection> detections = {};                      ///< what it found, which may be nothing
-  std::span<const Track> detector_tracks = {};  ///< of a detector that tracks before it detects, as of its last scan
-  const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
+  std::span<const Detection> detections = {};                      ///< detections of that scan; may be empty
+  std::span<const Track> detector_tracks = {};  ///< tracks of a track-before-detect detector, as of its last scan
+  const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: unknown
 };
 
-/// Where do the targets fly? A scenario chooses by name who answers.
+/// Interface of trackers. A scenario selects the implementation by name.
 class Tracker {
  public:
   virtual ~Tracker() = default;
-  /// True when `tracks` was updated; it is left alone otherwise.
+  /// True when `tracks` was updated; otherwise it is unchanged.
   virtual bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) = 0;
-  /// What its motion models believe of the tracks that it told last, in their order. None where it has one model.
+  /// Mode estimates of the tracks of the last update, in their order. Empty with one model.
   virtual void modes(std::vector<TrackModes>& modes) const { modes.clear(); }
-  /// Where other observers are with whom it shares tracks, as of now; none otherwise. Local frame.
+  /// Present states of observers with which tracks are shared; none otherwise. Local frame.
   virtual void append_relatives(TimeNs /*t*/, std::vector<RelativeEstimate>& /*relatives*/) const {}
-  /// What did not fit its settings so far.
+  /// Appends counters of events that exceeded the settings.
   virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };
 

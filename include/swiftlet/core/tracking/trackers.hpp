@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// No tracking; makes nothing.
+/// No tracking.
 struct NoTrackerConfig : ModuleConfigOf<NoTrackerConfig> {
   void visit(ConfigVisitor&) override {}
 };
@@ -25,7 +25,7 @@ struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
-/// The same with interacting multiple models, as Vrba 2025 uses it for interception (sec. VI-B).
+/// Algorithm 2 of Vrba 2025 with interacting multiple models, as used for interception (sec. VI-B).
 struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
   std::string sensor;  ///< name of the LiDAR; empty: the first
   CloudTrackerConfig tracker;
@@ -35,7 +35,7 @@ struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
-/// The tracks of a detector that tracks before it detects, as of the last scan that it finished; none of another's.
+/// Tracks of a track-before-detect detector, as of its last finished scan; none for other detectors.
 struct DetectorTracksConfig : ModuleConfigOf<DetectorTracksConfig> {
   void visit(ConfigVisitor&) override {}
 };
