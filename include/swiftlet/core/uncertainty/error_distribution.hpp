@@ -20,7 +20,7 @@ class ErrorDistribution {
   double variance_m2() const;
   double pdf(double error_m) const;
   double cdf(double error_m) const;
-  /// The error that is exceeded with probability 1 - p, p in [0, 1).
+  /// Error that is exceeded with probability 1 - p, p in [0, 1).
   double quantile_m(double p) const;
 
  private:
@@ -28,8 +28,8 @@ class ErrorDistribution {
   double omega_ = 1.0;
 };
 
-/// Mean Euclidean norm of a normal variable of mean zero, exact (one quadrature over the moment generating function of
-/// the squared norm): what ErrorDistribution::mean_m() approximates.
+/// Mean Euclidean norm of a zero-mean normal variable, exact (one quadrature over the moment generating function of the
+/// squared norm). ErrorDistribution::mean_m() approximates it.
 /// @param Sigma  [m^2], positive semi-definite
 double mean_normal_norm(const Matrix3& Sigma);
 

@@ -15,9 +15,10 @@ struct CellGrid {
   Vector3 cell_size_m() const { return box.sizes().cwiseQuotient(Vector3(counts[0], counts[1], counts[2])); }
 };
 
-/// Probability of each cell under a trivariate normal distribution: box_probability() for a million boxes at once.
+/// Probability of each cell under a trivariate normal distribution: a batch version of box_probability() for a million
+/// boxes.
 ///
-/// The integral along the axis of the least conditional deviation is closed, over the two others Gauss-Legendre in
+/// The integral along the axis of least conditional deviation is in closed form, the two others by Gauss-Legendre in
 /// steps that resolve the distribution. Absolute error of a cell below 2e-7 for deviations of a thousandth of a cell
 /// and more.
 /// Any frame, the same for all arguments.

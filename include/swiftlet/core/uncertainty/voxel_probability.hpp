@@ -7,9 +7,9 @@ namespace swiftlet {
 
 /// Probability that a trivariate normal variable lies in an axis-aligned box [Vrba 2025, eq. 65].
 ///
-/// Triangular factorisation makes the innermost integral closed (a difference of normal distribution functions, after
-/// A. Genz, J. Comput. Graph. Stat. 1, 1992); the two others are integrated adaptively. Absolute error below 1e-7, for
-/// degenerate covariances too (a variance of zero is a point mass along that direction).
+/// Triangular factorization gives the innermost integral in closed form (a difference of normal distribution functions,
+/// after A. Genz, J. Comput. Graph. Stat. 1, 1992); the two others are integrated adaptively. Absolute error below
+/// 1e-7, also for degenerate covariances (a variance of zero is a point mass along that direction).
 /// Any frame, the same for all arguments.
 /// @param mean   [m]
 /// @param Sigma  [m^2], positive semi-definite
