@@ -23,7 +23,7 @@ constexpr float kVoxel_m = 0.2F;
 
 struct CloudOfSubmap {
   Pose T_world_submap;
-  std::array<std::vector<Eigen::Vector3f>, 2> points_m;  // of every second scan; of the remaining ones
+  std::array<std::vector<Eigen::Vector3f>, 2> points_m;  // every second scan; the remaining ones
 };
 
 std::vector<Eigen::Vector3f> thinned_m(const std::vector<Eigen::Vector3f>& points_m) {

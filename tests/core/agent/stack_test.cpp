@@ -264,10 +264,11 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       config.guidance = Module(guidance_module_types(), guidance.module.name);
       // A search for a view takes memory; looking around does not.
       if (auto* explore = dynamic_cast<ExploreConfig*>(config.guidance.config.get())) explore->look_s = 100.0;
-      // So does planning; flying and telling the plan does not.
+      // Planning is disabled too; flight and reports of the plan go on.
       if (auto* share = dynamic_cast<SharePathsConfig*>(config.guidance.config.get())) share->period_s = 100.0;
-      config.mapping = Module(mapper_module_types(), "sparse");  // which some guidance asks
-      config.relative_localization = Module(relative_localizer_module_types(), "shared_world");  // the same
+      config.mapping = Module(mapper_module_types(), "sparse");  // required by some guidance
+      // required by some guidance
+      config.relative_localization = Module(relative_localizer_module_types(), "shared_world");
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;
       ClosedLoop loop(testing::x500(), config, {0, 0, 6});
       loop.imu = true;

@@ -16,10 +16,10 @@ namespace {
 using testing::FinePlant;
 
 constexpr TimeNs kStep = 4'000'000;
-// Where the vehicle's local frame really lies in the world.
+// True pose of the vehicle's local frame in the world.
 const Pose kT_world_local = make_pose({6.0, -4.0, 0.5}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3::UnitZ())));
 
-/// Knows exactly how it moves in its local frame, and learns only at `learns_at` where that frame lies.
+/// Exact local motion; the pose of the local frame becomes known at `learns_at`.
 class LateEstimator : public StateEstimator {
  public:
   explicit LateEstimator(TimeNs learns_at) : learns_at_(learns_at) {}
@@ -51,7 +51,7 @@ class LateEstimator : public StateEstimator {
   StateEstimate estimate_;
 };
 
-/// Asks for what no reference governor would give: a step of ten meters, as a feasible reference or as a goal.
+/// A step of ten meters that no reference governor would allow, as a feasible reference or as a goal.
 class StepGuidance : public Guidance {
  public:
   explicit StepGuidance(bool feasible) : feasible_(feasible) {}
@@ -65,7 +65,7 @@ class StepGuidance : public Guidance {
   bool feasible_;
 };
 
-/// Keeps the clouds that it was given and the map.
+/// Keeps the clouds and the map that it receives.
 class WatchingGuidance : public Guidance {
  public:
   explicit WatchingGuidance(GuidanceNeeds needs) : needs_(needs) {}
@@ -139,7 +139,7 @@ TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
     ASSERT_EQ(a.rotor_command, b.rotor_command) << i;
     ASSERT_EQ(a.estimate.T_local_body.matrix(), b.estimate.T_local_body.matrix());
     ASSERT_EQ(b.estimate.correction_revision, learns.plant.t >= 2 * kNsPerSecond ? 1U : 0U);
-    // What is told to the world jumps by the correction; carried back it is the smooth reference of the local frame.
+    // The reference in the world jumps by the correction; in the local frame it is smooth.
     const Vector3 reference_m = b.estimate.T_world_local.inverse() * b.reference.position_m;
     ASSERT_LT((reference_m - a.reference.position_m).norm(), 1e-12);
     ASSERT_TRUE(i == 0 || (reference_m - last_m).norm() < 0.02) << i;
@@ -197,7 +197,7 @@ TEST(TwoFrames, WhoLooksInVainStopsToTurnAndFails) {
 }
 
 TEST(TwoFrames, WhoHasFoundItselfSaysNoMoreThatItLooks) {
-  // One finds itself while it still looks, the other one after it had given up.
+  // Relocalized while still searching, and after the search was given up.
   for (const TimeNs found_at : {4 * kNsPerSecond, 12 * kNsPerSecond}) {
     Flight flight(found_at, waypoints({{9.0, 1.0, 3.0}}, WaypointsConfig::Frame::kWorld), true);
     const Action* action = nullptr;

@@ -12,13 +12,13 @@ namespace swiftlet {
 namespace {
 
 TEST(CaptureVolume, ADiscIsMetWhereTheWayGoesThroughIt) {
-  const CaptureVolume net;  // of 2 m radius
+  const CaptureVolume net;  // radius 2 m
   EXPECT_NEAR(net.met_m({1.0, 0.0, 0.5}, {2.0, 0.0, -0.5}).value_or(-1.0), 1.5, 1e-12);
   EXPECT_FALSE(net.met_m({1.0, 0.0, 0.5}, {1.0, 0.0, 0.1})) << "it stays above";
   EXPECT_FALSE(net.met_m({2.0, 0.0, 0.5}, {3.0, 0.0, -0.5})) << "it passes beside the rim";
 }
 
-// However long the step: what is tested is the way, not its ends.
+// The whole path is tested, not only its ends, however long the step is.
 TEST(CaptureVolume, AFastTargetIsNotMissedBetweenTwoTicks) {
   CaptureVolume net;
   EXPECT_TRUE(net.met_m({0.0, 0.0, 100.0}, {0.0, 0.0, -100.0}));
@@ -28,7 +28,7 @@ TEST(CaptureVolume, AFastTargetIsNotMissedBetweenTwoTicks) {
   EXPECT_FALSE(net.met_m({-50.0, 1.0, -0.6}, {50.0, 1.0, -0.6})) << "it flies below the volume";
 }
 
-// A way that leads through the axis only above or below the volume is nearest to it at a rim.
+// A path that crosses the axis only above or below the volume is nearest to it at a rim.
 TEST(CaptureVolume, OnlyThePartOfAWayBetweenItsRimsCounts) {
   CaptureVolume net;
   net.height_m = 1.0;
@@ -59,7 +59,7 @@ TEST(CaptureVolume, HangsBelowAndTurnsWithTheHeading) {
   EXPECT_LT((net.center({0, 0, 5}, std::atan2(3.0, 4.0)) - Vector3(4 - 6, 3 + 8, 3)).norm(), 1e-9);
 }
 
-// Every way beside a look at ten thousand places on it.
+// Compared with ten thousand positions along each path.
 TEST(CaptureVolume, IsMetWhereSomePlaceOfTheWayLiesInIt) {
   int met = 0, missed = 0;
   for (std::uint32_t round = 0; round < 400; ++round) {

@@ -60,7 +60,7 @@ std::vector<std::string> names_of(const std::vector<Column>& columns) {
   return names;
 }
 
-/// What a row says, as text.
+/// The fields of a row as text.
 class Words final : public ColumnSink {
  public:
   void time(const ColumnName&, TimeNs t) override { words.push_back(std::to_string(t) + "ns"); }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kTick_s = 0.004, kWeight_mps2 = 9.81, kRadPerDegree = std::numbers::pi / 180.0;
 
-/// What a controller asks of the rotors in its first tick, as force and torques. Its motors have no lead, so that the
-/// commands are the wanted speeds.
+/// Force and torques that a controller commands in its first tick. Its motors have no lead, so that the commands are
+/// the wanted speeds.
 class FirstTick {
  public:
   explicit FirstTick(const Airframe& airframe_in, ControlGainsConfig config = {}) : airframe(airframe_in) {
@@ -123,7 +123,7 @@ TEST_P(ControlLaw, RatesOfTheReferenceComeFromItsJerkAndItsYawRate) {
   EXPECT_NEAR(wrench.torque_body_Nm.z(), tick.torque_Nm(2, tick.gains().rate_body.z() * 0.03), 1e-9);
 }
 
-/// Tilt that the first tick asks for, about x and y; below its bound.
+/// Tilt commanded in the first tick, about x and y; below its bound.
 Eigen::Vector2d wanted_tilt_rad(FirstTick& tick) {
   const Wrench wrench = tick.wrench();
   return {wrench.torque_body_Nm.x() / tick.torque_Nm(0, tick.gains().rate_body.x() * tick.gains().attitude_body.x()),
@@ -166,7 +166,7 @@ TEST_P(ControlLaw, FeedbackIsBounded) {
   EXPECT_NEAR(wanted_tilt_rad(tick).y(), std::atan2(0.2, kWeight_mps2), 1e-9);
 }
 
-// In still air the drag of flight at v is held against: half rho |v| v A, and of each turning rotor its own.
+// The feedforward equals the drag at v in still air: half rho |v| v A, and the drag of each turning rotor.
 TEST_P(ControlLaw, DragOfTheWantedVelocityIsFedForward) {
   Airframe draggy = airframe;
   draggy.body_drag_area_m2 = {0.03, 0.02, 0.05};
@@ -214,7 +214,7 @@ TEST(ControlGains, RateLoopIsHalfTheInverseOfTheLagThatIsLeft) {
   EXPECT_NEAR(rate(0.001), 35.0, 1e-12) << "never faster";
 }
 
-/// A vehicle that hangs so far below its goal, and what its controller wants beside carrying the weight.
+/// A vehicle below its goal, and the command of its controller beyond carrying the weight.
 struct Hanging {
   Hanging(ControlGainsConfig config, double below_m) {
     config.motor_lead = 0.0;
@@ -237,7 +237,7 @@ struct Hanging {
   Reference reference;
 };
 
-// The integral part grows by the error and holds what it is told at most.
+// The integral part grows with the error up to its bound.
 TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
   ControlGainsConfig config;
   config.integral_max_mps2 = 0.05;

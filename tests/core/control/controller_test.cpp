@@ -60,7 +60,7 @@ TEST_P(EveryAirframe, HoldsAHoverInSteadyWindByItsIntegralPart) {
 }
 
 TEST_P(EveryAirframe, TiltSettlesQuicklyAndWithLittleOvershoot) {
-  // A step of the wanted acceleration by g/4 asks for a tilt of atan(1/4); feedback of position and velocity is off.
+  // A step of the wanted acceleration by g/4 needs a tilt of atan(1/4); feedback of position and velocity is off.
   ControlGainsConfig gains;
   gains.position_radps = 1e-6;
   gains.integral_time_s = 0.0;
@@ -147,8 +147,8 @@ TEST_P(EveryAirframe, SurvivesHugeErrorsAndFliesBack) {
   EXPECT_LT(worst_tilt, 65.0 * std::numbers::pi / 180.0);
 }
 
-// As flocking does: a new goal ten times a second. The reference's jerk then goes back and forth at its limit, and more
-// torque is asked for than the rotors have, again and again.
+// A new goal ten times a second, as in flocking. The jerk of the reference alternates at its limit, and the commanded
+// torque exceeds that of the rotors again and again.
 TEST_P(EveryAirframe, GoalsThatJumpNeitherLiftNorLoseIt) {
   const MotionLimits limits;
   ASSERT_EQ(limits.horizontal_jerk_mps3, 40.0);

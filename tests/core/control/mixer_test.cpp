@@ -42,7 +42,7 @@ TEST(Mixer, ClosedFormOfTheQuadX) {
   EXPECT_NEAR(f[1], thrust / 4 + 1 / (4 * d), 1e-9);  // rear left
   EXPECT_NEAR(f[2], thrust / 4 + 1 / (4 * d), 1e-9);  // front left
   EXPECT_NEAR(f[3], thrust / 4 - 1 / (4 * d), 1e-9);  // rear right
-  // Turning left (positive yaw) needs more of the rotors that turn cw.
+  // Turning left (positive yaw) needs more thrust of the clockwise rotors.
   const auto y = mixer.forces({thrust, {0.0, 0.0, 0.1}});
   EXPECT_GT(y[2], y[0]);
   EXPECT_NEAR(y[2] - y[0], 0.1 / (2 * airframe.torque_to_thrust_m), 1e-9);
@@ -61,7 +61,7 @@ TEST(Mixer, GivesUpYawFirstThenThrustThenShrinksRollAndPitchTogether) {
   EXPECT_GT(got.torque_body_Nm.z(), 0.05);
   EXPECT_LT(got.torque_body_Nm.z(), 5.0);
 
-  // No thrust wanted, or all of it: raised or lowered so that the tilt torques hold.
+  // Zero or full thrust is raised or lowered so that the tilt torques are kept.
   for (const double extreme : {0.0, 1.5 * airframe.max_thrust_N()}) {
     got = mixer.wrench(mixer.forces({extreme, {1.0, 0.6, 0.0}}));
     EXPECT_NEAR(got.torque_body_Nm.x(), 1.0, 1e-9) << extreme;
@@ -78,14 +78,14 @@ TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
   for (const auto& [name, airframe] : all_airframes()) {
     const Mixer mixer(airframe);
     const double weight = airframe.mass_kg * 9.81;
-    // Far too much torque: the thrust stays at what was allowed, or at what is wanted when that is more.
+    // Excessive torque: the thrust stays at its limit, or at the wanted thrust if that is larger.
     for (const double thrust : {0.0, 0.2 * weight, weight, 1.2 * weight}) {
       const Wrench got = mixer.wrench(mixer.forces({thrust, {30.0, -12.0, 0.0}}, weight));
       EXPECT_NEAR(got.thrust_N, std::max(thrust, weight), 1e-9 * weight) << name << " " << thrust;
       EXPECT_NEAR(got.torque_body_Nm.y() / got.torque_body_Nm.x(), -0.4, 1e-9) << name;
       EXPECT_GT(got.torque_body_Nm.x(), 0.1) << name;
     }
-    // What fits is given in full.
+    // Feasible commands are met in full.
     const Vector3 small(0.02 * weight * airframe.arm_length_m, 0.0, 0.0);
     EXPECT_NEAR(mixer.wrench(mixer.forces({weight, small}, weight)).torque_body_Nm.x(), small.x(), 1e-9) << name;
   }

@@ -29,7 +29,7 @@ TEST(MotionLimits, SetsAreThePublishedOnes) {
   const MotionLimits agile = set_of(Set::kAgile);
   EXPECT_GE(agile.vertical_speed_mps, 8.2);
   EXPECT_GE(agile.vertical_acceleration_mps2, 4.5);
-  // Each allows all that the one before does.
+  // Each set allows at least what the slower one allows.
   const std::vector<double> faster = numbers_of(agile), fast = numbers_of(set_of(Set::kFast));
   for (std::size_t i = 0; i < fast.size(); ++i) EXPECT_GE(faster[i], fast[i]) << i;
 }

@@ -273,7 +273,7 @@ TEST(ReferenceGovernor, ResetKeepsVelocitiesWithinTheirLimits) {
   EXPECT_EQ(governor.state().yaw_rad, 0.4);
   EXPECT_EQ(governor.state().yaw_rate_radps, 0.0);
   EXPECT_EQ(governor.jerk_mps3(), Vector3(0, 0, 0));
-  // What is not a number is passed over.
+  // NaN is ignored.
   start.position_m.x() = std::nan("");
   governor.reset(start);
   EXPECT_EQ(governor.state().position_m.x(), 1.0);

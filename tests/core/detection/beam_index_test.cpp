@@ -16,7 +16,7 @@ namespace {
 using testing::make_beams;
 using testing::pose_at;
 
-/// A sweep of a sensor that moves and turns, with ranges of its own making.
+/// A sweep with random ranges from a sensor that moves and turns.
 LocalCloud moving_sweep(const std::shared_ptr<const BeamTable>& beams, TimeNs stamp, TimeNs duration,
                         const Vector3& from_m, const Vector3& to_m, double turn_rad) {
   auto scan = std::make_shared<Scan>();
@@ -114,7 +114,7 @@ TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
   EXPECT_GT(met, 200);
 }
 
-// No more than the range of any return half a degree beside it; and that of one that is near, whatever the azimuth.
+// At most the range of any return within half a degree, and exactly that of one nearby return, at any azimuth.
 TEST(BeamIndex, TheNearestReturnAboutADirectionIsOneOfItsNeighbors) {
   const auto table = all_around(60, 200);
   const Random random(5, "returns");
@@ -150,7 +150,7 @@ TEST(BeamIndex, TheNearestReturnAboutADirectionIsOneOfItsNeighbors) {
   EXPECT_LT(empty, 11500);
 }
 
-// Where the place of a target is less sure than it is large, beams between 2.5 deviations and the end of the Gaussian
+// For a target whose position is less certain than its size, beams between 2.5 deviations and the end of the Gaussian
 // may be counted or not.
 TEST(BeamIndex, BeamsAlongTheAxesMeetWhatLiesThere) {
   const Vector3 axes[] = {Vector3::UnitX(),  Vector3::UnitY(),  Vector3::UnitZ(),

@@ -18,7 +18,7 @@ const double kMiddle = std::log(0.17 / 0.02), kBeside = std::log(0.83 / 0.98);
 TEST(BodyParts, EachReturnCountsByTheThirdThatItLiesIn) {
   BodyParts parts;
   const Returns a = {{0.0, 0.0, 0.0}, {0.4, 1.0, 0.0}, {-0.4, -1.0, 5.0}}, b = {{1.0, 0.0, 5.0 / 3.0}};
-  // The way from the mean of a to b is along x, and the second one of a lies at 0.4 of it.
+  // The line from the mean of a to b is along x; the second return of a lies at 0.4 of it.
   EXPECT_FALSE(parts.weigh(7, a, 3, b));
   EXPECT_NEAR(parts.log_odds(3, 7), kMiddle + 3.0 * kBeside, 1e-12);
   EXPECT_EQ(parts.log_odds(3, 7), parts.log_odds(7, 3));
@@ -55,7 +55,7 @@ TEST(BodyParts, PairsThatAreRememberedAreBounded) {
   EXPECT_LT(parts.log_odds(0, most + 1), 0.0);
 }
 
-/// How many of 200 flights of 10 s end with one body? Each return lies uniformly on the one body, or on one of two.
+/// Number of 200 flights of 10 s that end with one body. Returns are uniform on one body, or on one of two.
 int taken_for_one(double length_m, double gap_m, double returns_per_sweep) {
   int ones = 0;
   for (std::uint32_t flight = 0; flight < 200; ++flight) {

@@ -19,7 +19,7 @@ VoxelMapConfig box(double size_m) {
   return config;
 }
 
-/// Rule B by relaxation until nothing changes, from every start on its own.
+/// Rule B by relaxation to a fixed point, independently from every start.
 bool leads_out_slowly(const VoxelMap& map, const Cell& start, const SearchShape& shape,
                       std::set<std::ptrdiff_t>& part) {
   const VoxelGrid& grid = map.grid();
@@ -99,7 +99,7 @@ TEST(EnclosureSearch, AShellOfFreeVoxelsHoldsUntilItHasAHole) {
   const SearchShape shape{.radius_m = 3.0};
   EXPECT_TRUE(search.enclosed(map, starts, shape));
   EXPECT_EQ(search.explored().size(), 125u);
-  map.set(at(2, 2, 3), -740.0F);  // a hole out of the straight way
+  map.set(at(2, 2, 3), -740.0F);  // a hole off the straight line
   EXPECT_FALSE(search.enclosed(map, starts, shape));
   map.set(at(2, 2, 3), -1000.0F);
   map.set(at(1, 1, 1), -200.0F);  // something tentative inside

@@ -59,8 +59,8 @@ TEST(EuclideanClusters, AreThoseOfBruteForce) {
   }
 }
 
-// Tolerances of more than a meter, and cells whose numbers differ in their leading digits only. Points of one place
-// stand far from each other in the list.
+// Tolerances above one meter, and cells whose keys differ only in their leading digits. Points of one place are far
+// apart in the list.
 TEST(EuclideanClusters, OfGreatDistancesAreThoseOfBruteForce) {
   EuclideanClusters clusters;
   for (std::uint32_t trial = 0; trial < 40; ++trial) {

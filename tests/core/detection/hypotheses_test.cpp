@@ -60,7 +60,7 @@ class Waiting {
   TimeNs number_ = 0;
 };
 
-// By brute force: the gamma distribution of the share, and Poisson numbers of returns.
+// Brute force: the gamma distribution of the share, and Poisson numbers of returns.
 TEST(Smallness, WeighsSweepsByNegativeBinomialLikelihoods) {
   const auto likelihood = [](int n, double mean, double variation) {
     double sum = 0.0, norm = 0.0;

@@ -20,7 +20,7 @@ TEST(ClusterShape, VoxelsCountByTheirPointsInMeanAndAxes) {
   EXPECT_NEAR(shape.extent_m.y(), 2.0, 0.01);
   EXPECT_NEAR(shape.extent_m.z(), 2.0, 0.01);
 
-  // Without weights the box is turned towards the diagonal.
+  // Without weights the box is rotated towards the diagonal.
   samples.weight.clear();
   EXPECT_GT(shape_of(samples, all).extent_m.z(), 2.5);
 }

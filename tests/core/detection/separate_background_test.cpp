@@ -17,7 +17,7 @@ VoxelMapConfig box(const Vector3& size_m) {
   return config;
 }
 
-/// By labels that spread until nothing changes.
+/// Connected components by labels that spread to a fixed point.
 std::vector<std::ptrdiff_t> separate_slowly(const VoxelMap& map, double distance_m, int least_confident,
                                             int& num_kept) {
   std::vector<std::ptrdiff_t> voxels;
@@ -52,7 +52,7 @@ TEST(SeparateBackground, AgreesWithLabelsThatSpread) {
   SeparateBackground separator;
   std::size_t removed = 0, kept = 0;
   for (std::uint32_t trial = 0; trial < 24; ++trial) {
-    // Rows of more than one word; sizes that blocks of two fill or do not.
+    // Rows of more than one word; sizes that are multiples of a block and sizes that are not.
     VoxelMap map(box(trial % 3 == 0   ? Vector3(18.0, 6.0, 3.0)
                      : trial % 3 == 1 ? Vector3(17.75, 5.25, 2.75)
                                       : Vector3(8.0, 7.25, 5.0)));
@@ -74,7 +74,7 @@ TEST(SeparateBackground, AgreesWithLabelsThatSpread) {
   EXPECT_GT(kept, 100u);
 }
 
-// Every pair of voxels, whatever their places in blocks and words: near or not by the distance of their centers.
+// Every pair of voxels, at all positions in blocks and words: near or not by the distance of their centers.
 TEST(SeparateBackground, TwoVoxelsHangTogetherUpToTheDistanceAndWithIt) {
   SeparateBackground separator;
   for (const double distance : {1.0, 1.4, 1.75, 2.0, 3.0, 3.2}) {  // in edges

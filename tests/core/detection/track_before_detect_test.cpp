@@ -22,7 +22,7 @@ using namespace testing;
 constexpr TimeNs kTick = 4'000'000;
 constexpr TimeNs kTurn = 100'000'000;
 
-// Of 100 things, 20 are targets. 9 of 10 targets and 1 of 10 others give the measurement: 18 of 26 that gave it.
+// 20 of 100 objects are targets. 9 of 10 targets and 1 of 10 other objects give the measurement: 18 of 26 measurements.
 TEST(Existence, IsBayesRule) {
   EXPECT_NEAR(existence_after(0.2, 0.9 / 0.1), 18.0 / 26.0, 1e-12);
   EXPECT_NEAR(existence_after(0.2, 0.1 / 0.9), 2.0 / 74.0, 1e-12);
@@ -46,7 +46,7 @@ TEST(Existence, SilenceIsPoissonAveragedOverTheGammaDistribution) {
   EXPECT_DOUBLE_EQ(rate.none(0.0), 1.0);
 }
 
-// Of 100 targets 20 are hidden. Each of the others is silent in one of four sweeps: 20 and 20 remain.
+// 20 of 100 targets are hidden. A visible one is silent in one of four sweeps: 20 and 20 remain.
 TEST(Existence, SilenceMakesATargetLikelierHiddenThanGone) {
   Observability sight{.hidden = 0.2};
   EXPECT_NEAR(sight.weigh(0.25), 0.4, 1e-12);
@@ -172,7 +172,7 @@ TEST(BeamIndex, ABeamThatEndedBeforeTheTargetSaysNothingOfIt) {
   }
 }
 
-// In every direction, the poles and the seam of the azimuth included, the index finds what a walk over all beams does.
+// In every direction, including the poles and the seam of the azimuth, the index equals a walk over all beams.
 TEST(BeamIndex, FindsTheBeamsThatAWalkOverAllFinds) {
   const auto beams = make_beams(48, 192, 89.0, -89.0);
   const auto cloud = cloud_of(scan_world(ground(-1000.0), Pose::Identity(), beams, 0));
@@ -294,7 +294,7 @@ TEST(TrackBeforeDetect, WhoDoesNotAskForLargeBodiesSeesTheirParts) {
   EXPECT_GT(in_parts, 30);
 }
 
-// A bar loses its middle, and its ends fly apart: after a second or two they are told as two.
+// A bar loses its middle, and its ends fly apart: they are separate targets after a second or two.
 TEST(TrackBeforeDetect, ABodyThatIsTwoAfterAllIsTakenApart) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) watcher.look(ground());
@@ -349,14 +349,14 @@ TEST(TrackBeforeDetect, ATargetBehindAWallIsNotDeniedByTheWall) {
   EXPECT_LT(watcher.output.detections.front().confidence, before);
 }
 
-/// Flies past behind a pillar that hides it for 3.2 s. Tells its identity before and after it, 0: none.
+/// A target that passes behind a pillar for 3.2 s. Gives its identity before and after; 0: none.
 struct BehindAPillar {
   explicit BehindAPillar(const TrackBeforeDetectConfig& config = {}) : watcher(config) {
     for (int i = 0; i < 40; ++i) watcher.look(all_of({ground(), pillar}));
     for (int i = 0; i < 15; ++i) look(i);
     before = identity();
   }
-  /// One sweep, with somebody else in it or not.
+  /// One sweep, optionally with another object.
   void look(int i, const World& other = ground()) {
     watcher.look(all_of({ground(), pillar, other, sphere(place_m(i), 0.3)}));
   }
@@ -400,7 +400,7 @@ TEST(TrackBeforeDetect, WithoutMemoryATargetThatWasHiddenIsANewOne) {
   EXPECT_NE(flight.identity(), flight.before);
 }
 
-// Nobody flies 24 m in the 2 s that it is hidden. So that is another one, and the hidden one is still itself.
+// No target flies 24 m in 2 s. So the detection is a new target, and the hidden one keeps its identity.
 TEST(TrackBeforeDetect, AnotherOneElsewhereDoesNotInherit) {
   BehindAPillar flight;
   ASSERT_NE(flight.before, 0U);
@@ -429,7 +429,7 @@ TEST(TrackBeforeDetect, TwoReturnsAmidFreeAirAreATarget) {
   EXPECT_LE(looks, 2);
 }
 
-// What stands where nobody looked before is background, and so is what is beside it.
+// A stationary object in unknown space is background, and so is what is beside it.
 TEST(TrackBeforeDetect, WhatStandsStillIsNoTarget) {
   Watcher watcher;
   const World scene = all_of({ground(), bar({9.0, 0.0, 0.0}, {9.0, 0.0, 7.0}, 0.05), sphere({-8.0, 3.0, 6.0}, 0.4)});

@@ -10,7 +10,7 @@ namespace {
 
 using testing::ConfigChecks;
 
-// A value of four bytes and a bit that says whether it is occupied.
+// Per voxel a value of four bytes and an occupancy bit.
 TEST(VofodConfig, TellsTheMemoryOfItsMap) {
   VofodConfig config;
   config.map.voxel_m = 0.5;
@@ -18,7 +18,7 @@ TEST(VofodConfig, TellsTheMemoryOfItsMap) {
   EXPECT_DOUBLE_EQ(config.map_bytes(), 20.0 * 40.0 * 10.0 * 4.125);
 }
 
-// As far as rays go and a sweep carries the sensor, or the map and what it may scroll by.
+// The window covers the length of rays plus the motion of the sensor in a sweep, or the map plus its scrolling.
 TEST(VofodConfig, TellsTheMemoryOfItsWindowOfRays) {
   VofodConfig config;
   config.map.voxel_m = 0.5;

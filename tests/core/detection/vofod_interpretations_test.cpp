@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-/// Points that were measured from a place, without rays.
+/// Points measured from a position, without rays.
 LocalCloud cloud_from(const Vector3& sensor_m, const std::vector<Eigen::Vector3f>& points_m) {
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
@@ -39,7 +39,7 @@ VofodConfig small_box() {
   return config;
 }
 
-/// A detector in whose map all air is known to be free.
+/// A detector whose map knows all air as free.
 class FreeAir {
  public:
   explicit FreeAir(const VofodConfig& config) : stages(config) {
@@ -171,7 +171,7 @@ TEST(VofodInterpretations, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere)
         ASSERT_NEAR(air.stages.map().value(i), away <= reach_voxels ? 0.5 * (before + g) : before, 1e-3)
             << cell.transpose();
       }
-      // It is done once, not again.
+      // A second call changes nothing.
       const double after = air.G(a);
       air.stages.remove_separate(1);
       EXPECT_EQ(air.G(a), after);

@@ -126,7 +126,7 @@ TEST(VofodStages, AThinCrownIsBackground) {
   EXPECT_GT(found_in(all_of(leaves), kPapers_m, 15), 20);
 }
 
-// A wire that rises slowly meets a row of beams here and there; only an end that none is near looks like an object.
+// A slowly rising wire meets a row of beams here and there; only an end without near points looks like an object.
 TEST(VofodStages, WiresAndPolesThatHangFreeAreBackground) {
   const std::vector<World> things = {bar({5.0, -4.0, 2.0}, {5.0, 3.2, 2.81}, 0.025),
                                      bar({-6.0, -3.0, 2.0}, {-6.0, 3.0, 4.0}, 0.025),
@@ -269,7 +269,7 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
     VofodConfig config = small_config();
     change(config.choices);
     Flight flight(config);
-    flight.stages.map().set_prior(known_ground());  // some interpretations ask for confident background
+    flight.stages.map().set_prior(known_ground());  // some interpretations need confident background
     flight.look_around(ground(), 12);
     std::size_t found = 0;
     for (int i = 0; i < 8; ++i) {
@@ -322,7 +322,7 @@ LocalCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
   return cloud;
 }
 
-// What is near by has more points in each voxel, but is not surer for it.
+// A near object has more points per voxel, but no higher confidence.
 TEST(VofodStages, ConfidenceCountsVoxels) {
   std::vector<Eigen::Vector3f> points = {{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.1F, 1.3F, 3.3F}};
   std::vector<double> confidences;

@@ -75,7 +75,7 @@ TEST(VofodDetector, ResultsComeAfterTheirLatency) {
     EXPECT_EQ(output.stamp % kScanPeriod, 0);
     EXPECT_EQ(ticker.t, output.stamp + 52'000'000);  // the first tick at or after 50 ms
   }
-  EXPECT_EQ(finished, 9);  // of ten scans, the last of which is not ready
+  EXPECT_EQ(finished, 9);  // ten scans, the last of which is not ready
 }
 
 TEST(VofodDetector, ASlowClassificationDropsOldScansNotNewOnes) {
@@ -106,7 +106,7 @@ TEST(VofodDetector, CountsTheSweepsThatWerePassedOver) {
     config.timing.classification_latency_s = latency_s;
     Ticker ticker(config);
     for (int i = 0; i < 500; ++i) ticker.tick(ground());
-    // Of 20 sweeps 8 are classified in 2 s at 0.25 s each, one waits.
+    // 8 of 20 sweeps are classified in 2 s at 0.25 s each, one waits.
     EXPECT_EQ(count_of(*ticker.detector, "timing.classification_latency_s"), latency_s < 0.1 ? 0U : 11U);
   }
 }

@@ -13,7 +13,7 @@ namespace {
 
 using testing::GuidanceDriver;
 
-/// As slow as the usual limits of motion ask for.
+/// Within the usual limits of motion.
 AgileConfig within_usual_limits() {
   AgileConfig config;
   config.speed_max_mps = 3.5;

@@ -68,7 +68,7 @@ TEST_P(BirdOf, TellsTheDerivativesOfItsPath) {
   }
 }
 
-// Rises and falls as often as told: the height less its mean over a cycle changes its sign twice a cycle.
+// Frequency of rise and fall: the height less its mean over a cycle changes sign twice per cycle.
 TEST(Bird, Bounds) {
   BirdConfig config;
   config.bound_m = 0.1;

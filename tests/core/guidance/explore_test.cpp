@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A vehicle that explores rooms which the test knows, and shows it what lies in sight.
+// Exploration of rooms that the test knows; the test reveals what is in sight.
 #include "swiftlet/core/guidance/explore.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ struct Explorer : GuidanceDriver {
       farthest_x_m = std::max(farthest_x_m, p_m().x());
     }
   }
-  /// Of the free cells with these columns.
+  /// Known share of the free cells in these columns.
   double known_share(int from_x, int to_x) const {
     int num = 0, seen = 0;
     for (std::ptrdiff_t i = 0; i < truth.grid().num_cells(); ++i) {

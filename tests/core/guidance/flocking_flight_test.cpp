@@ -13,7 +13,7 @@ namespace {
 using testing::GuidanceDriver;
 using testing::ToldMap;
 
-/// Where a neighbor is at a time.
+/// Position of a neighbor as a function of time.
 using Way = std::function<Vector3(double t_s)>;
 
 Way straight(const Vector3& from_m, const Vector3& v_mps) {
@@ -46,7 +46,7 @@ Vector3 wanted_mps(const PacnavConfig& config, const std::vector<Way>& ways, dou
 
 TEST(PacnavFlight, WithoutAnyoneToFollowItStays) {
   EXPECT_EQ(wanted_mps(follower(), {}, 3.0), Vector3::Zero());
-  // Who circles leads nowhere; who was seen once has no path yet.
+  // A circling neighbor makes no progress; a neighbor seen once has no path yet.
   EXPECT_EQ(wanted_mps(follower(), {around({9.0, 0.0, 2.0}, 2.0, 2.0)}, 8.0), Vector3::Zero());
   EXPECT_EQ(wanted_mps(follower(), {straight({9.0, 0.0, 2.0}, {1.0, 0.0, 0.0})}, 0.4), Vector3::Zero());
 }
@@ -96,7 +96,8 @@ TEST(PacnavFlight, ASlackPathIsNotWorthFollowing) {
 }
 
 TEST(PacnavFlight, RemembersAsLongAsItIsToldTo) {
-  // Turned around 4 s ago: with a memory of 3 s the way is straight, with one of 8 s it led nowhere.
+  // The neighbor turned around 4 s ago: with a memory of 3 s its path is straight, with one of 8 s it makes no
+  // progress.
   const Way turned = [](double t_s) { return Vector3(9.0, t_s < 4.0 ? t_s : 8.0 - t_s, 2.0); };
   PacnavConfig config = follower();
   config.memory_s = 3.0;
@@ -263,7 +264,7 @@ TEST(MezeyFlight, WhoHasArrivedRests) {
   EXPECT_EQ(driver.out.goal.position_m, driver.p_m());
   driver.put({0.0, 90.0, 2.0});
   EXPECT_EQ(driver.step().mission, MissionStatus::kDone) << "once arrived is arrived";
-  // Without a weight there is no goal to arrive at.
+  // Without a weight the goal has no effect and is never reached.
   GuidanceDriver published("mezey", alone(0.0), {0.0, 100.0, 2.0});
   EXPECT_EQ(published.step().mission, MissionStatus::kEndless);
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The guided vehicle: what it makes of paths in its own body frame, what it tells, and what it does when it hears
-// nothing.
+// The guided vehicle: following paths in its own body frame, its reports, and behavior without messages.
 #include "swiftlet/core/guidance/follow_guide.hpp"
 
 #include <gtest/gtest.h>
@@ -166,7 +165,7 @@ TEST(FollowGuide, WithoutALinkItHoversWhereItComesToRestAndGoesOnWhenItIsBack) {
   guided.rest(2.0);
   EXPECT_STREQ(guided.out.note, "hovers: the link to its guide is lost");
   EXPECT_EQ(guided.out.mission, MissionStatus::kEndless);
-  // With 2 m/s^2, it needs a quarter of a meter to stop from 1 m/s.
+  // At 2 m/s^2 it stops from 1 m/s within a quarter of a meter.
   EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6);
   guided.put({10, 21.2, 3}, 0.5 * Guided::kPi);
   guided.rest(5.0);
@@ -246,7 +245,7 @@ TEST(FollowGuide, AGuideThatDoesNotExistIsNamed) {
   }
 }
 
-// ---- what else its guide says
+// ---- other messages of the guide
 
 Message saying(GuidingPath::Word word, double radius_m = 0.0) {
   GuidingPath path;
@@ -263,7 +262,7 @@ TEST(FollowGuide, AnAnswerToAReportIsUnderstoodSecondsLater) {
   Guided guided;
   guided.step();
   const OdometryReport report = guided.told().front();
-  for (int i = 0; i < 60; ++i) {  // 6 s on the way
+  for (int i = 0; i < 60; ++i) {  // 6 s of motion
     guided.put({10.0 + 0.1 * i, 20, 3}, 0.5 * Guided::kPi);
     guided.step();
   }
@@ -417,7 +416,7 @@ TEST(FollowGuide, ReportsAreAsOftenAsToldWhateverTheTickAndWithoutCatchingUp) {
   for (const double tick_s : {0.02, 0.2, 0.7}) {
     Guided guided;
     guided.dt_s = tick_s;
-    guided.observation.t = from_seconds(1000.0);  // it is switched on late
+    guided.observation.t = from_seconds(1000.0);  // switched on late
     guided.rest(28.0);
     EXPECT_NEAR(static_cast<double>(guided.told().size()), tick_s > 0.5 ? 40.0 : 56.0, 1.0) << tick_s;
   }

@@ -27,7 +27,7 @@ std::array<HalfSpace, 3> corridor_from(const Vector3& p_m) {
            {Vector3(-Vector3::UnitY()), 2.0 + p_m.y()}}};
 }
 
-/// How far a vehicle flies out of the corridor whose goals jump to any place in it, ten times a second.
+/// Largest distance outside the corridor when goals jump to any place in it, ten times a second.
 double farthest_out_m(bool guarded, std::uint64_t seed) {
   const Random random(seed, "guarded-reference");
   MotionLimits limits;
@@ -91,7 +91,7 @@ TEST(GuardedReference, ComesToRestWhereItSaid) {
 }
 
 TEST(GuardedReference, AVehicleAtAPlaneMayStayThere) {
-  // It stands on the plane, but for what rounding and a governor that never quite arrives leave over.
+  // The vehicle stands on the plane, up to rounding and the residual of the governor.
   GuardedReference reference{MotionLimits{}};
   for (const double beyond_m : {0.0, 1e-4, -1e-4}) {
     reference.reset(at(Vector3(beyond_m, 0.0, 0.0)));

@@ -12,7 +12,7 @@
 
 namespace swiftlet::testing {
 
-/// A map whose occupied cells are told.
+/// A map with a given list of occupied cells.
 class ToldMap : public OccupancyView {
  public:
   explicit ToldMap(std::vector<Vector3> occupied_m, double edge_m = 0.2)
@@ -52,7 +52,7 @@ class ToldMap : public OccupancyView {
   double edge_m_;
 };
 
-/// One guidance, asked tick by tick about a vehicle that is wherever the test puts it.
+/// One guidance, stepped tick by tick for a vehicle whose state the test sets.
 class GuidanceDriver {
  public:
   template <class Config>
@@ -65,7 +65,7 @@ class GuidanceDriver {
     put(start_m, yaw_rad);
   }
 
-  /// Anew, with what `setup` says by now.
+  /// Makes the guidance anew with the present `setup`.
   template <class Config>
   void make(const char* type, const Config& config) {
     Module module(guidance_module_types(), type);
@@ -79,7 +79,7 @@ class GuidanceDriver {
   void put(const Vector3& p_m, double yaw_rad = 0.0) { estimate.T_local_body = pose(p_m, yaw_rad); }
   Vector3 p_m() const { return estimate.T_local_body.translation(); }
 
-  /// What an ideal sensor says about another one in this tick, or one that knows no better than that.
+  /// Adds an ideal sensor's measurement of another vehicle in this tick, or one with the given covariance.
   void sees(VehicleId id, const Vector3& other_m, const Matrix3& covariance_body = 1e-8 * Matrix3::Identity()) {
     NeighborSample sample;
     sample.t = observation.t + from_seconds(dt_s);
@@ -105,7 +105,7 @@ class GuidanceDriver {
     return out;
   }
 
-  /// What it counted for a setting; of its first one when none is named.
+  /// Counter of a setting; the first counter when none is named.
   Counter counter(const std::string& setting = {}) const {
     std::vector<Counter> counters;
     guidance->append_counters(counters);

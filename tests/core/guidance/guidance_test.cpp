@@ -22,7 +22,7 @@ AgentSetup starting_at(const Vector3& p_m, double yaw_rad = 0.0) {
   return setup;
 }
 
-/// A vehicle that is always exactly where the reference governor says; a floor may hold it up.
+/// A vehicle that follows the reference governor exactly; a floor may support it.
 class IdealFlight {
  public:
   template <class Config>
@@ -115,7 +115,7 @@ TEST(Waypoints, AreVisitedInOrderWithDwellAndThenTheMissionIsDone) {
   IdealFlight flight("waypoints", config);
   std::size_t next = 0;
   double fastest = 0.0;
-  const double expected_s = (std::sqrt(104.0) + 8 + std::sqrt(104.0)) / 1.5;  // at least, without the ramps
+  const double expected_s = (std::sqrt(104.0) + 8 + std::sqrt(104.0)) / 1.5;  // lower bound without the ramps
   double t = 0.0;
   for (; t < 100.0 && flight.out.mission == MissionStatus::kRunning; t += kDt) {
     flight.step();
@@ -180,7 +180,7 @@ TEST(Waypoints, LandsAtTheEndAndStopsTheMotors) {
   config.waypoints_m = {{3, 0, 2}};
   config.land_at_end = true;
   IdealFlight flight("waypoints", config, MotionLimitsConfig::Set::kMedium, {0, 0, 2});
-  flight.floor_z = 0.4;  // the guidance does not know where the ground is
+  flight.floor_z = 0.4;  // the guidance does not know the ground height
   EXPECT_GT(flight.run(60.0), 3.0);
   EXPECT_FALSE(flight.out.motors_on);
   EXPECT_NEAR(flight.p().z(), 0.4, 1e-6);

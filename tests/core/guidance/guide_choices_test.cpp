@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the guide decides beside its states: what is planned ahead, what on the map matters, and what is told of the
-// path.
+// Decisions of the guide beside its states: planning ahead, relevant changes of the map, and reports of the path.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -173,7 +172,7 @@ TEST(GuideChoices, WhatCannotBePlannedAheadIsTriedOnceAndTellsItsReasonAtTheGoal
 
 // ---- what appears on the map
 
-/// Behind a short wall, so that its way to the viewpoint has a corner.
+/// Behind a short wall, so that its path to the viewpoint has a corner.
 struct BehindAWall : GuidePair {
   explicit BehindAWall() : GuidePair(guides_uav2({{4, 0, 0.7}}), wall(), {-5, 0, 0.7}) {
     hold_until(*this, "primary moving", 5.0);

@@ -80,7 +80,7 @@ struct GuideAndGuided : GuidanceDriver {
       tick();
     }
   }
-  /// A scan shows what nobody had seen.
+  /// A scan reveals an obstacle.
   void discover(const Vector3& min_local_m, const Vector3& max_local_m) { world_.occupy_box(min_local_m, max_local_m); }
   void run_until(const std::string& note, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.note != note; ++i) tick();
@@ -93,7 +93,7 @@ struct GuideAndGuided : GuidanceDriver {
   std::vector<std::size_t> told_sizes;
   GuidingPath::Word word = GuidingPath::Word::kGuide;  // the newest
   double radius_m = 0.0;
-  std::map<std::string, double> notes;  // when each was said last
+  std::map<std::string, double> notes;  // time of the last report of each note
 
  private:
   Vector3 fly(const Vector3& goal_m, const Vector3& from_m) const {
@@ -118,7 +118,7 @@ struct GuideAndGuided : GuidanceDriver {
   CellListMap world_;
 };
 
-/// One tick in which nobody moves, whatever was said.
+/// One tick in which no vehicle moves, whatever the messages.
 inline void hold(GuideAndGuided& team, double own_mps = 0.0, double its_mps = 0.0) {
   team.guided.t = team.guided.seen = team.observation.t + from_seconds(team.dt_s);
   if (team.hears) team.guided.heard = team.guided.heard_stamp = team.guided.t;
@@ -133,14 +133,14 @@ inline void hold(GuideAndGuided& team, double own_mps = 0.0, double its_mps = 0.
 inline void hold_for(GuideAndGuided& team, double seconds, double own_mps = 0.0, double its_mps = 0.0) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / team.dt_s)); ++i) hold(team, own_mps, its_mps);
 }
-/// Until it says so.
+/// Holds until the note is reported.
 inline double hold_until(GuideAndGuided& team, const std::string& note, double longest_s) {
   const TimeNs from = team.observation.t;
   while (team.out.note != note && team.observation.t < from + from_seconds(longest_s)) hold(team);
   EXPECT_EQ(team.out.note, note);
   return to_seconds(team.observation.t - from);
 }
-/// All that was said since the last time.
+/// Paths sent since the last call.
 inline std::vector<GuidingPath> heard(GuideAndGuided& team) {
   std::vector<Message> sent;
   team.outbox.empty_into(sent);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A guide of several vehicles, which the test moves along what they are told.
+// A guide of several vehicles, which the test moves along the paths that they receive.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ struct TeamOfSeveral : GuidanceDriver {
 
   std::vector<Guided> team;
   int most_moving = 0;
-  std::vector<std::size_t> turns;  // who moved, one after the other
+  std::vector<std::size_t> turns;  // vehicles in the order in which they moved
   double least_m = 100.0;          // horizontally, between any two
 
  private:
@@ -150,7 +150,7 @@ TEST(GuideOfSeveral, NobodyMovesBeforeEverybodyIsLocalized) {
 }
 
 TEST(GuideOfSeveral, WhoCannotGoWaitsForTheOthersAndTriesAgain) {
-  // A corridor: the second one stands in the way of the first one.
+  // A corridor in which the second vehicle blocks the first.
   CellListMap world(0.25);
   world.occupy_box({-2, 1.25, 0}, {8, 1.5, 1.5});
   world.occupy_box({-2, -1.5, 0}, {8, -1.25, 1.5});

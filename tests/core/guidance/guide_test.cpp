@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The guide's states [Pritzl 2024, sec. II-A], with a guided vehicle that the test moves along what it is told.
+// The guide's states [Pritzl 2024, sec. II-A], with a guided vehicle that the test moves along the path that it
+// receives.
 #include "swiftlet/core/guidance/guide.hpp"
 
 #include <gtest/gtest.h>
@@ -301,7 +302,7 @@ TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
   EXPECT_EQ(given_up.of, 2U);
 }
 
-// ---- the bounds of each decision, of vehicles that stay where they are and say how fast they are
+// ---- bounds of each decision, for vehicles that stay in place and report a speed
 
 TEST(GuideDecisions, WhoNeverRestsFailsAsOftenAsItMayBeTriedAgain) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
@@ -332,7 +333,7 @@ TEST(GuideDecisions, ItGuidesWhoIsSureEnoughAlongEveryAxisAndWasHeardLately) {
     for (const bool sure : {true, false}) {  // 0.4 m is the bound
       Team team(guides_uav2({{4, 0, 0.7}}));
       team.guided.covariance(axis, axis) = sure ? 0.159 : 0.161;
-      team.guided.covariance(3, 3) = 9.0;  // of its velocity, which does not matter
+      team.guided.covariance(3, 3) = 9.0;  // variance of its velocity, which has no effect
       hold_for(team, 0.5);
       EXPECT_STREQ(team.out.note, sure ? "planning" : "idle: the guided vehicle is not localized yet");
     }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kLandingTick_s = 0.01;
 
-/// A vehicle that keeps wherever the test says.
+/// A vehicle at the height and vertical speed set by the test.
 StateEstimate standing_at(double z_m, double vz_mps = 0.0) {
   StateEstimate estimate;
   estimate.T_local_body.translation() = Vector3(1.0, 2.0, z_m);
@@ -66,7 +66,7 @@ TEST(Landing, WhatStillMovesHasNotTouchedDown) {
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_GT(touch_down_s(0.5, 0.09 * sign), 0.0) << "0.1 m/s counts as still";
     EXPECT_LT(touch_down_s(0.5, 0.11 * sign), 0.0);
-    // A slow landing would be still all the way: half of its speed is the bound.
+    // A slow landing would count as still from the beginning: half of its speed is the bound.
     EXPECT_GT(touch_down_s(0.1, 0.04 * sign), 0.0);
     EXPECT_LT(touch_down_s(0.1, 0.06 * sign), 0.0);
   }

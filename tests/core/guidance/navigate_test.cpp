@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One vehicle on paths through its own map, moved by the test along what it wants.
+// One vehicle on paths through its own map; the test moves it to its goals.
 #include "swiftlet/core/guidance/navigate.hpp"
 
 #include <gtest/gtest.h>
@@ -206,7 +206,7 @@ TEST(Navigate, PlansWhereItHoversAndFailsWhereItNeverDoesOrNeverArrives) {
     std::vector<std::pair<double, std::string>> changes;
     for (int i = 0; i < 100; ++i) {
       pilot.estimate.v_local_mps = {0.0, rests ? 0.24 : 0.26, 0.0};
-      pilot.step();  // it stays where it is
+      pilot.step();  // the position stays constant
       if (changes.empty() || changes.back().second != pilot.out.note)
         changes.emplace_back(to_seconds(pilot.observation.t), pilot.out.note);
       EXPECT_EQ(pilot.out.speed_limit_mps, config.speed_mps);

@@ -15,7 +15,7 @@ namespace {
 
 using Source = NeighborSourceConfig::Source;
 
-/// What one vehicle hears and sees, tick by tick.
+/// Messages and measurements of one vehicle, tick by tick.
 class Listener {
  public:
   explicit Listener(const NeighborSourceConfig& config, std::vector<NeighborView> views = {})
@@ -185,7 +185,7 @@ TEST(NeighborMemory, OneInTheBlindSectorIsNotForgotten) {
     ASSERT_EQ(listener.memory.neighbors().size(), remember ? 1U : 0U);
     if (!remember) continue;
     EXPECT_FALSE(listener.memory.neighbors()[0].in_view);
-    // Whoever turns round and finds nobody there forgets it then.
+    // A vehicle that turns and finds no neighbor there forgets it.
     listener.at(Pose(Eigen::AngleAxisd(3.14159, Vector3::UnitZ())));
     for (int i = 0; i <= 6; ++i) listener.update(11.1 + 0.1 * i);
     EXPECT_TRUE(listener.memory.neighbors().empty());
@@ -199,7 +199,7 @@ TEST(NeighborMemory, OneBeyondTheRangeIsForgottenButIsNoLostSample) {
   near_ahead.range_max_m = 10.0;
   Listener listener(config, {near_ahead});
   listener.sees(1, {10.5, 0.0, 0.0}, 1.0);   // ahead, just out of range
-  listener.sees(2, {-10.5, 0.0, 0.0}, 1.0);  // nobody looks there
+  listener.sees(2, {-10.5, 0.0, 0.0}, 1.0);  // outside the field of view
   for (int i = 0; i <= 5; ++i) EXPECT_EQ(listener.update(1.0 + 0.1 * i).size(), 2U);
   const auto known = listener.update(1.6);
   ASSERT_EQ(known.size(), 1U);

@@ -11,7 +11,7 @@ namespace {
 
 using Outcome = PathFollower::Outcome;
 
-/// A vehicle that is where the test says, above a map that the test changes.
+/// A vehicle at a position set by the test, above a map that the test changes.
 struct FollowedFlight {
   FollowedFlight() {
     rules.clearance_m = 0.5;
@@ -66,7 +66,7 @@ TEST(PathFollower, WhatAppearsOnTheRestOfThePathBlocksItAndWhatIsBehindDoesNot) 
   follower.start(kCorners);
   flight.step(follower, kCorners[1]);
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kFlying);
-  flight.world.occupy_box({1.5, -0.25, 0.5}, {2.0, 0.25, 1.5});  // on the leg that was flown
+  flight.world.occupy_box({1.5, -0.25, 0.5}, {2.0, 0.25, 1.5});  // on the completed leg
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kFlying);
   flight.world.occupy_box({1.5, 3.75, 0.5}, {2.0, 4.25, 1.5});  // on the last leg
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kBlocked);

@@ -16,7 +16,7 @@ namespace {
 
 using testing::Draws;
 
-/// Every sample on its own.
+/// Reference: a list of all samples.
 struct PlainCell {
   struct Sample {
     Vector3 p_m;
@@ -127,7 +127,7 @@ TEST(RblCell, HoldsTheSamplesThatCutsLeave) {
     cell.exclude([](const Eigen::Vector3f& q) { return q.x() > 0.0F; });
     const Vector3 lattice_m = draws.coin() ? Vector3(Vector3::Zero()) : draws.vector(7.0);
     double z_low_m = draws.between(-1.2, 0.2) * radius_m, z_high_m = draws.between(0.0, 1.2) * radius_m;
-    if (round % 10 == 0) {  // on layers of the lattice
+    if (round % 10 == 0) {  // aligned with layers of the lattice
       z_low_m = -2.0 * step_m;
       z_high_m = step_m;
     }
@@ -153,7 +153,7 @@ TEST(RblCell, HoldsTheSamplesThatCutsLeave) {
         plain.keep([&](const Vector3& q) { return normal.dot(q) - offset; });
       } else {
         Vector3 normal = draws.vector(1.0);
-        if (kind == 2) normal.x() = 0.0;  // along the rows
+        if (kind == 2) normal.x() = 0.0;  // parallel to the rows
         const HalfSpace half{normal.normalized(), draws.between(-0.3, 1.1) * radius_m};
         cell.cut(half);
         plain.keep([&](const Vector3& q) { return half.normal_local.dot(q) - half.offset_m; });
@@ -200,7 +200,7 @@ TEST(RblCell, CountsLayersAtTheHeightLimits) {
 
 // The centroid of two samples shows the ratio of their weights.
 TEST(RblCell, WeightsHaveSinglePrecision) {
-  RblCell cell(1.0, 0.4, true);  // of its five columns two are left: x = 0 and x = 0.4
+  RblCell cell(1.0, 0.4, true);  // two of its five columns are left: x = 0 and x = 0.4
   const double y = 0.0;
   double worst = 0.0;
   int compared = 0;

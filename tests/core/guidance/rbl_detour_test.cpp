@@ -121,13 +121,14 @@ TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
   ASSERT_TRUE(flight.detour.straight_local_m());
   const Vector3 from_m = flight.now.p_local_m, to_m = *flight.detour.straight_local_m();
   EXPECT_GT((to_m - from_m).norm(), 0.5);
-  // Clear by the encumbrance, to half a cell. Who is nearer to something already gets no nearer to it.
+  // Clearance of the encumbrance, to half a cell. A start that is already nearer to an obstacle gets no nearer.
   const double least_m = std::min(flight.world.distance_m(from_m, 5.0), 0.5 - 0.125);
   for (int i = 0; i <= 20; ++i) {
     EXPECT_GE(flight.world.distance_m(from_m + i / 20.0 * (to_m - from_m), 5.0), least_m - 1e-9);
   }
   EXPECT_GE(flight.world.distance_m(to_m, 5.0), 0.5 - 0.125);
-  // Past a neighbor that stands its own rules lead it; past one that flies, the planes between braking ways.
+  // The vehicle's own rules lead it past a stationary neighbor; the planes between braking paths lead it past a flying
+  // one.
   Neighbor neighbor;
   neighbor.position_local_m = from_m + 0.5 * (to_m - from_m) + Vector3(0.0, 0.0, 1.0);
   flight.neighbors.assign(1, neighbor);
@@ -137,7 +138,7 @@ TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
   flight.tick();
   EXPECT_TRUE(flight.detour.straight_local_m());
   flight.neighbors.clear();
-  // Nothing is told where something stands on the way by now.
+  // No detour is reported once an obstacle blocks it.
   const Vector3 way = (to_m - from_m).normalized();
   flight.world.occupy_box(from_m + 0.6 * way - Vector3(0.3, 0.3, 1.0), from_m + 0.6 * way + Vector3(0.3, 0.3, 1.0));
   flight.tick();
@@ -226,7 +227,7 @@ TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) 
   flight.neighbors = {other};
   for (int i = 0; i < 20; ++i) flight.tick();
   ASSERT_GT(flight.detour.corners_local_m().size(), 2U);
-  flight.neighbors.front().velocity_local_mps = {0.0, 1.0, 0.0};  // it flies on
+  flight.neighbors.front().velocity_local_mps = {0.0, 1.0, 0.0};  // the neighbor moves on
   Flight open(quick());
   open.held = true;
   open.neighbors = flight.neighbors;
@@ -297,7 +298,7 @@ TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
   EXPECT_NEAR(end_m.z(), 2.5, 0.3) << "at its own height";
   EXPECT_TRUE(flight.detour.is_looking());
   EXPECT_NE(std::string(flight.detour.note()).find("sees its goal"), std::string::npos);
-  // It is there, and looks at the goal, which is free.
+  // The vehicle has arrived and sees the free goal.
   flight.now.p_local_m = end_m;
   flight.now.map = &clear;
   for (int i = 0; i < 3; ++i) flight.tick();
@@ -357,7 +358,7 @@ RblConfig by_lidar(double z_max_m) {
   return config;
 }
 
-/// A vehicle that is wherever its goal was a tick ago, as far as it can fly in a tick.
+/// A vehicle that reaches its goal of the tick before, as far as its speed allows.
 double left_by_rbl_m(const RblConfig& config, GuidanceDriver& driver, const CellListMap& world, double* least_m) {
   for (int i = 0; i < 600 && driver.out.mission != MissionStatus::kDone; ++i) {
     driver.step();
@@ -403,7 +404,7 @@ TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAsItCameAlthoughItSeesAheadOnl
   config.detour.climb_m = 3.0;
   GuidanceDriver driver("rbl", config, {0, 0, 1});
   driver.map = &world;
-  for (int i = 0; i <= 30; ++i) {  // it is led up there
+  for (int i = 0; i <= 30; ++i) {  // the vehicle is led up there
     driver.put({0, 0, 1.0 + 0.1 * i});
     driver.step();
   }

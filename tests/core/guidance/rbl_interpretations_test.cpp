@@ -148,7 +148,7 @@ TEST(RblInterpretations, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination
   rules.centering_weight = 1.0;
   for (const double goal_rad : {-0.4, 0.0, 0.3}) {
     for (const double phi_rad : {-0.6, 0.0, 0.5}) {
-      for (const double clipped_m : {-0.2, 0.0, 0.7}) {  // by limits of height
+      for (const double clipped_m : {-0.2, 0.0, 0.7}) {  // cut off by height limits
         RblSituation now;
         now.goal_agent_m = 20.0 * Vector3(0.6 * std::cos(goal_rad), -0.8 * std::cos(goal_rad), std::sin(goal_rad));
         now.sensing_agent_m = 2.0 * Vector3(std::cos(goal_rad + phi_rad), 0.0, std::sin(goal_rad + phi_rad));
@@ -241,12 +241,12 @@ RblConfig flying(Variant variant) {
   return config;
 }
 
-/// Where the first update sends a vehicle.
+/// Goal of the first update.
 Vector3 first_goal_m(const RblConfig& config, const Vector3& from_m, const std::vector<Vector3>& others_m = {}) {
   GuidanceDriver driver("rbl", config, from_m);
   for (std::size_t i = 0; i < others_m.size(); ++i) driver.sees(static_cast<VehicleId>(i) + 1, others_m[i]);
   driver.step();
-  driver.dt_s = 0.0999;  // the goal has glided all the way right before the next update
+  driver.dt_s = 0.0999;  // the goal glides until just before the next update
   return driver.step().goal.position_m;
 }
 
@@ -295,7 +295,7 @@ TEST(RblFlight, TurnsToSeeWhoSlippedIntoItsBlindSector) {
     ahead.cones.push_back({Vector3::UnitX(), 0.0});
     driver.setup.neighbor_views = {ahead};
     driver.make("rbl", config);
-    driver.sees(1, {-2.0, 0.5, 5.0});  // behind, as told by a turn before
+    driver.sees(1, {-2.0, 0.5, 5.0});  // behind, known from an earlier turn
     bool looks_back = false;
     for (int i = 0; i < 80; ++i) {
       const Reference& reference = driver.step().goal;
@@ -462,7 +462,7 @@ TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
     config.goal_m = {3.0, 0.0, 9.0};
     config.lidar.legal = legal;
     config.separation.enabled = false;  // the cell alone keeps them apart
-    config.lidar.facing_deg = 180.0;    // it flies wherever it looks
+    config.lidar.facing_deg = 180.0;    // may fly in any direction, wherever it looks
     const ToldMap map({});
     GuidanceDriver driver("rbl", config, from_m);
     driver.map = &map;
@@ -489,7 +489,7 @@ TEST(RblFlight, LimitsOfHeightAreThoseOfTheWorld) {
   RblConfig config = flying(Variant::k3dClipped);
   config.goal_m = {0.0, 0.0, 90.0};
   config.z_max_m = 10.0;
-  const Vector3 origin_m(3.0, 0.0, 5.0);  // of the local frame
+  const Vector3 origin_m(3.0, 0.0, 5.0);  // origin of the local frame
   GuidanceDriver driver("rbl", config, {0.0, 0.0, 4.9});
   driver.estimate.correct(make_pose(origin_m, Eigen::Quaterniond::Identity()));
   driver.step();
@@ -562,12 +562,12 @@ TEST(RblFlight, ShowsItsCellGoalAndObstacles) {
   EXPECT_EQ(named(overlays, "rbl.voxels")->positions.size(), 1U) << "near ones only";
 }
 
-/// How far ahead the cell reaches when a neighbor stays ahead.
+/// Length of the cell ahead with a hovering neighbor ahead.
 double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2, double ahead_m = 3.0) {
   const Vector3 p_m(1.0, 2.0, 5.0);
   config.separation.enabled = true;
-  config.separation.pledge_share = 0.0;  // which takes a share of the room, until the next sample
-  config.goal_m = p_m;                   // it rests
+  config.separation.pledge_share = 0.0;  // the pledge takes a share of the room until the next sample
+  config.goal_m = p_m;                   // at rest
   GuidanceDriver driver("rbl", config, p_m);
   for (int i = 0; i < 40; ++i) {
     driver.sees(1, p_m + Vector3(ahead_m, 0.0, 0.0));
@@ -600,7 +600,7 @@ TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
   EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}, 4.5), sure_m - 0.03);
 }
 
-// Where nine of ten samples are lost, one that stands next to the vehicle may not have been seen yet.
+// With nine of ten samples lost, a hovering neighbor may not have been seen yet.
 TEST(RblFlight, WhoSeesSeldomLooksAroundBeforeItStarts) {
   const auto two_meters_s = [](int every) {
     RblConfig config;
@@ -647,7 +647,7 @@ TEST(RblInterpretations, LeastViolatingIsNoWorseThanAnySample) {
   };
   const double ours = violation(cell.least_violating(cuts));
   for (int i = 0; i < cell.num_samples(); ++i) ASSERT_GE(violation(cell.point(i)) + 1e-5, ours);
-  // Of those that keep all of them the nearest is taken.
+  // The nearest sample that satisfies all planes is taken.
   EXPECT_LT(cell.least_violating({{Vector3::UnitX(), 0.5}}).norm(), 1e-6);
 }
 

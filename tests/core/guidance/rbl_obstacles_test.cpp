@@ -79,7 +79,7 @@ TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
     const Vector3 q = sample.cast<double>();
     double least = std::numeric_limits<double>::infinity();
     for (const Vector3& voxel : voxels) least = std::min(least, (p + q - voxel).norm());
-    bool any = false, all = true;  // of equally near voxels either may be taken
+    bool any = false, all = true;  // either of two equally near voxels may be chosen
     for (const Vector3& voxel : voxels) {
       if ((p + q - voxel).norm() > least + 1e-6) continue;
       const Vector3 nearest = nearest_in_voxel(q, voxel - p, kEdge);
@@ -115,7 +115,7 @@ TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
   EXPECT_FALSE(sees(39.5, 0));
   EXPECT_FALSE(sees(0, 180));
   EXPECT_FALSE(sees(10, 150));
-  // It turns with the vehicle.
+  // The field of view rotates with the vehicle.
   const Matrix3 left = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3::UnitZ()).toRotationMatrix();
   const auto turned = field_of_view(left, 20.0, 59.0);
   EXPECT_LE(turned[0].normal_local.dot(Vector3(0, 1, 0)), 0.0);

@@ -38,7 +38,7 @@ double least_between(const Braking& a, const Braking& b) {
   return least_m;
 }
 
-/// How far beyond the plane of `self` a point lies.
+/// Distance of a point beyond the plane of `self`.
 double beyond_m(const HalfSpace& cut, const Braking& self, const Vector3& q_m) {
   return cut.normal_local.dot(q_m - self.p_local_m) - cut.offset_m;
 }
@@ -73,7 +73,8 @@ TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
     const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
     const HalfSpace of_a = braking_cut(a, b, kApart_m, kApart_m, 0.0);
     const HalfSpace of_b = braking_cut(b, a, kApart_m, kApart_m, 0.0);
-    if (least_between(a, b) < 0.01) continue;  // the ways cross: the direction is where the other one is now
+    // the braking paths cross: the direction is that of the other vehicle's present position
+    if (least_between(a, b) < 0.01) continue;
     ASSERT_NEAR((of_a.normal_local + of_b.normal_local).norm(), 0.0, 1e-9);
     const Vector3 last_of_a = a.p_local_m + of_a.offset_m * of_a.normal_local;
     const double kept_m = beyond_m(of_b, b, last_of_a);
@@ -93,7 +94,7 @@ TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
     if (least_m < kApart_m + 0.02) continue;
     ++num_with_room;
     const HalfSpace cut = braking_cut(a, b, kApart_m, kApart_m, 0.0);
-    // Half the room is left before the way, by brute force.
+    // Half the room before the braking path remains, by brute force.
     const double farthest_m = std::max(beyond_m(cut, a, a.p_local_m), beyond_m(cut, a, a.stop_local_m));
     ASSERT_NEAR(farthest_m, -0.5 * (least_m - kApart_m), 0.01) << i;
   }
@@ -108,7 +109,7 @@ TEST(RblSeparation, DoubtTakesRoomToAdvanceButNeverPushesBack) {
   };
   EXPECT_NEAR(offset_m(0.0), 0.5 + 0.5 * (3.5 - kApart_m), 1e-12);
   EXPECT_NEAR(offset_m(1.0), offset_m(0.0) - 0.5, 1e-12);
-  EXPECT_NEAR(offset_m(100.0), 0.5, 1e-12);  // it may still stop where it would stop anyway
+  EXPECT_NEAR(offset_m(100.0), 0.5, 1e-12);  // the present braking path stays allowed
   const Braking too_near{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
   EXPECT_LT(braking_cut(self, too_near, kApart_m, kApart_m, 0.0).offset_m, 0.5);
 }
@@ -130,8 +131,8 @@ TEST(RblSeparation, TwoInOnePlaceStillGetADirection) {
   EXPECT_LT(cut.offset_m, 0.0);
 }
 
-/// Two on a line fly at each other as fast as what they pledged allows. Each sees the other now and then, late, as it
-/// was. They stop and go at once, so that nothing but the pledge holds them. The least room between them.
+/// Two vehicles on a line fly towards each other as fast as their pledges allow. Each sees the other at intervals and
+/// with latency. Both start and stop at once, so that only the pledge holds them. Returns the least room between them.
 double least_room_m(double period_s, double latency_s, double share, double noise_m, double* last_room_m = nullptr) {
   const Random random(3, "rbl-separation.pledge");
   constexpr double kTick_s = 0.01, kSpeed_mps = 4.0;
@@ -201,7 +202,7 @@ TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
     ++num_dodged;
     num_level += cut->normal_local.z() == 0.0;
     ASSERT_NEAR(cut->normal_local.norm(), 1.0, 1e-12);
-    // From where it would stop straight to the plane, and in the scaled space that is the way at a right angle.
+    // The displacement from the stopping point to the plane is perpendicular to the plane in the scaled space.
     const Vector3 out = -scale.cwiseInverse().cwiseProduct(scale.cwiseInverse().cwiseProduct(cut->normal_local));
     const double lacking_m = cut->normal_local.dot(self.stop_local_m - self.p_local_m) - cut->offset_m;
     ASSERT_GT(lacking_m, 0.0);
@@ -225,7 +226,7 @@ TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOn
 
 TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther) {
   const MotionLimits limits;
-  const Vector3 begun_local(0.0, 1.0, 0.0);  // it steps to the south
+  const Vector3 begun_local(0.0, 1.0, 0.0);  // a dodge to the south
   const auto out_y = [&](double y_m, const Vector3* begun) {
     const Vector3 p_m(0.0, y_m, 5.0);
     return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, begun)->normal_local.y();
@@ -234,7 +235,7 @@ TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther)
   EXPECT_NEAR(out_y(0.2, &begun_local), -1.0, 1e-12);
   EXPECT_NEAR(out_y(-0.2, &begun_local), -1.0, 1e-12);
   EXPECT_NEAR(out_y(1.0, &begun_local), 1.0, 1e-12);
-  // As far as the side that it has begun takes.
+  // As far as needed on the side of the dodge that has begun.
   const Vector3 p_m(0.0, 0.2, 5.0);
   const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, &begun_local);
   EXPECT_NEAR(cut->offset_m, -(kApart_m + 0.2), 1e-12);
@@ -261,7 +262,7 @@ TEST(RblSeparation, WhoFallsOntoSomebodyIsDodgedToo) {
   EXPECT_NEAR(cut->offset_m, -kApart_m, 1e-12);
 }
 
-// Backing off straight away it would be caught up with.
+// A vehicle backing straight off would be caught.
 TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -298,7 +299,7 @@ TEST(RblSeparation, EvadesPoorlyObservedIntruder) {
     double least_m = std::numeric_limits<double>::infinity();
     for (int i = 0; other_m.x() < 5.0; ++i) {
       other_m.x() += driver.dt_s * 4.0;
-      if (i % 10 == 0 && other_m.x() < -7.0) {  // once a second, until samples are lost, and the range to a tenth
+      if (i % 10 == 0 && other_m.x() < -7.0) {  // once a second, until samples are lost, with the range to 0.1 m
         const Vector3 to_m = other_m - driver.p_m();
         driver.sees(2, other_m, 0.01 * to_m * to_m.transpose() + 1e-4 * Matrix3::Identity());
       }
@@ -311,7 +312,8 @@ TEST(RblSeparation, EvadesPoorlyObservedIntruder) {
   }
 }
 
-/// Beside its goal an intruder of 3 m/s comes, from any side; by LiDAR it keeps off what the map shows.
+/// An intruder of 3 m/s approaches from any side beside the vehicle's goal; with LiDAR the vehicle also avoids
+/// obstacles of the map.
 struct ByLidar {
   RblConfig config;
   testing::CellListMap world{0.25};
@@ -335,7 +337,7 @@ struct ByLidar {
   }
 };
 
-// Turning to where it goes, and waiting until it sees it, would take the time to get out of the way.
+// Turning towards the flight direction and waiting for a view of it would take too long to evade.
 TEST(RblSeparation, ByLidarAVehicleStepsAsideAtOnceWhereverItLooks) {
   for (const bool nearest : {false, true}) {
     for (const double from_deg : {0.0, 70.0, 180.0, 250.0}) {
@@ -350,7 +352,7 @@ TEST(RblSeparation, ByLidarAVehicleStepsAsideAtOnceWhereverItLooks) {
   }
 }
 
-// It hurries: three times as far as its centroid.
+// The evasion is urgent: three times as far as its centroid.
 TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
   for (const bool nearest : {false, true}) {
     for (const double from_deg : {60.0, 90.0, 120.0, 180.0}) {
@@ -368,7 +370,7 @@ TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
   }
 }
 
-// A goal right below never comes into view. With what it saw on its way it goes down there, slowly.
+// A goal straight below never comes into view. The vehicle descends slowly through space that it saw before.
 TEST(RblSeparation, ByLidarAVehicleAboveItsGoalGoesDownWhereItHasLooked) {
   for (const bool looked : {true, false}) {
     RblConfig config;
@@ -391,11 +393,12 @@ TEST(RblSeparation, ByLidarAVehicleAboveItsGoalGoesDownWhereItHasLooked) {
   }
 }
 
-/// How high a vehicle in a plane comes that has no room beside it, as somebody flies below it through its place.
+/// Largest height of a vehicle without room beside it, in a plane, when another vehicle flies through its place from
+/// below.
 double highest_m(const RblConfig& config, const OccupancyView* map, bool flies_in) {
   testing::GuidanceDriver driver("rbl", config, config.goal_m);
   driver.map = map;
-  // It may have come from there, looking ahead.
+  // The vehicle may have come from there, looking ahead.
   for (int i = 0; flies_in && i < 60; ++i) {
     driver.put(config.goal_m - Vector3(0.1 * (60 - i), 0.0, 0.0));
     driver.step();
@@ -424,7 +427,7 @@ TEST(RblSeparation, AVehicleInAPlaneLeavesItNoHigherThanItMay) {
   config.z_max_m = 5.3;
   config.ground_m = 4.4;  // below there is no room at all
   EXPECT_LE(highest_m(config, nullptr, false), 5.31);
-  config.z_max_m = 4.0;  // a goal above it was wanted
+  config.z_max_m = 4.0;  // below the wanted goal
   EXPECT_LE(highest_m(config, nullptr, false), 5.01);
 }
 
@@ -455,7 +458,7 @@ TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
-  for (const double above_m : {0.0, 0.8}) {  // of one well above, it gets out of the way downwards
+  for (const double above_m : {0.0, 0.8}) {  // from a vehicle well above, it evades downwards
     testing::GuidanceDriver driver("rbl", config, config.goal_m);
     Vector3 other_m(-18.0, 0.0, 5.0 + above_m);
     double least_m = std::numeric_limits<double>::infinity(), farthest_m = 0.0, beside_m = 0.0;
@@ -479,7 +482,8 @@ TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
   }
 }
 
-// Nobody knows where it is by now. A cell that ended at the vehicle itself would drive it away, as far as it flies.
+// The position of the neighbor is unknown by now. A cell that ended at the vehicle itself would drive it away
+// indefinitely.
 TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSensor) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};

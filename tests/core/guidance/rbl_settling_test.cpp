@@ -30,7 +30,7 @@ Neighbor neighbor_at(const Vector3& p_m) {
   return neighbor;
 }
 
-/// What a vehicle says that waits there for a while.
+/// Report of a vehicle after waiting at a place.
 RblStatus after_waiting(const RblGoal& goal, const Vector3& p_m, const std::vector<Neighbor>& neighbors = {},
                         const OccupancyView* map = nullptr, double patience_s = kPatience_s) {
   RblSettling settling(patience_s);
@@ -54,10 +54,10 @@ TEST(RblSettling, BesideAGoalWhereAnotherVehicleIsItIsDoneAndSaysSo) {
   const RblStatus behind = after_waiting(goal, {2.5, 0.0, 5.0}, {neighbor_at({1.3, 0.0, 5.0})});
   EXPECT_EQ(behind.mission, MissionStatus::kDone);
   EXPECT_NE(std::string(behind.note).find("nearer"), std::string::npos);
-  // Alone, or the nearest of all by far, it is still on its way.
+  // Alone, or by far the nearest, it is still under way.
   EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}).mission, MissionStatus::kRunning);
   EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({-3.0, 0.0, 5.0})}).mission, MissionStatus::kRunning);
-  // So it is far away, where it only waits for others to pass.
+  // Far from the goal too, where it only waits for others to pass.
   EXPECT_EQ(after_waiting(goal, {9.0, 0.0, 5.0}, {neighbor_at({7.5, 0.0, 5.0})}).mission, MissionStatus::kRunning);
 }
 

@@ -64,7 +64,7 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneUnseenForLonger) {
     RblSight sight = with_camera_ahead();
     std::vector<Neighbor> neighbors = {neighbor_at_azimuth(longer_deg, 5.0), neighbor_at_azimuth(-longer_deg, 5.0)};
     neighbors[1].seen = 3 * kNsPerSecond;
-    // It flies up, where it never sees.
+    // The vehicle flies up, outside of its field of view.
     const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, 4 * kNsPerSecond);
     EXPECT_GT(yaw_rad * longer_deg, 0.0);
     EXPECT_LE(std::abs(std::abs(yaw_rad) / kRadPerDeg - 90.0), 35.0);
@@ -87,7 +87,7 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneThatComesFaster) {
     RblSight sight = with_camera_ahead();
     std::vector<Neighbor> neighbors = {neighbor_at_azimuth(coming_deg, 9.0), neighbor_at_azimuth(-coming_deg, 7.0)};
     neighbors[0].velocity_local_mps = -4.0 * neighbors[0].position_local_m.normalized();
-    neighbors[1].velocity_local_mps = 4.0 * neighbors[1].position_local_m.normalized();  // it flies away
+    neighbors[1].velocity_local_mps = 4.0 * neighbors[1].position_local_m.normalized();  // moves away
     const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, 0);
     EXPECT_GT(yaw_rad * coming_deg, 0.0);
     EXPECT_LE(std::abs(std::abs(yaw_rad) / kRadPerDeg - 90.0), 35.0);
@@ -106,7 +106,7 @@ TEST(RblSight, WhoMayHaveToBeSteppedAsideForIsKeptInViewBeforeManyOthers) {
   EXPECT_GE(yaw_deg(coming_m), 170.0 - 35.0);
 }
 
-/// Azimuths that a vehicle does not see in `duration_s` that turns as told, at most `rate_radps`.
+/// Azimuths that a vehicle turning at most at `rate_radps` does not see within `duration_s`.
 struct Looking {
   int num_unseen = 0, num_ticks_blind_ahead = 0;
 };

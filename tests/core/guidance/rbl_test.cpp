@@ -135,7 +135,7 @@ TEST(RblCell, MirroredAndTurnedSituationsGiveMirroredAndTurnedCentroids) {
     EXPECT_NEAR((centroid(R) - c).norm(), 0.0, 1e-4);
   }
   EXPECT_NEAR((centroid(Vector3(1, -1, 1).asDiagonal().toDenseMatrix()) - c).norm(), 0.0, 1e-4);
-  for (const double angle : {0.3, 1.1, 2.5}) {  // and nearly, for its step of 0.2 m, under any other
+  for (const double angle : {0.3, 1.1, 2.5}) {  // nearly, for its step of 0.2 m, under any other rotation
     const Matrix3 R = Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix();
     EXPECT_NEAR((centroid(R) - c).norm(), 0.0, 0.08);
   }
@@ -314,7 +314,7 @@ TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
   now.goal_agent_m = {1, 10, 0};
-  ASSERT_TRUE(wants_elevation(rules, now));  // the others leave 1.5 m less of the way
+  ASSERT_TRUE(wants_elevation(rules, now));  // the neighbors leave 1.5 m less of the distance
   RblState state;
   for (int i = 0; i < 20; ++i) state = apply_rules(rules, now, state, 0.1, false);
   EXPECT_NEAR(state.phi_rad, kPi / 4.0, 1e-9);

@@ -42,7 +42,7 @@ TEST(PathInTime, TheLeastDistanceIsThatAtTheSameTime) {
   EXPECT_NEAR(least_distance_m(a, above, 0, 1.0, 1.5), std::hypot(0.5, 1.0), 1e-9) << "heights count less";
 }
 
-/// Vehicles that fly exactly what they want, and a radio between them.
+/// Vehicles that fly their references exactly, and a radio between them.
 struct SharingTeam {
   SharingTeam(const std::vector<Vector3>& starts_m, const std::vector<Vector3>& goals_m, double delay_s, double check_s)
       : delay(from_seconds(delay_s)) {

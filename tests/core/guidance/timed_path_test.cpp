@@ -38,7 +38,7 @@ TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
   EXPECT_NEAR(last_yaw_rad, 1.5707963, 0.05);  // towards +y, as the last legs go
 }
 
-/// What a path's goals are at every tick of its flight.
+/// Goals of a path at every tick of its flight.
 std::vector<Reference> goals_of_path(const TimedPathConfig& config, double tick_s,
                                      const Pose& start = Pose::Identity()) {
   Module module(guidance_module_types(), "timed_path");

@@ -25,7 +25,7 @@ bool is_allowed(const TrajectoryConfig& config, const MotionLimits& limits) {
   }
 }
 
-/// What is allowed exactly up to here, along a level and upright: with a tenth of a percent less it is refused.
+/// Checks that these limits are the smallest allowed: each one reduced by a tenth of a percent is rejected.
 void is_all_that_is_needed(const TrajectoryConfig& config, const MotionLimits& needed,
                            std::initializer_list<double MotionLimits::*> bounds) {
   ASSERT_TRUE(is_allowed(config, needed));
@@ -43,7 +43,7 @@ TEST(TrajectoryLimits, CircleNeedsSpeedAndCentripetalAcceleration) {
   MotionLimits limits;
   limits.horizontal_speed_mps = 3.0;
   limits.horizontal_acceleration_mps2 = 1.5;
-  limits.vertical_speed_mps = limits.vertical_acceleration_mps2 = 1e-3;  // it is level
+  limits.vertical_speed_mps = limits.vertical_acceleration_mps2 = 1e-3;  // level shapes
   is_all_that_is_needed(config, limits,
                         {&MotionLimits::horizontal_speed_mps, &MotionLimits::horizontal_acceleration_mps2});
 }
@@ -65,7 +65,7 @@ TEST(TrajectoryLimits, LissajousNeedsTheBoundsOfItsAxes) {
                          &MotionLimits::vertical_speed_mps, &MotionLimits::vertical_acceleration_mps2});
 }
 
-// Along a line the ramp takes half of the horizontal acceleration, whatever its direction.
+// Along a line the ramp uses half of the horizontal acceleration, in any direction.
 TEST(TrajectoryLimits, LineNeedsTheSharesOfItsDirection) {
   TrajectoryConfig config;
   config.shape = Shape::kLine;

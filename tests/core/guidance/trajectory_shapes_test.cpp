@@ -39,7 +39,7 @@ TEST(TrajectoryShapes, CircleBeginsAtItsPhaseAndTurnsAsTold) {
       ASSERT_NEAR(out.norm(), 5.0, 1e-9);
       ASSERT_NEAR(out.cross(goal.velocity_mps).z(), (clockwise ? -5.0 : 5.0) * goal.velocity_mps.norm(), 1e-9);
     }
-    // Under way it points along the velocity and turns at v / r.
+    // In motion the heading follows the velocity and turns at v / r.
     EXPECT_NEAR(goals.back().yaw_rate_radps, clockwise ? -0.4 : 0.4, 1e-9);
     EXPECT_NEAR(
         std::remainder(goals.back().yaw_rad - std::atan2(goals.back().velocity_mps.y(), goals.back().velocity_mps.x()),
@@ -57,7 +57,7 @@ TEST(TrajectoryShapes, LissajousIsASineOfEachAxis) {
   config.phase_deg = 20.0;
   config.speed_mps = 1.0;
   for (const Reference& goal : goals_along(config, 60.0, 0.1)) {
-    // The parameter from two axes tells the third: sin and cos of the first one's angle.
+    // Two axes determine the parameter and so the third axis: sin and cos of the first one's angle.
     const Vector3 sine = (goal.position_m - config.center_m).cwiseQuotient(config.amplitude_m);
     ASSERT_NEAR(std::abs(sine.y()), std::abs(2.0 * sine.x()) * std::sqrt(std::max(0.0, 1.0 - sine.x() * sine.x())),
                 1e-6);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From waypoint to waypoint, up and down again: the bounds of each decision, of a vehicle that the test puts anywhere.
+// Waypoints, takeoff and landing: the bounds of each decision, for a vehicle that the test places.
 #include "swiftlet/core/guidance/waypoints.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(WaypointsDecisions, DwellIsCountedFromTheArrivalOnWhereverTheVehicleGoes) {
     driver.put({0.3, 0, 2});  // blown away
   }
   EXPECT_EQ(driver.step().goal.position_m.x(), 9.0);
-  // At the next one it dwells anew.
+  // At the next one the dwell time starts again.
   driver.put({9, 0, 2});
   for (int tick = 1; tick <= 7; ++tick) EXPECT_EQ(driver.step().mission, MissionStatus::kRunning) << tick;
   EXPECT_EQ(driver.step().mission, MissionStatus::kDone);

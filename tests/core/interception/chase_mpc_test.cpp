@@ -41,7 +41,7 @@ Problem random_problem(const Random& random, std::uint32_t number, int num_steps
     aim.v_mps = v_mps;
     aim.weight = k < num_steps / 2 ? draw(0.05, 1.0) : 1.0;
     aim.velocity_weight = matches_velocity ? 0.1 : 0.0;
-    // At right angles, as walls and floors are.
+    // Orthogonal, like walls and floors.
     if (has_wall) aim.walls[static_cast<std::size_t>(aim.num_walls++)] = {normal, offset_m};
     if (has_floor && !has_wall) aim.walls[static_cast<std::size_t>(aim.num_walls++)] = {-Vector3::UnitZ(), 3.0};
     problem.aims.push_back(aim);

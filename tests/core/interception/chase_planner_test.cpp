@@ -11,7 +11,8 @@ namespace {
 
 const MotionLimits kChaser{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 constexpr double kReach_m = 1.0;
-constexpr double kShare = 0.985;  // of the limits, for a plan that the reference governor follows as it is
+// share of the limits used by a plan, so that the reference governor follows it exactly
+constexpr double kShare = 0.985;
 
 TargetPrediction hovering(const Vector3& p_local_m) {
   Track track;
@@ -28,7 +29,7 @@ Surroundings nothing_around() {
   return around;
 }
 
-/// From rest: full acceleration once full jerk has built it up, and speed at most over the whole way.
+/// From rest: full acceleration after the build-up at full jerk, and at most the speed limit over the whole distance.
 double time_from_rest_s(double way_m, double speed, double acceleration, double jerk) {
   if (way_m <= 0.0) return 0.0;
   return std::max(way_m / (kShare * speed),
@@ -98,7 +99,7 @@ std::vector<double> heights_m(double side, double* meeting_s) {
   config.solver.iterations = 20000;
   config.solver.tolerance = 1e-6;
   ChasePlanner planner(config, kChaser, kReach_m);
-  for (int i = 0; i < 3; ++i)  // each knows from the one before when they meet
+  for (int i = 0; i < 3; ++i)  // each plan starts from the meeting time of the one before
     planner.plan({}, hovering({8.0, 0.0, 0.0}), Vector3::Zero(), side, nothing_around(), 0.0);
   *meeting_s = planner.time_to_go_s();
   std::vector<double> heights;

@@ -13,8 +13,8 @@
 namespace swiftlet::testing {
 
 /// The chase as one dense convex problem over all jerks, solved by Newton's method with a logarithmic barrier (Boyd and
-/// Vandenberghe, Convex Optimization, ch. 11). Nothing here knows the condensed problem: states come from stepping the
-/// motion, one unit of jerk after the other.
+/// Vandenberghe, Convex Optimization, ch. 11). Independent of the condensed problem: states result from stepping the
+/// motion with unit jerks.
 class DenseChase {
  public:
   DenseChase(const ChaseMpcConfig& config, const MotionLimits& limits, const PointState& start,
@@ -29,7 +29,7 @@ class DenseChase {
     const int k_max = steps();
     response_.assign(static_cast<std::size_t>(k_max * k_max), {});
     for (int i = 0; i < k_max; ++i) {
-      PointState state;  // of one axis; all three move alike
+      PointState state;  // state of one axis; all three are alike
       for (int k = i; k < k_max; ++k) {
         state = state.after(Vector3(k == i ? 1.0 : 0.0, 0.0, 0.0), step_s);
         response_[static_cast<std::size_t>(k * k_max + i)] = {state.p_m.x(), state.v_mps.x(), state.a_mps2.x()};
@@ -72,7 +72,7 @@ class DenseChase {
     return greatest;
   }
 
-  /// From jerks that keep the limits strictly; the least cost to within `gap`, relative to the cost + 1.
+  /// Starts from jerks strictly within the limits; returns the least cost to within `gap`, relative to the cost + 1.
   std::vector<double> solve(std::vector<double> u, double gap) const {
     const double num_barriers = 6.0 * steps();
     for (double t = 1.0;; t *= 20.0) {
@@ -200,7 +200,7 @@ class DenseChase {
   double step_s_;
   int n_ = 0;
   Vector3 jerk_;
-  std::array<Vector3, 3> limit_;    // of jerk, acceleration, velocity
+  std::array<Vector3, 3> limit_;    // limits of jerk, acceleration, velocity
   std::vector<Response> response_;  // [step][jerk of step]
 };
 

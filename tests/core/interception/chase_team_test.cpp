@@ -14,7 +14,7 @@ using Word = ChaseReport::Word;
 
 constexpr VehicleId kSelf = 1, kOther = 2, kThird = 0;
 
-/// One vehicle of three. What the others say comes to it at once.
+/// One vehicle of three, which receives the messages of the others without delay.
 struct Team {
   void says(VehicleId from, Word word, double arrival_s, const Vector3& p_m = {5, 0, 10},
             const Vector3& v_mps = {0, 2, 0}, const Vector3& target_m = {0, 0, 10}, TimeNs t = -1) {
@@ -105,7 +105,7 @@ TEST(ChaseTeam, OfTwoAsSoonTheLowerNumberLeads) {
   EXPECT_FALSE(here.leads(2.0));
 }
 
-// Two who follow the same rule never both yield, once each has heard the other.
+// Two vehicles with the same rule never both yield once each has received the other's report.
 TEST(ChaseTeam, OneOfTwoLeadsWhateverTheyTell) {
   for (const double first_s : {1.0, 1.2, 1.5, 3.0}) {
     for (const double second_s : {1.0, 1.2, 1.5, 3.0}) {
@@ -124,7 +124,7 @@ TEST(ChaseTeam, OneOfTwoLeadsWhateverTheyTell) {
             observation.messages.resize(1);
             observation.messages[0].from = 1 - i;
             write_message(report, observation.messages[0]);
-            // It has no other way to have led, or not.
+            // The decision is set directly.
             teams[i].decide(0, led[i] ? std::optional(1.0) : std::nullopt);
             teams[i].listen(observation, {});
             teams[i].compare_targets(Vector3::Zero(), 0, 3.0);
@@ -261,7 +261,7 @@ TEST(ChaseTeam, AFellowIsWhereItsPathLeadsShiftedToWhereItIsSeen) {
   std::vector<Track> tracks(1);
   tracks[0].id = 4;
   tracks[0].t = here.observation.t;
-  tracks[0].position_m = {5.5, 1.0, 10.0};  // it says (5, 1, 10)
+  tracks[0].position_m = {5.5, 1.0, 10.0};  // its report gives (5, 1, 10)
   here.team.recognize(tracks, 7);
   EXPECT_TRUE(here.team.is_fellow(4));
   const Bystander other = here.bystanders()[0];

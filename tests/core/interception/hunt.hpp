@@ -15,7 +15,7 @@ namespace swiftlet::testing {
 
 inline const MotionLimits kFast{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 
-/// A vehicle that is exactly where its reference is, and tracks that tests tell by a function of time.
+/// A vehicle that follows its reference exactly, and tracks given by the tests as a function of time.
 class Hunt {
  public:
   explicit Hunt(const InterceptConfig& config, const Vector3& start_m, VehicleId self = 0, int num_vehicles = 2) {
@@ -30,7 +30,7 @@ class Hunt {
     estimate_.T_local_body = setup_.T_local_body_start;
   }
 
-  /// @param before_tick  tells tracks, and what the radio brings
+  /// @param before_tick  sets tracks and received messages
   void run(double duration_s, const std::function<void(double t_s, Hunt&)>& before_tick) {
     const TimeNs end = observation_.t + from_seconds(duration_s);
     while (observation_.t < end) {
@@ -100,7 +100,7 @@ class Hunt {
   LocalPoses poses_;
 };
 
-/// On a circle of 10 m at 4 m/s, 15 m high.
+/// A circle of 10 m at 4 m/s, at a height of 15 m.
 inline void circling(double t_s, Hunt& hunt) {
   const double angle = 0.4 * t_s;
   const Vector3 out(std::cos(angle), std::sin(angle), 0.0), along(-std::sin(angle), std::cos(angle), 0.0);

@@ -101,8 +101,8 @@ TEST(InterceptDecisions, FacesItsTarget) {
   EXPECT_NEAR(std::remainder(hunt.out.goal.yaw_rad - std::atan2(to_m.y(), to_m.x()), 2.0 * std::acos(-1.0)), 0.0, 0.1);
 }
 
-// Least distances from a hovering target on the way to its capture. It hovers far from the origin, where places and
-// differences of places are not the same.
+// Least distances from a hovering target during an approach until its capture. The target is far from the origin, where
+// positions and their differences differ in size.
 struct Approach {
   bool caught = false;
   double least_m = 1e9;
@@ -182,7 +182,7 @@ TEST(InterceptDecisions, TwoCapturesAreTwo) {
   EXPECT_GT(hunt.now_s(), first_s + 1.0);
 }
 
-/// Does it believe in the capture of a hovering target whose measurements are old?
+/// Does the interceptor accept the capture of a hovering target with old measurements?
 bool believes(double age_s, double sigma_m) {
   InterceptConfig config;
   config.track_timeout_s = 5.0;

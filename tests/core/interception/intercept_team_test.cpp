@@ -15,7 +15,7 @@ namespace {
 
 using testing::Hunt;
 
-/// Two interceptors that see each other and tell each other by radio.
+/// Two interceptors that see each other and exchange reports by radio.
 class Pair {
  public:
   Pair(const InterceptConfig& config, const Vector3& first_m, const Vector3& second_m, double delay_s = 0.01)
@@ -24,7 +24,7 @@ class Pair {
        double delay_s = 0.01)
       : delay_(from_seconds(delay_s)), hunts{Hunt(first, first_m, 0, 2), Hunt(second, second_m, 1, 2)} {}
 
-  /// @param sees  tells the tracks of one of them, beside the other one, which is track 50
+  /// @param sees  sets the tracks of one of them; the other interceptor is track 50
   void run(double duration_s, const std::function<void(int which, Hunt&)>& sees) {
     const double end_s = hunts[0].now_s() + duration_s;
     while (hunts[0].now_s() < end_s - 1e-9) {
@@ -138,7 +138,7 @@ TEST(InterceptTeam, WhoSeesNothingGoesWhereTheOtherOneSeesIt) {
   EXPECT_GT(pair.hunts[1].p_m().x(), -22.0);
   EXPECT_GT(pair.least_m, 2.9);
   EXPECT_EQ(pair.words[1], ChaseReport::Word::kSearches);
-  // What one has from hearsay is not told on: with the source gone, both know that they know nothing.
+  // Received target positions are not forwarded: once the source is gone, both search.
   pair.run(3.0, [](int, Hunt&) {});
   EXPECT_EQ(pair.words[0], ChaseReport::Word::kSearches);
   EXPECT_EQ(pair.words[1], ChaseReport::Word::kSearches);
@@ -170,7 +170,7 @@ TEST(InterceptTeam, WhoseFenceKeepsItFromTheTargetDoesNotHoldUpTheOtherOne) {
 TEST(InterceptTeam, WhoLeadsInVainLetsTheOtherOneTry) {
   InterceptConfig low_config, polite_config;
   low_config.fence.max_m.z() = 15.0;
-  polite_config.yield_clearance_m = 15.0;  // from there it is never the soonest
+  polite_config.yield_clearance_m = 15.0;  // with this clearance it never arrives first
   Pair pair(low_config, polite_config, {-8.0, 0.0, 14.0}, {-20.0, 24.0, 15.0});
   pair.run(25.0, [](int, Hunt& hunt) { hunt.sees({4.0, 0.0, 14.8}, Vector3::Zero()); });
   EXPECT_TRUE(pair.captured(1));

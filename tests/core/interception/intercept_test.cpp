@@ -111,7 +111,7 @@ TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
   EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
 }
 
-// A track goes on by its prediction while nothing is seen. What it says then is no catch.
+// An unseen track continues by its prediction, which does not count as a capture.
 TEST(Intercept, BelievesInNoCatchOfATargetThatItHasNotMeasuredForLong) {
   InterceptConfig config;
   config.sure_share = 1.0;
@@ -139,7 +139,7 @@ TEST(Intercept, SearchesFromWhereItsNetWouldMeetTheTargetNotFromItsHeight) {
   EXPECT_GT(lowest_m, 18.5) << "4 m above the target";
 }
 
-// A LiDAR that looks level does not see who flies right below it. Nobody goes down there to look.
+// A level LiDAR does not see a target right below, and the vehicle does not descend to look for it.
 TEST(Intercept, StaysAboveATargetThatMayBeBelowUnseen) {
   InterceptConfig config;
   config.net = {.offset_m = {0.0, 0.0, -1.6}, .radius_m = 0.2, .height_m = 0.1};
@@ -149,7 +149,7 @@ TEST(Intercept, StaysAboveATargetThatMayBeBelowUnseen) {
   hunt.tracks.clear();
   double least_m = 1e3;
   hunt.run(6.0, [&](double, Hunt& h) {
-    const Vector3 above_m = h.p_m() - target_m(1.0);  // where it stopped
+    const Vector3 above_m = h.p_m() - target_m(1.0);  // height above the place where the target stopped
     if (above_m.head<2>().norm() < 3.0) least_m = std::min(least_m, above_m.z());
   });
   EXPECT_EQ(hunt.notes.back(), "the target is lost: searching");

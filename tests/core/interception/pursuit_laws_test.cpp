@@ -17,7 +17,7 @@ TEST(PursuitLaws, AreThePublishedFormulas) {
   EXPECT_LT((pure_pursuit_mps2(gains, relative) - relative.p_m).norm(), 1e-12);
 }
 
-// On a collision course there is nothing to correct: the zero-effort miss is zero.
+// On a collision course the zero-effort miss is zero.
 TEST(PursuitLaws, ProportionalNavigationKeepsACollisionCourse) {
   const RelativeMotion relative{{12.0, -6.0, 3.0}, {-4.0, 2.0, -1.0}};
   EXPECT_LT(proportional_navigation_mps2({}, relative).norm(), 1e-12);

@@ -11,7 +11,7 @@ namespace {
 
 const MotionLimits kInterceptor{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 
-/// Nothing but a wide fence.
+/// No obstacles, only a wide fence.
 Surroundings open_air() {
   Surroundings around;
   GeofenceConfig config;
@@ -100,7 +100,7 @@ TEST(Surroundings, OnlyWhatIsWithinThreeMetersIsAWall) {
   EXPECT_TRUE(walls_at(around, {5.1, 0, 50}).empty());
   const std::vector<Wall> side = walls_at(around, {4.9, 0, 50});
   ASSERT_EQ(side.size(), 1U);
-  // It touches the sphere where that is nearest, and what is beyond it lies outside.
+  // The plane touches the sphere at its nearest point; space beyond is outside.
   EXPECT_NEAR(side[0].excess_m({2.0, 7.0, 55.0}), 0.0, 1e-12);
   EXPECT_NEAR(side[0].excess_m({4.9, 0.0, 50.0}), -2.9, 1e-12);
   EXPECT_NEAR(walls_at(around, {4.9, 0, 50}, 1.0).at(0).excess_m({4.9, 0, 50}), -0.9, 1e-12) << "it will be nearer";
@@ -164,14 +164,14 @@ TEST(Braking, OpposesTheVelocityWithinTheLimits) {
 TEST(Braking, EvadesWhoeverWouldComeTooNearWithinASecondAndAHalf) {
   Surroundings around = open_air();
   const double a = kInterceptor.horizontal_acceleration_mps2;
-  // It flies straight at the vehicle's right side, and passes 1 m behind it: away is forward.
+  // A vehicle flies straight at this one's right side and will pass 1 m behind it: forward is away from it.
   around.bystanders.push_back({{-1, -4, 50}, {0, 4, 0}, 2.0, false});
   EXPECT_LT((braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 0.0, kInterceptor) - Vector3(a, 0, 0)).norm(), 1e-6);
-  // It will be there later only.
+  // The other vehicle arrives later only.
   around.bystanders[0].p_local_m.y() = -9.0;
   EXPECT_EQ(braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 0.0, kInterceptor), Vector3(0, 0, 0));
   EXPECT_GT(braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 1.0, kInterceptor).x(), 1.0) << "a second from now";
-  // Who passes with room to spare is not evaded.
+  // A vehicle that passes with sufficient room is not evaded.
   around.bystanders[0] = {{-2.2, -4, 50}, {0, 4, 0}, 2.0, false};
   EXPECT_GT(braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 0.0, kInterceptor).norm(), 1.0);
   around.bystanders[0].p_local_m.x() = -2.4;
@@ -194,7 +194,7 @@ bool stops(const Surroundings& around, const Vector3& p_local_m, const Vector3& 
 
 TEST(Braking, StopsBeforeTheFenceIfTheWayIsLongEnough) {
   const Surroundings around = open_air();
-  // v^2 / 2a, and the way while the acceleration builds up.
+  // v^2 / 2a, and the distance during the build-up of the acceleration.
   const double v = 6.0, a = kInterceptor.horizontal_acceleration_mps2;
   const double way_m = v * v / (2.0 * a) + 0.5 * v * a / kInterceptor.horizontal_jerk_mps3;
   EXPECT_TRUE(stops(around, {100.0 - way_m - 0.3, 0, 50}, {v, 0, 0}));
@@ -206,7 +206,7 @@ TEST(Braking, StopsBeforeTheFenceIfTheWayIsLongEnough) {
 TEST(Braking, StopsNowhereIfSomebodyComesWhileItBrakes) {
   Surroundings around = open_air();
   EXPECT_TRUE(stops(around, {0, 0, 50}, {6, 0, 0}));
-  // From the side, faster than anyone brakes or evades, to where the vehicle is after half a second.
+  // From the side, too fast to brake or evade, towards the vehicle's position in half a second.
   around.bystanders.push_back({{3, 20, 50}, {0, -40, 0}, 2.5, false});
   EXPECT_FALSE(stops(around, {0, 0, 50}, {6, 0, 0}));
 }

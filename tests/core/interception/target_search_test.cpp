@@ -18,7 +18,7 @@ Geofence fence_of(const Vector3& min_m, const Vector3& max_m) {
   return Geofence(config, FrameChange());
 }
 
-/// Where the particles are now.
+/// Present positions of the particles.
 std::vector<Vector3> places_of(const TargetSearch& search) {
   std::vector<Overlay> overlays;
   search.append_overlay(overlays);
@@ -169,7 +169,7 @@ TEST(TargetSearch, TheMostProbablePlaceIsTheMiddleOfTheHeaviestCrowd) {
   TargetSearch search = begun(config, {{0, 0, 15}, {0, 0, 0}, {}}, 8.0, 1e-9);
   for (int i = 0; i < 20; ++i) search.look({0, 0, 15}, 0.5, nullptr);
   const Vector3 best = search.most_probable();
-  // No crowd of 4 m around any other particle weighs more. Brute force, by the weights that the picture shows.
+  // No cluster of 4 m around any other particle has more weight, by brute force with the weights of the overlay.
   std::vector<Overlay> overlays;
   search.append_overlay(overlays);
   const auto unseen_near = [&](const Vector3& center) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses that are carried on by what an IMU, an odometry or nobody tells: in closed form, and up to each bound.
+// Propagation of poses by an IMU, by odometry or without either: in closed form, and up to each bound.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-// From a state in the past all samples after it are applied, the newest as well.
+// From a past state all later samples are applied, including the newest.
 TEST(DeadReckoning, RestartedInThePastItComesBackToTheNewestSample) {
   constexpr TimeNs kStep = 10'000'000;
   DeadReckoning reckoning;

@@ -10,11 +10,11 @@
 namespace swiftlet {
 namespace {
 
-Outbox outbox;  // estimators say nothing
+Outbox outbox;  // estimators send nothing
 
 constexpr TimeNs kTick = 4'000'000;
 
-/// Circling at constant speed and turning with it: every quantity has a closed form.
+/// Circling at constant speed with the heading turning along: every quantity has a closed form.
 struct Circling {
   double radius = 5.0, rate = 0.5;
   PoseSample pose(TimeNs t) const {
@@ -107,7 +107,7 @@ TEST(GroundTruthEstimator, IsValidFromTheStartUntilThePosesStop) {
   EXPECT_TRUE(estimator->update(observation, outbox).valid);
 }
 
-/// As it would be told of the start of the circle.
+/// Setup with the start of the circle known to the given extent.
 AgentSetup told(const Circling& circling, StartKnown known) {
   AgentSetup setup = circling.setup();
   setup.start_known = known;
@@ -132,7 +132,7 @@ TEST(GroundTruthEstimator, AVehicleThatWasToldNothingBeginsAtTheOriginAndLearnsT
     ASSERT_LT((e.T_world_body().translation() - circling.pose(t).T_world_body.translation()).norm(), 1e-9);
     ASSERT_LT((e.v_world_mps() - circling.pose(t).v_world_mps).norm(), 1e-9);
   }
-  // It flew ahead and to the left, as seen from where it began.
+  // The motion is ahead and to the left in the start frame.
   EXPECT_GT(e.T_local_body.translation().x(), 2.0);
   EXPECT_GT(e.T_local_body.translation().y(), 0.2);
 }

@@ -30,7 +30,7 @@ InsConfig only_start() {
   return config;
 }
 
-// Without noise what was not known at the start spreads by the laws of motion: a tilt accelerates by g sideways.
+// Without noise the uncertainty of the start propagates by the laws of motion: a tilt accelerates by g sideways.
 TEST(InsLaw, UncertaintyOfTheStartSpreadsByTheLawsOfMotion) {
   const InsConfig config = only_start();
   const double dt = 0.05, g = kStandardGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDegree;
@@ -73,7 +73,7 @@ TEST(InsLaw, NoiseGrowsWithTheTime) {
   }
 }
 
-// What happens in a gap of the IMU is not known: an acceleration of 2 m/s^2 may have happened.
+// The motion in a gap of the IMU is unknown: an acceleration of 2 m/s^2 is assumed.
 TEST(InsLaw, ALongGapCostsTrust) {
   const InsConfig config = only_start();
   const double below = 0.099, above = 0.101, g = kStandardGravity_mps2;
@@ -124,7 +124,7 @@ TEST(InsLaw, AnOdometersVelocityIsThatOfTheBody) {
   OdometrySample sample;
   sample.t = 1;
   sample.T_local_body = make_pose({9, 9, 9}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Vector3::UnitZ())));
-  sample.v_local_body_mps = {0.0, 0.2, 0.1};  // along the body's x, whatever the odometer's own frame
+  sample.v_local_body_mps = {0.0, 0.2, 0.1};  // along the body's x, independent of the odometer's frame
   filter.update(sample);
   EXPECT_NEAR(filter.state().v_mps.x(), 0.2, 0.005);
   EXPECT_NEAR(filter.state().v_mps.y(), 0.0, 0.005);

@@ -35,7 +35,7 @@ TEST(InsGate, AcceptsPersistentDisagreement) {
   filter.update(fix_off_by(filter, off_m));
   EXPECT_GT(filter.state().p_m.y(), 35.0);
   EXPECT_GT(filter.covariance()(1, 1), 0.01);
-  // One that fits in between starts the count anew, and another sensor's count is its own.
+  // An accepted fix resets the count; each sensor has its own count.
   InsFilter again = at_rest({});
   for (int i = 1; i <= 20; ++i) again.update(fix_off_by(again, off_m));
   again.update(AltimeterSample{again.state().t, 1.0, 0.1});
@@ -47,7 +47,7 @@ TEST(InsGate, AcceptsPersistentDisagreement) {
 }
 
 TEST(InsPast, ComparesWithTheNearestPastState) {
-  // At 2 m/s: a fix of the past is where the vehicle was then.
+  // At 2 m/s: a delayed fix refers to the position at its time.
   const auto flying = [] {
     InsConfig config;
     config.start_velocity_sigma_mps = 10.0;

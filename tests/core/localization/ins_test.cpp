@@ -18,7 +18,7 @@ constexpr double kDt = 0.005;
 Vector3 vec(const std::array<double, 3>& n) { return {n[0], n[1], n[2]}; }
 
 /// A vehicle on a wavy course with an IMU, GNSS, altimeter, compass and odometry, all with exactly the noise that the
-/// filter is told.
+/// filter assumes.
 class SimulatedFlight {
  public:
   SimulatedFlight(const InsConfig& config, std::uint64_t seed) : config_(config), random_(seed, "test.ins") {
@@ -186,7 +186,7 @@ TEST(Ins, OutliersAreRejectedAndAPersistentJumpIsAcceptedInTheEnd) {
   }
   EXPECT_EQ(filter.num_rejected(), 40);
   EXPECT_LT((filter.state().p_m - flight.truth().p_m).norm(), 0.5);
-  // From now on the world of the receiver lies 50 m to the east.
+  // From here on the receiver's world frame is shifted by 50 m to the east.
   for (int i = 1; i <= 4000; ++i) {
     filter.predict(flight.next_imu());
     GnssSample sample = flight.gnss(0.1, 0.1);
@@ -228,7 +228,7 @@ TEST(Ins, TheAltimeterFindsTheGroundAndHoldsTheHeight) {
     if (i % 4 == 0) filter.update(flight.altimeter());
     if (i % 20 == 0) filter.update(flight.gnss(2.0, 0.5));
   }
-  // Height over the ground is known far better than GNSS knows either.
+  // The height above the ground is much more accurate than either height by GNSS.
   EXPECT_NEAR(filter.state().p_m.z() - filter.ground_m(), flight.truth().p_m.z() - flight.ground(), 0.05);
 }
 

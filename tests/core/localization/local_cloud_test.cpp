@@ -14,7 +14,7 @@ Pose motion_at(double t_s) {
   return make_pose({8.0 * t_s, -2.0 * t_s, 3.0}, Eigen::Quaterniond(Eigen::AngleAxisd(1.5 * t_s, Vector3::UnitZ())));
 }
 
-/// What a spinning LiDAR on a moving body measures of one point of the world.
+/// Measurements of one world point by a spinning LiDAR on a moving body.
 std::shared_ptr<Scan> scan_of(const Vector3& target_world_m, TimeNs stamp, TimeNs duration, int cols) {
   auto beams = std::make_shared<BeamTable>();
   auto scan = std::make_shared<Scan>();

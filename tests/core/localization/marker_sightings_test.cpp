@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-/// Returns of an observer at the origin, each in its own column: at 5 s, and so many seconds later.
+/// Returns of an observer at the origin, each in its own column, at 5 s plus an offset.
 struct Returns {
   static constexpr float kMarker = 18.0F, kHull = 0.3F, kWall = 0.8F;
 

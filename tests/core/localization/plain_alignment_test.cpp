@@ -51,8 +51,8 @@ struct Window {
     }
     return J;
   }
-  /// Of the least squares, when all that errs is: each sighting by itself, each step of the odometry for all pairs
-  /// before it (a turn as about its middle), and the clock.
+  /// Covariance of the least squares under all errors: independent ones of each sighting, one of each odometry step for
+  /// all earlier pairs (rotations about the step's middle), and the clock.
   Eigen::Matrix<double, 5, 5> covariance(const Params& x, const std::vector<bool>& in) const {
     const std::size_t n = pairs.size();
     const double clock_information = 1.0 / std::pow(std::max(clock.sigma_s, 1e-9), 2);
@@ -164,7 +164,7 @@ WindowFit fit_of(const Window& window, const RelativeAlignmentConfig& config) {
   return fit;
 }
 
-/// How far a parameter is from where a parabola through the costs has its least.
+/// Distance of a parameter from the minimum of a parabola through the costs.
 double off_by(const Window& window, const WindowFit& fit, int k) {
   const double h = 1e-4;
   const Params step = h * Params::Unit(k);

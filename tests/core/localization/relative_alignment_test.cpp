@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where another vehicle's local frame lies: closed form, robust fit, what it is sure of, and what it cannot know.
+// Pose of another vehicle's local frame: closed form, robust fit, covariance, and unobservable cases.
 #include "swiftlet/core/localization/relative_alignment.hpp"
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ struct Trial {
   OdometryDriftConfig drift;
   RelativeAlignmentConfig config;
   double outlier_share = 0.0;
-  double clock_s = 0.0;  // that the other's clock is behind
+  double clock_s = 0.0;  // delay of the other's clock
   ClockPrior prior;
 };
 
@@ -132,7 +132,7 @@ MonteCarlo monte_carlo(const Trial& trial, int num) {
   return result;
 }
 
-// Of `num` trials with 4 degrees of freedom, the mean lies within these by 999 of 1000 chances.
+// Bound of the mean NEES of `num` trials with 4 degrees of freedom, exceeded in one of 1000 cases.
 double bound_of_mean_nees(int num) { return 3.3 * std::sqrt(8.0 / num); }
 
 TEST(RelativeAlignment, FindsAnyHeadingAndPlaceExactlyWithoutNoise) {

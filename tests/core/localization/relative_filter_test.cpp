@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where another vehicle is now: what comes late, what stays away, and whether the covariance tells the truth.
+// Present pose of another vehicle: late data, missing data, and consistency of the covariance.
 #include "swiftlet/core/localization/relative_filter.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// A path whose velocity is driven by white acceleration, as the filter takes it to be.
+/// A path driven by white acceleration, as the filter assumes.
 Path random_flight(double acceleration_mps2_psqrthz, std::uint64_t seed) {
   constexpr double kStep_s = 0.01;
   const Random random(seed, "test.path", "other");
@@ -43,7 +43,7 @@ struct FilterTrial {
   double end_s = 21.0;
   double sightings_end_s = 1e9, odometry_end_s = 1e9;
   double sighting_latency_s = 0.15, odometry_latency_s = 0.1;
-  double true_drift_factor = 1.0;  // on what it is said to drift
+  double true_drift_factor = 1.0;  // relative to the assumed drift
 
   OdometryDriftConfig true_drift() const {
     OdometryDriftConfig d = drift;
@@ -76,7 +76,7 @@ class FilterRun {
         flight_(path, trial.end_s + 2.0, trial.true_drift(), seed),
         random_(seed, "test.filter", "noise"),
         filter_(trial.config, trial.drift) {
-    // Started by an alignment whose error is drawn from its covariance.
+    // Started by an alignment with an error drawn from its covariance.
     FrameAlignment start;
     start.covariance.setZero();
     start.covariance.diagonal() << 0.0025, 0.0025, 0.0025, 0.0009;
@@ -158,7 +158,7 @@ MeanNees mean_nees(FilterTrial trial, int num, double at_s) {
   return mean;
 }
 
-// With k degrees of freedom and n runs, by 999 of 1000 chances.
+// Bound for k degrees of freedom and n runs, exceeded in one of 1000 cases.
 double mean_bound(int degrees, int num) { return 3.3 * std::sqrt(2.0 * degrees / num); }
 
 TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
@@ -168,7 +168,7 @@ TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
   EXPECT_NEAR(mean.yaw, 1.0, mean_bound(1, 300));
 }
 
-// An odometry that drifts three or six times what it is said to, and is all that there is for six seconds.
+// An odometry with three or six times the assumed drift, and no other data for six seconds.
 TEST(RelativeFilter, LearnsThatAnOdometryDriftsMoreThanItIsSaidTo) {
   constexpr int kRuns = 100;
   for (const double factor : {3.0, 6.0}) {
@@ -335,7 +335,7 @@ TEST(RelativeFilter, WhileNothingIsHeardItsHeadingIsUnsureByTheTurnRate) {
   }
 }
 
-// Of two filters that differ in how the other one may accelerate, the difference is white noise, integrated once and
+// The difference of two filters with different acceleration of the other vehicle is white noise, integrated once and
 // twice.
 TEST(RelativeFilter, WhileNothingComesItIsUnsureByTheIntegralsOfTheAcceleration) {
   const auto covariance = [](double acceleration_mps2_psqrthz, double since_s) {

@@ -165,12 +165,13 @@ TEST(RelativeLocalizer, ItsCovarianceIsTrue) {
     if (!result.nees.empty()) nees.push_back(result.nees.back());
   }
   EXPECT_GE(nees.size(), 58U);
-  // The flight is smoother than white acceleration, and what it tells has no noise but drift: it is surer than it says.
+  // The flight is smoother than white acceleration, and its odometry has no noise but drift: the covariance is
+  // conservative.
   EXPECT_LT(mean(nees), 3.0 + 3.3 * std::sqrt(6.0 / 60.0));
   EXPECT_GT(mean(nees), 1.0);
 }
 
-// Three times what `drift` says: nobody tells, so it has to be noticed.
+// Three times the assumed drift, which the filter has to estimate.
 TEST(RelativeLocalizer, AnOdometryThatDriftsMoreThanItIsSaidToIsNoticed) {
   const auto fly = [](double drift_factor_max) {
     Team::Result all;
@@ -257,7 +258,7 @@ TEST(RelativeLocalizer, AClockThatIsOffByAFifthOfASecondAndDriftsIsFound) {
     team.clock_offset_s = 0.2;
     team.clock_drift = 100e-6;
     team.config.clock = SlidingWindowConfig::Clock::kOneWay;
-    team.config.clock_sigma_s = 0.1;  // a message takes 0.1 s here, and nobody says so
+    team.config.clock_sigma_s = 0.1;  // a message takes 0.1 s here, unknown to the localizer
     const Team::Result known = team.fly(60.0, seed);
     ASSERT_FALSE(known.errors_m.empty());
     EXPECT_LT(mean(known.errors_m), 0.09) << seed;

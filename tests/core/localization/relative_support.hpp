@@ -14,7 +14,7 @@ namespace swiftlet {
 
 inline Matrix3 turned_by(double yaw_rad) { return Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()).toRotationMatrix(); }
 
-/// Where a vehicle is in the observer's local frame at a time [s].
+/// Position of a vehicle in the observer's local frame as a function of time [s].
 using Path = std::function<Vector3(double t_s)>;
 
 /// A lying eight that rises and sinks, at up to 0.7 m/s for a radius of 1 m.
@@ -38,7 +38,7 @@ class OtherFlight {
       : random_(seed, "test.flight", "other") {
     const OdometryDrift drift(drift_config);
     const int num_steps = static_cast<int>(duration_s / kStep_s) + 2;
-    double yaw_rad = random_.uniform(-kPi, kPi, 0, 0);  // of the other frame in the own one
+    double yaw_rad = random_.uniform(-kPi, kPi, 0, 0);  // heading of the other frame in the own one
     Vector3 p_other_m(random_.uniform(-50, 50, 0, 1), random_.uniform(-50, 50, 0, 2), random_.uniform(-5, 5, 0, 3));
     Flown flown;
     for (int k = 0; k < num_steps; ++k) {
@@ -71,7 +71,7 @@ class OtherFlight {
     double yaw_local_other_rad;
     OtherMotion motion;
   };
-  /// At a multiple of kStep_s.
+  /// Sample at a multiple of kStep_s.
   const Sample& at(double t_s) const { return samples_.at(static_cast<std::size_t>(std::lround(t_s / kStep_s))); }
   static constexpr double kHeading_rad = 0.3;
 
@@ -97,7 +97,7 @@ inline Matrix3 sighting_covariance(double sigma_m = 0.06) {
   return C;
 }
 
-/// Squared error of an alignment in standard deviations, against where the flight truly was at `t_s`.
+/// Squared error of an alignment in standard deviations, against the true flight at `t_s`.
 inline double nees_of(const FrameAlignment& found, const OtherFlight& flight, double t_s) {
   const OtherFlight::Sample& now = flight.at(t_s);
   Eigen::Matrix<double, 4, 1> error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several vehicles with markers: nobody knows where they are, and what shines bears no name.
+// Several vehicles with markers: unknown positions, and sightings without identity.
 #include <gtest/gtest.h>
 
 #include <algorithm>

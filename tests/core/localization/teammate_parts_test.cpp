@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What relative localization is made of: clocks, chains of sightings, whose motion it is, and the stage around them.
+// Parts of relative localization: clocks, chains of sightings, assignment by motion, and the stage around them.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -73,7 +73,7 @@ TEST(SightingChain, GoesOnWhereNothingElseCanHaveComeFrom) {
       EXPECT_EQ(chains.chains().size(), times < 1.0 ? 1U : 2U) << dt_s;
     }
   }
-  // Of two within reach it is the nearer one, and its newest place counts.
+  // The nearer of two chains within reach, by its newest position.
   SightingChains chains;
   chains.push(seen_at(1.0, {0, 0, 0}));
   chains.push(seen_at(1.0, {1, 0, 0}));
@@ -131,7 +131,7 @@ TEST(MotionMatch, IsWhatIsLeftAfterTheBestAlignment) {
     std::vector<Vector3> local_m, other_m;
     std::vector<double> weights;
     for (std::uint32_t i = 0; i < 30; ++i) {
-      const double t_s = 0.31 + 0.35 * i;  // some after all that was told
+      const double t_s = 0.31 + 0.35 * i;  // some after the last report
       const auto n = random.normal3(i, 0);
       Sighting sighting = seen_at(t_s, path(t_s - kClock_s) + 0.05 * Vector3(n[0], n[1], n[2]));
       sighting.covariance = Vector3(0.01, 0.02, 0.06).asDiagonal();
@@ -213,7 +213,7 @@ struct Stage {
                     found, outbox);
     return found;
   }
-  /// Of the pairs in the window.
+  /// Pairs in the window.
   std::vector<Eigen::Vector3f> window() const {
     std::vector<Overlay> overlays;
     localizer->append_overlays(overlays);
@@ -317,7 +317,7 @@ TEST(RelativeStage, WhoeverSharesOneWorldIsWhereItSaysForTwoSeconds) {
   EXPECT_TRUE(stage.step(3 * s + 1, {}, {}).empty());
 }
 
-/// A teammate that was told and seen along an eight until it is known.
+/// A teammate reported and seen along a figure eight until it is localized.
 struct KnownMate {
   SlidingWindowConfig config;
   Teammate mate;
@@ -360,7 +360,7 @@ TEST(Teammate, IsToldWhileItsPlaceIsSureEnough) {
   ASSERT_TRUE(e);
   EXPECT_EQ(e->other, kMate);
   EXPECT_LT((known.mate.place_local_m() - e->position_m).norm(), 1e-12);
-  // Nobody tells or sees anything more: by white acceleration the greatest deviation grows until it is too much.
+  // Without further data the largest deviation grows by white acceleration up to its limit.
   double s = 0.0, greatest_m = 0.0;
   for (; s < 60.0; s += 0.02) {
     const auto later = known.mate.estimate(known.t + from_seconds(s));

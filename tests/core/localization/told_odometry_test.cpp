@@ -21,7 +21,7 @@ OtherMotion told_at(double t_s, const Vector3& p_m, const Vector3& v_mps, double
 }
 
 TEST(ToldOdometry, BetweenTwoSamplesItIsTheCubicThroughBothWithTheirVelocities) {
-  // Cubics are exact, headings turn the short way around, and all else changes evenly.
+  // Cubics are exact, headings interpolate along the shorter arc, all else is linear.
   const auto place = [](double t) {
     return Vector3(1.0 + 2.0 * t - t * t + 0.3 * t * t * t, t * t, 4.0 - 0.5 * t * t * t);
   };

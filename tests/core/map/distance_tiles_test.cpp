@@ -31,7 +31,7 @@ class ToldBlocks : public OccupiedBlocks {
     told.changed = revision;
     occupied ? (void)cells.insert(place(cell)) : (void)cells.erase(place(cell));
   }
-  /// What was touched before now is not told any more.
+  /// Earlier changes are no longer reported.
   void forget_touched() {
     touched_after_ = revision;
     for (auto& [at, told] : blocks_) told.touched = {};
@@ -50,7 +50,7 @@ class ToldBlocks : public OccupiedBlocks {
       changes.push_back({block, since < touched_after_ ? nullptr : &told.touched, &told.bits});
     }
   }
-  /// By looking at every occupied cell.
+  /// Reference: search over all occupied cells.
   std::int16_t squared(const Cell& cell, int reach) const {
     int least = reach * reach + 1;
     for (const auto& [x, y, z] : cells) least = std::min(least, (Cell(x, y, z) - cell).squaredNorm());
@@ -78,8 +78,8 @@ Cell random_cell(const Random& random, std::uint32_t k, std::uint32_t channel, i
   return {part(0), part(1), part(2)};
 }
 
-// Cells come and go at random; few cells at first, so that distances reach to the bound and beyond. What changed is
-// told for some rounds, then forgotten.
+// Cells come and go at random; few cells at first, so that distances reach the bound and beyond. Changes are reported
+// for some rounds, then forgotten.
 TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
   for (const int reach : {5, 8, 17, 30}) {
     const Random random(static_cast<std::uint64_t>(reach), "cells");
@@ -225,7 +225,7 @@ TEST(DistanceTiles, ForgetAndAreWorkedOutAgain) {
   EXPECT_EQ(tiles.squared({0, 0, 0}, map, map.revision), 25);
 }
 
-// What a map forgets, and what flickers, is followed as well.
+// Forgotten and flickering cells are followed too.
 TEST(DistanceTiles, OfAMapAreThoseOfItsOccupiedCells) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 8.0;

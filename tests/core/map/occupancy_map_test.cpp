@@ -139,7 +139,7 @@ TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
   }
 }
 
-// It has 32768 cells on each side of the origin.
+// The library has 32768 cells on each side of the origin.
 TEST(OccupancyMap, BeyondTheLibrarysBordersNothingIsInserted) {
   for (const float x_m : {3276.0F, 3290.0F, -3276.0F, -3290.0F}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -310,7 +310,7 @@ TEST(OccupancyMap, AHitThatDoesNotYetMakeACellOccupiedMakesItKnown) {
 }
 
 TEST(OccupancyMap, DistancesFollowWhereverSomethingWasTakenAway) {
-  // Posts in many blocks, asked for from beside them; then rays pass where each stood.
+  // Posts in many blocks, with distances queried beside them; then rays clear each post.
   OccupancyMap map({});
   std::vector<Vector3> posts_m;
   for (int i = 0; i < 40; ++i) {

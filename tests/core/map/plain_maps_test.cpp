@@ -47,7 +47,7 @@ double gap_m(const Vector3& p_m, const Vector3& cell_m, double edge_m) {
   return ((p_m - cell_m).cwiseAbs().array() - 0.5 * edge_m).max(0.0).matrix().norm();
 }
 
-/// From the beginning of a segment to a cell, negative when it is not met.
+/// Distance from the start of a segment to a cell, negative when the segment misses it.
 double way_to_cell_m(const Vector3& from_m, const Vector3& to_m, const Vector3& cell_m, double edge_m) {
   double first = 0.0, last = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -296,7 +296,7 @@ TEST(PlainMaps, AScrollingMapKeepsTheValuesOfWhatStaysInIt) {
     center_m += Vector3(random.uniform(-6, 6, k, 300), random.uniform(-6, 6, k, 301), random.uniform(-5, 5, k, 302));
     const VoxelGrid before = map.grid();
     map.follow(center_m);
-    // It moves when the vehicle is 16 voxels or more from its middle, along any axis.
+    // The map scrolls when the vehicle is 16 voxels or more from its center, along any axis.
     const Cell wanted = Cell((center_m.array() / 0.25).floor().cast<int>()) - before.size / 2;
     const bool moves = (wanted - before.min_cell).cwiseAbs().maxCoeff() >= 16;
     ASSERT_EQ(map.grid().min_cell, moves ? wanted : before.min_cell);

@@ -27,7 +27,7 @@ double length_in(const Vector3& from, const Vector3& to, const Vector3& center, 
   return std::max(0.0, leave - enter) * (to - from).norm();
 }
 
-// Long ways lead through blocks of which nothing is stored: they are left in one step, in whichever direction.
+// Long rays cross blocks without stored voxels in one step, in any direction.
 TEST(SparseVoxelMap, ARayLowersExactlyTheVoxelsThatItPasses) {
   const Random random(8, "passes");
   int passed = 0, spared = 0;
@@ -41,7 +41,7 @@ TEST(SparseVoxelMap, ARayLowersExactlyTheVoxelsThatItPasses) {
                      random.uniform(-half_m, half_m, k, 3 * channel + 2));
     };
     const Vector3 from = point(0, 6.0), to = point(1, 6.0);
-    // Some voxels on the way and beside it are known.
+    // Some voxels on the ray and beside it are known.
     std::vector<SparseVoxelMap::Ray> hits;
     for (std::uint32_t i = 0; i < 12; ++i) {
       const Vector3 at = from + random.uniform(k, 100 + i) * (to - from) + point(2 + i, 0.15);
@@ -90,7 +90,7 @@ VoxelMap wide_map() {
   return VoxelMap(config);
 }
 
-// The bits follow the values wherever in a word they are.
+// The bits follow the values at any position in a word.
 TEST(VoxelMap, EachVoxelOfALongRowIsCountedAloneAndForgottenAlone) {
   VoxelMap map = wide_map();
   const VoxelGrid& grid = map.grid();

@@ -276,7 +276,7 @@ TEST(SparseVoxelMap, AVoxelGainsAndLosesOnceASweepBetweenItsBounds) {
     ASSERT_NEAR(log_odds_at(map, at_m), expected, 1e-5) << i;
     EXPECT_EQ(map.state(at_m) == CellState::kOccupied, expected >= 0.8) << i;
   }
-  // What is hit in a sweep loses nothing in it, whichever ray comes first.
+  // Voxels hit in a sweep lose nothing in it, in any order of rays.
   map.insert(std::vector<Ray>{pass, hit}, 21 * kSweep);
   EXPECT_NEAR(log_odds_at(map, at_m), -2.0 + 0.9, 1e-5);
 }

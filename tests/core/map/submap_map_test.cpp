@@ -82,7 +82,7 @@ Pose random_pose(std::uint32_t seed, std::uint32_t i) {
   return turned(in(4, 0), in(4, 1), in(1, 2), Vector3(in(0.1, 3), in(0.1, 4), 1), in(3, 5));
 }
 
-/// What a map of pieces is, cell by cell from its description.
+/// Cell states of a map of pieces from their description.
 struct Described {
   const Made* made;
   Pose T_local_cells;
@@ -116,7 +116,7 @@ CellState described_state(const std::vector<Described>& from_oldest, const Cell&
   return state;
 }
 
-/// Does rounding decide? Then either answer will do.
+/// Does rounding decide? Then both answers are accepted.
 bool lies_on_a_wall(const std::vector<Described>& pieces, const Cell& cell) {
   static constexpr double kNear = 1e-5;
   const auto near_wall = [](const Vector3& p) { return ((p.array() - p.array().round()).abs() < kNear).any(); };
@@ -136,7 +136,7 @@ std::vector<Cell> cells_of_a_box(int reach_xy, int reach_z) {
   return cells;
 }
 
-/// Differences of two maps, cell for cell in a box, and of what can be asked beside.
+/// Differences of two maps, by cells in a box and by further queries.
 int differences(const SubmapMap& a, const SubmapMap& b) {
   int count = 0;
   for (const Cell& cell : cells_of_a_box(45, 12)) count += a.state(center_of(cell)) != b.state(center_of(cell));
@@ -269,7 +269,7 @@ TEST(SubmapMap, APoseIsUsedToAQuarterOfACellInTheMiddleAndAtTheRim) {
   }
 }
 
-// So a pose that trembles moves nothing.
+// A jittering pose moves nothing.
 TEST(SubmapMap, APoseThatDiffersByMuchLessThanACellIsTheSamePose) {
   const auto cells = random_piece(2).packed();
   for (int axis = 0; axis < 3; ++axis) {
@@ -297,7 +297,7 @@ TEST(SubmapMap, OfPiecesFarApartEveryCellIsFound) {
   }
 }
 
-// Whatever came, moved, grew and went: only what lies there now counts.
+// After any sequence of changes the map depends only on its present pieces.
 TEST(SubmapMap, AfterAnySequenceOfChangesItIsTheMapMadeAnew) {
   for (std::uint32_t seed = 0; seed < 2; ++seed) {
     const Random random(seed, "changes");
@@ -354,7 +354,7 @@ TEST(SubmapMap, AfterAnySequenceOfChangesItIsTheMapMadeAnew) {
       anew.set_growing(growing.get(), offset);
       ASSERT_EQ(differences(map, anew), 0) << "seed " << seed << ", step " << step;
       EXPECT_EQ(map.num_pieces(), static_cast<int>(lying.size()));
-      // And it says where it changed.
+      // The map also reports where it changed.
       std::vector<VoxelGrid> boxes;
       ASSERT_TRUE(map.changed_since(before, boxes));
       for (std::size_t i = 0; i < box.size(); ++i) {
@@ -403,7 +403,7 @@ struct Ring {
   static Pose T_world_submap(int i) {
     return make_pose(place_world_m(i), Eigen::Quaterniond(Eigen::AngleAxisd(2.0 * M_PI * i / kLap, Vector3::UnitZ())));
   }
-  /// As drifted: 3 cm and a tenth of a degree per submap.
+  /// Pose with drift: 3 cm and a tenth of a degree per submap.
   static Pose T_local_submap(int i) {
     return turned(0.03 * i, 0.02 * i, 0.005 * i, Vector3::UnitZ(), 0.002 * i) * T_world_submap(i);
   }
@@ -515,11 +515,11 @@ TEST(SubmapMap, AgeGoesBeforeTheOrderInWhichPiecesCame) {
   free.set({1, 1, 1}, CellState::kFree);
   SubmapMap map({kEdge_m, 1, 2.0});
   map.add(free.packed(), Pose::Identity(), 1, 0);
-  map.add(occupied.packed(), Pose::Identity(), 0, 0);  // of an earlier flight
+  map.add(occupied.packed(), Pose::Identity(), 0, 0);  // piece of an earlier flight
   EXPECT_EQ(map.state(center_of({1, 1, 1})), CellState::kFree);
 }
 
-// What newer pieces know as well goes, and the map stays as it is.
+// Removing cells that newer pieces contain leaves the map unchanged.
 TEST(SubmapMap, WithoutWhatIsNotNeededItIsTheSameMap) {
   SubmapMap map({}), whole({});
   std::vector<int> pieces;

@@ -220,7 +220,7 @@ TEST(VoxelMap, ScrollsWithTheVehicleAndForgetsWhatItLeaves) {
   map.follow({7.0, -3.0, 1.0});
   EXPECT_EQ(state(9.0, 1.0, 1.0), VoxelState::kConfident);
   EXPECT_EQ(state(3.0, -8.0, -2.0), VoxelState::kConfident);
-  EXPECT_EQ(state(14.1, 0.1, 0.1), VoxelState::kConfident);  // what is known enters with the box
+  EXPECT_EQ(state(14.1, 0.1, 0.1), VoxelState::kConfident);  // known background enters with the box
   EXPECT_EQ(map.num_occupied(), 3);
   map.follow({0.0, 0.0, 0.0});
   EXPECT_EQ(state(-9.0, 1.0, 1.0), VoxelState::kUncertain);  // forgotten

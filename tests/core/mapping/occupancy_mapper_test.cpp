@@ -69,7 +69,7 @@ TEST(OccupancyMapper, AMemberOfTheTeamIsNoObstacleEvenWhenItRests) {
   EXPECT_EQ(mapping.state({14.05, 0.05, 2.05}), CellState::kOccupied);
 }
 
-/// Two mappers of a team; what one says, the other hears.
+/// Two mappers of a team; one receives the reports of the other.
 TEST(OccupancyMapper, AMapOfToldRaysIsThatOfTheTeller) {
   AgentSetup setup;
   setup.num_vehicles = 2;
@@ -136,7 +136,7 @@ TEST(OccupancyMapper, ABeamWithoutReturnClearsUpToWhereItIsToldTo) {
   EXPECT_EQ(silent.state({11.05, 0.05, 2.05}), CellState::kUnknown);
 }
 
-// The track was last seen two meters farther back, and flies on at 2 m/s.
+// The track was last seen two meters farther back and moves on at 2 m/s.
 TEST(OccupancyMapper, TrackedVehiclesAreNoObstacles) {
   OccupancyMapperConfig config;
   config.every_column = 1;
@@ -162,12 +162,12 @@ TEST(OccupancyMapper, TrackedVehiclesAreNoObstacles) {
   EXPECT_EQ(without.state({15.05, 0.05, 2.05}), CellState::kOccupied);
 }
 
-// What a vehicle with an OS0-128 sees, with its noise, thinned by four: a map of some million cells.
+// Noisy scans of an OS0-128, thinned by four: a map of some million cells.
 TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
   for (const char* scenario : {"warehouse.yaml", "forest.yaml"}) {
     SCOPED_TRACE(scenario);
     OccupancyMapperConfig config;
-    config.clear_range_m = 0.0;  // of beams without return the library knows nothing
+    config.clear_range_m = 0.0;  // the library does not support beams without return
     OccupancyMapping mapping(config);
     octomap::OcTree tree(config.map.edge_m);
     for (const testing::FlownScan& seen : testing::fly_scans(scenario, 2, 5)) {

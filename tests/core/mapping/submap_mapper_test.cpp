@@ -48,7 +48,7 @@ struct Room {
   }
 };
 
-/// A mapper whose vehicle flies in the room; its local frame lies in the room as it drifts.
+/// A mapper of a vehicle in the room; its local frame drifts.
 struct SubmapMapping {
   explicit SubmapMapping(const SubmapMapperConfig& config = {}) {
     Module module(mapper_module_types(), "submaps");
@@ -304,7 +304,7 @@ TEST(SubmapMapper, CellsOfADroppedSubmapMoveWithAnOlderOne) {
 // Visit after visit the pose graph drops the submap.
 TEST(SubmapMapper, AtOnePlaceThereAreFewPiecesAndTheMapIsThatOfAllVisits) {
   SubmapMapperConfig config = every_beam();
-  config.covered_share = 1.0;  // nothing else makes them fewer
+  config.covered_share = 1.0;  // otherwise pieces would be thinned
   SubmapMapping few(config), all(config);
   std::size_t most = 0;
   for (std::uint64_t visit = 0; visit < 20; ++visit) {

@@ -16,7 +16,7 @@ struct Outcome {
   double cost = 0.0;
 };
 
-/// Every way of pairing, by permutation of the longer side padded with nobody.
+/// All assignments, by permutation of the longer side; dummies pad the shorter one.
 Outcome best_by_brute_force(const std::vector<double>& costs, int rows, int cols) {
   const int n = std::max(rows, cols);
   std::vector<int> order(n);

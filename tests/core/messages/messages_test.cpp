@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What goes on the air: the bytes of a kind of message, and what a receiver makes of bytes that are not its own.
+// Encoding of messages: the bytes of each kind, and how receivers treat foreign bytes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -196,7 +196,7 @@ TEST(Wire, TheMemoryOfAMessageIsUsedAgain) {
   EXPECT_EQ(message.payload.size(), 32U);
 }
 
-/// Notes nothing but how many columns came.
+/// Counts columns.
 class Counter final : public ColumnSink {
  public:
   void time(const ColumnName&, TimeNs) override { ++count; }

@@ -13,7 +13,7 @@
 
 namespace swiftlet::testing {
 
-/// A frozen sweep in a hall, with noise, and where it was made.
+/// A frozen sweep in a hall, with noise, and its pose.
 struct HallScan {
   std::shared_ptr<const sim::LabeledScan> labeled;
   Pose T_world_lidar;

@@ -7,7 +7,7 @@
 
 namespace swiftlet::testing {
 
-/// A box of cells with states as told; unknown outside.
+/// A box of cells with given states; unknown outside.
 class BoxMap : public OccupancyView {
  public:
   BoxMap(const Cell& size, double edge_m) : edge_m_(edge_m) {

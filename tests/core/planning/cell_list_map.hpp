@@ -10,7 +10,7 @@
 
 namespace swiftlet::testing {
 
-/// A map that is a list of occupied cells, asked one after the other; all else is free inside a box, unknown outside.
+/// A map as a list of occupied cells, searched linearly; otherwise free inside a box, unknown outside.
 class CellListMap : public OccupancyView {
  public:
   explicit CellListMap(double edge_m = 0.1) : edge_m_(edge_m) {}
@@ -26,7 +26,7 @@ class CellListMap : public OccupancyView {
       }
     }
   }
-  double known_within_m = std::numeric_limits<double>::infinity();  ///< of the origin, along each axis
+  double known_within_m = std::numeric_limits<double>::infinity();  ///< half edge of the known box around the origin
 
   double edge_m() const override { return edge_m_; }
   CellState state(const Vector3& p_local_m) const override {

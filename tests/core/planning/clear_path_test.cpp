@@ -18,7 +18,7 @@ namespace {
 
 using testing::BoxMap;
 
-/// Length of the shortest way between cells by Dijkstra's algorithm, infinite when there is none.
+/// Length of the shortest path between cells by Dijkstra's algorithm, infinite when there is none.
 double shortest_m(const BoxMap& map, const std::vector<bool>& clear, const Cell& start, const Cell& goal) {
   const VoxelGrid& grid = map.grid();
   std::vector<double> cost(clear.size(), std::numeric_limits<double>::infinity());
@@ -42,7 +42,7 @@ double shortest_m(const BoxMap& map, const std::vector<bool>& clear, const Cell&
   return cost[static_cast<std::size_t>(grid.index(goal))] * grid.edge_m;
 }
 
-/// Which cells have more than the clearance, by looking at every occupied one.
+/// Cells with more than the clearance, by a search over all occupied cells.
 std::vector<bool> clear_cells(const BoxMap& map, double clearance_m) {
   std::vector<Vector3> occupied_m;
   const Vector3 size_m = map.grid().size.cast<double>() * map.edge_m();
@@ -159,7 +159,7 @@ TEST(ClearPath, TellsWhyThereIsNone) {
   config.max_expansions = 300'000;
   config.z_max_m = 0.9;
   EXPECT_EQ(find_clear_path(map, config, start, behind).status, ClearPathStatus::kGoalBlocked) << "too high";
-  // In a cell that nobody knows more of than that it is there.
+  // A goal in an isolated known cell.
   BoxMap dark({20, 20, 20}, 0.1);
   for (std::ptrdiff_t i = 0; i < dark.grid().num_cells(); ++i) dark.at(dark.grid().cell(i)) = CellState::kUnknown;
   for (int x = 14; x < 20; ++x) dark.at({x, 10, 10}) = CellState::kFree;
@@ -172,7 +172,7 @@ TEST(ClearPath, TellsWhyThereIsNone) {
   }
 }
 
-// As after a gust: 0.2 m from the wall where 0.4 m are asked for. It must get out, and no nearer on its way.
+// Displaced as by a gust: 0.2 m from the wall where 0.4 m are required. The path must leave without getting nearer.
 TEST(ClearPath, LeavesAStartThatIsTooNearToAnObstacle) {
   const BoxMap map = gap_in_a_wall(11);
   ClearPathConfig config;
@@ -219,7 +219,7 @@ TEST(ClearPath, IsFlownInTimeAndStaysClear) {
   const Vector3 start(0.55, 0.55, 1.05), behind(3.45, 0.55, 1.05);
   const ClearPath path = find_clear_path(map, config, start, behind);
   ASSERT_EQ(path.status, ClearPathStatus::kFound);
-  config.clearance_m = 0.3;  // what the rounding of corners may cost
+  config.clearance_m = 0.3;  // allowance for the rounding of corners
   const ClearSpace space(map, config, start);
   const auto timed = time_path(path.corners_local_m, {}, [&](const Vector3& p_m) { return space.is_clear(p_m); });
   ASSERT_TRUE(timed.has_value());
@@ -250,7 +250,7 @@ TEST(BlockedPath, IsOneWhoseRestCameTooNearToSomething) {
   EXPECT_TRUE(blocked({2.0, 0.3, 1.0}, corners[0], 1));
   EXPECT_FALSE(blocked({2.0, 0.6, 1.0}, corners[0], 1));
   EXPECT_TRUE(blocked({4.0, 3.0, 1.0}, corners[0], 1)) << "on a later leg";
-  // What lies behind counts no more, on this leg and on the one before.
+  // Obstacles behind the vehicle are ignored, on this leg and on the one before.
   EXPECT_FALSE(blocked({1.0, 0.0, 1.0}, {2.05, 0.05, 1.05}, 1));
   EXPECT_TRUE(blocked({3.0, 0.0, 1.0}, {2.05, 0.05, 1.05}, 1));
   EXPECT_FALSE(blocked({3.0, 0.0, 1.0}, {4.05, 1.05, 1.05}, 2));

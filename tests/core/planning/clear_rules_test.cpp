@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where one may fly, up to each bound, and what searches cost.
+// Free space up to each bound, and the cost of searches.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ TEST(ClearRules, AStartThatIsNotClearIsLeftThroughABallHalfAMeterWiderThanTheCle
   EXPECT_FALSE(space.is_clear(cell_center(10, 10, 6)));
   // Beyond the ball all rules hold.
   EXPECT_FALSE(space.is_clear(start + Vector3(1.4, 0, -1.3)));
-  // Where the start is merely too low, no nearer than the clearance is asked for inside of the ball.
+  // Where the start is only too low, the full clearance applies inside the ball too.
   config.z_min_m = 2.0;
   const ClearSpace low(map, config, cell_center(20, 10, 6));
   EXPECT_TRUE(low.is_clear(cell_center(20, 10, 5)));

@@ -36,7 +36,7 @@ TEST(GridSearch, GoesAroundAWallOnAFreeAndShortPath) {
   const BoxSpace box(wall_with_gap);
   const PathResult path = find_path(box, {-8, -5, 1}, {8, -5, 1});
   ASSERT_EQ(path.status, PathStatus::kFound);
-  // Between two free cells a path may touch what is occupied by half a cell.
+  // Between two free cells a path may enter occupied cells by half a cell.
   const BoxSpace core([](const Vector3& p) { return std::abs(p.x()) < 0.3 && p.y() < 5.7; });
   for (std::size_t i = 1; i < path.corners_world_m.size(); ++i) {
     EXPECT_TRUE(is_free_segment(core, path.corners_world_m[i - 1], path.corners_world_m[i]));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the guiding vehicle should stand [Pritzl 2024, alg. 2], against exact geometry and search everywhere.
+// Position of the guiding vehicle [Pritzl 2024, alg. 2], against exact geometry and exhaustive search.
 #include "swiftlet/core/planning/guiding_viewpoint.hpp"
 
 #include <gtest/gtest.h>
@@ -172,7 +172,7 @@ TEST(GuidingViewpoint, UnknownSpaceIsNoPlaceToStand) {
   EXPECT_GT(area_m2(anywhere.overlap), area_m2(known.overlap));
 }
 
-/// Its wall has a hole that nobody has looked into.
+/// A wall with an unknown hole.
 class HoledMap : public CellListMap {
  public:
   CellState state(const Vector3& p_local_m) const override {
@@ -217,7 +217,7 @@ TEST(GuidingViewpoint, ItsInterpretationsDifferWhereTheClosestSpaceSeesLess) {
 }
 
 TEST(GuidingViewpoint, OffersEveryConnectedSpaceTheBestFirst) {
-  // Seen through the gap from either room: behind a wall that nobody larger passes there is a second space.
+  // Seen through the gap from either room: a wall that no larger vehicle passes has a second space behind it.
   const CellListMap map = two_rooms(1.0);
   ViewpointRules rules = published();
   rules.safe_space = SafeSpace::kMostVisible;

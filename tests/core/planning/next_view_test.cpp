@@ -71,7 +71,7 @@ TEST(NextView, LiesWhereTheUnknownEndOfAHallIsSeen) {
   EXPECT_GT(found.share, 0.2);
 }
 
-/// Share times the exponential of the way, for every place of the lattice, by an exhaustive search.
+/// Share times the exponential of the path length, for every place of the lattice, by exhaustive search.
 double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector3& start_m) {
   const ClearSpace space(map, config.path, start_m);
   using Key = std::tuple<int, int, int>;
@@ -116,7 +116,7 @@ TEST(NextView, IsTheBestOfAllThatCanBeReached) {
     const NextView found = find_next_view(map, config, {}, GivenUp(0.4), start_m);
     const double best = best_of_all(map, config, start_m);
     ASSERT_EQ(found.status, best > 0.0 ? NextViewStatus::kFound : NextViewStatus::kNothingLeft) << trial;
-    // The path is shorter than the way along the lattice: its worth is not less than what was searched for.
+    // The path is shorter than that along the lattice: its value is not less than the one of the search.
     if (best > 0.0) {
       const double worth = found.share * std::exp(-config.way_weight_per_m * length_m(found.corners_local_m));
       EXPECT_GE(worth, best - 1e-9) << trial;

@@ -13,7 +13,7 @@ namespace {
 
 bool anywhere(const Vector3&) { return true; }
 
-// A straight way from rest to rest takes l / v + v / a, or 2 sqrt(l / a) when it is too short for the speed.
+// A straight path from rest to rest takes l / v + v / a, or 2 sqrt(l / a) when it is too short for the speed.
 TEST(PathTimes, StraightWaysTakeTheTimeOfTheTrapezoid) {
   const PathLimits limits{
       .speed_mps = 2.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.5};
@@ -41,7 +41,7 @@ TEST(PathTimes, ThereAndBackTakeTheSameTime) {
   EXPECT_NEAR(std::abs(back->yaw_rad), 0.0, 1e-12);
 }
 
-// Around a square there are two ways; the shorter one is taken, whichever side it is on.
+// Two paths lead around a square; the shorter one is taken, on either side.
 TEST(PathTimes, TheShorterOfTwoWaysAroundIsTaken) {
   for (const double shift_m : {-2.0, 2.0}) {
     const testing::BoxSpace floor(

@@ -28,7 +28,7 @@ TEST(PathTiming, KeepsSpeedAndAccelerationAroundACorner) {
   }
   EXPECT_LE(fastest, 3.0 * 1.02);
   EXPECT_GE(fastest, 2.5);
-  // Braking and turning at once, each within the limit.
+  // Simultaneous braking and turning, each within its limit.
   EXPECT_LE(hardest, 1.2 * 1.7);
   EXPECT_LT((spline.at(0.0).p_m - Vector3(0, 0, 3)).norm(), 1e-9);
   EXPECT_LT((spline.at(1e9).p_m - Vector3(12, 12, 4)).norm(), 1e-9);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is seen from where, and regions of a plane, against looking at every place.
+// Views and regions of a plane, against exhaustive search.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,7 +70,7 @@ TEST(PlainViews, EveryOtherPlaceOfTheLatticeIsAView) {
   std::vector<Vector3> seen_m;
   unknown_in_sight(map, config, {}, GivenUp(0.5), found.corners_local_m.back(), config.num_rays, seen_m);
   EXPECT_NEAR(found.share, static_cast<double>(seen_m.size()) / config.num_rays, 1e-12);
-  // Its share is enough up to the least one that is asked for.
+  // The share suffices up to the required minimum.
   NextViewConfig strict = config;
   strict.way_weight_per_m = 0.0;
   const NextView best = find_next_view(map, strict, {}, GivenUp(0.5), start_m);
@@ -111,7 +111,7 @@ TEST(PlainViews, AStartThatNothingLeadsOutOfIsEnclosed) {
   for (int corner = 0; corner < 8; ++corner)
     all.add({corner & 1 ? 3.0 : -3.0, corner & 2 ? 3.0 : -3.0, corner & 4 ? 3.0 : -3.0});
   EXPECT_EQ(find_next_view(map, short_sighted(), {}, all, {3.1, 3.1, 3.1}).status, NextViewStatus::kStartEnclosed);
-  // In the open it is merely that nothing is left.
+  // In the open nothing is left to see.
   EXPECT_EQ(find_next_view(corridor(), short_sighted(), {}, all, {0.9, 1.4, 1.4}).status, NextViewStatus::kNothingLeft);
 }
 
@@ -176,7 +176,7 @@ TEST(PlainViews, AWaypointIsSeenFromEveryPlaceThatIsSafeAndHasItInSight) {
 }
 
 TEST(PlainViews, AViewpointHasItsMarginAndIsTheNearestOfItsKind) {
-  // An aisle with a meter of room: the path's own place is in its middle, and nobody stands 0.6 m from both walls.
+  // An aisle with a meter of room: the path is in its middle, and no viewpoint has 0.6 m to both walls.
   CellListMap map(0.1);
   map.occupy_box({-4.0, 1.2, 0.5}, {4.0, 1.3, 1.5});
   map.occupy_box({-4.0, -4.0, 0.5}, {4.0, -0.6, 1.5});
@@ -255,7 +255,7 @@ TEST(PlainRegion, TheBorderIsAsFarAsTheNearestOfItsPoints) {
     EXPECT_TRUE(contains(region, pole.p_m));
     EXPECT_NEAR(distance_to_border_m(region, pole.p_m), pole.distance_m, 1e-9);
   }
-  // Of a single point the edges have no length.
+  // A single point has edges of zero length.
   PlaneRegion point;
   point.rings_m = {{{1, 2}, {1, 2}, {1, 2}}};
   EXPECT_NEAR(distance_to_border_m(point, {4, 6}), 5.0, 1e-12);

@@ -135,7 +135,7 @@ TEST(Pole, OfAnLShapeLiesInItsCorner) {
 TEST(Pole, AvoidsHoles) {
   const PlaneRegion ring = difference_of(rectangle(0, 0, 6, 6), rectangle(2, 2, 5, 5));
   const Pole pole = pole_of_inaccessibility(ring, 1e-3);
-  // In the corner between two strips of 2 m: the disc touches both sides and the hole's corner.
+  // In the corner between two strips of 2 m the disc touches both sides and the hole's corner.
   EXPECT_NEAR(pole.distance_m, 2.0 * (2.0 - std::numbers::sqrt2), 2e-3);
 }
 

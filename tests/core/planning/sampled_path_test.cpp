@@ -38,7 +38,7 @@ void expect_clear(const BoxMap& map, const std::vector<Vector3>& corners_m) {
     for (int s = 0; s <= steps; ++s) {
       const Vector3 p_m = a + (b - a) * (static_cast<double>(s) / steps);
       const Cell cell = (p_m.array() / map.edge_m()).floor().cast<int>();
-      // Where the segment only touches a corner of a cell, it may have been looked at on the other side.
+      // Where the segment only touches a corner of a cell, the neighboring cell may have been tested instead.
       const Eigen::Array3d inside = p_m.array() / map.edge_m() - cell.cast<double>().array();
       if (inside.minCoeff() < 0.25 || inside.maxCoeff() > 0.75) continue;
       for (const Vector3& occupied : occupied_m) {

@@ -23,7 +23,7 @@ CellListMap two_team_rooms(double gap_m) {
   return map;
 }
 
-/// In a plane, so that searches end soon.
+/// In a plane, so that searches are short.
 TeamPlannerConfig flat() {
   TeamPlannerConfig config;
   config.primary.z_min_m = config.secondary.z_min_m = 0.6;
@@ -55,7 +55,7 @@ TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
     EXPECT_LT(leg_m, 0.5 + 1e-9);
     whole_m += leg_m;
   }
-  // Evenly along the way, and the short way around.
+  // Evenly along the path, and along the shorter arc of the heading.
   const double turn_rad = 2.0 * std::numbers::pi - 6.0;
   for (std::size_t i = 0; i < plan.secondary_path.size(); ++i) {
     if (i > 0) flown_m += (plan.secondary_path[i].p_local_m - plan.secondary_path[i - 1].p_local_m).norm();
@@ -68,7 +68,7 @@ TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
 
 TEST(TeamPlan, ThePathsKeepOutOfEachOthersAir) {
   const CellListMap map(0.25);
-  // Each in the other's straight way.
+  // Each vehicle is in the other's straight path.
   const TeamPlan plan = plan_team(map, flat(), {2, 0, 0.7}, {{0, 0, 0.7}, 0.0}, {{4, 0, 0.7}, 0.0});
   ASSERT_NE(plan.next, Next::kFail) << plan.reason;
   for (const PlannedPose& pose : plan.secondary_path) {
@@ -126,7 +126,7 @@ TEST(TeamPlan, SaysWhyThereIsNone) {
 TEST(TeamPlan, AViewpointOutOfReachGivesWayToTheNextOne) {
   // The goal lies behind the wall and is seen from the east only, but the primary cannot pass the gap.
   CellListMap map = two_team_rooms(1.5);
-  map.known_within_m = 5.9;  // so that there is no way around the wall
+  map.known_within_m = 5.9;  // no path leads around the wall
   TeamPlannerConfig config = flat();
   config.viewpoint.buffer_m = 1.0;
   const TeamPlan plan = plan_team(map, config, kPrimary, {{1.0, 0, 0.7}, 0.0}, {{3.2, -4.5, 0.7}, 0.0});

@@ -59,7 +59,7 @@ TEST(UniformSpline, LeastDistanceIsThatOfTheClosestApproach) {
   EXPECT_NEAR(least_distance_m({a, 0.2}, {b, 0.2}), 1.5, 1e-6);
   // The second one waits at its start; the first comes by.
   EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.3, 0, 4.5}}, 0.2}), 2.5, 1e-3);
-  // In the middle between two of the instants that are looked at.
+  // Midway between two sampled instants.
   EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.35, 0, 4.5}}, 0.2}), 2.5, 1e-6);
 }
 
@@ -122,7 +122,7 @@ TEST(UniformSpline, LeastDistanceIsThatOfDenseSamples) {
       least_m = std::min(least_m, (a.at(t_s).p_m - b.at(t_s).p_m).norm());
     EXPECT_NEAR(least_distance_m(a, b), least_m, 1e-2) << trial;
   }
-  // At its very beginning, and at the end of the longer one.
+  // At the beginning, and at the end of the longer one.
   const UniformSpline still({{0, 0, 0}}, 0.5), away({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, 0.5),
       toward({{5, 0, 0}, {3, 0, 0}, {1, 0, 0}}, 0.5);
   EXPECT_NEAR(least_distance_m(still, away), 1.0, 1e-9);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What several observers know of one target, whatever their errors have in common.
+// Fusion of several observers' estimates of one target with unknown correlation.
 #include "swiftlet/core/sharing/covariance_intersection.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ double determinant_of(const std::vector<MotionEstimate>& estimates, const std::v
   return 1.0 / information.determinant();
 }
 
-/// The gains of the fusion, which is linear in the means.
+/// Gains of the fusion, which is linear in the means.
 std::vector<Matrix6> gains_of(std::vector<MotionEstimate> estimates) {
   for (MotionEstimate& estimate : estimates) estimate.mean.setZero();
   std::vector<Matrix6> gains(estimates.size());
@@ -78,14 +78,14 @@ TEST(CovarianceIntersection, NorForThree) {
   }
 }
 
-/// With errors e_i = P_i^1/2 U_i z, where z is the same for all and U_i are orthogonal, they hang together as closely
-/// as they can. The fused error must not exceed what is told in any direction.
+/// Errors e_i = P_i^1/2 U_i z with a common z and orthogonal U_i are correlated as closely as possible. The fused error
+/// must not exceed the reported covariance in any direction.
 TEST(CovarianceIntersection, IsConsistentHoweverTheErrorsHangTogether) {
   for (int trial = 0; trial < 60; ++trial) {
     const Random random(trial, "test.intersection", "common");
     const std::vector<MotionEstimate> estimates = {drawn(random, 0), drawn(random, 1), drawn(random, 2)};
     const std::vector<Matrix6> gains = gains_of(estimates);
-    Matrix6 of_error = Matrix6::Zero();  // of the fused one by z
+    Matrix6 of_error = Matrix6::Zero();  // fused error as a linear map of z
     for (std::size_t i = 0; i < estimates.size(); ++i) {
       const Matrix6 root = estimates[i].covariance.llt().matrixL();
       Matrix6 U = Matrix6::Identity();
@@ -108,11 +108,11 @@ TEST(CovarianceIntersection, TheSumOfInformationsIsNot) {
 }
 
 TEST(CovarianceIntersection, GainsWhereOneIsSureAndTheOtherIsNot) {
-  MotionEstimate along_x, along_y;  // a LiDAR far away knows range well and bearing badly
+  MotionEstimate along_x, along_y;  // a distant LiDAR measures range well and bearing badly
   along_x.covariance(0, 0) = along_y.covariance(1, 1) = 1e-4;
   const std::vector<MotionEstimate> both = {along_x, along_y};
   const MotionEstimate fused = covariance_intersection(both);
-  EXPECT_NEAR(fused.covariance(0, 0), 2e-4, 1e-6);  // each counts half
+  EXPECT_NEAR(fused.covariance(0, 0), 2e-4, 1e-6);  // each has half of the weight
   EXPECT_NEAR(fused.covariance(1, 1), 2e-4, 1e-6);
 }
 

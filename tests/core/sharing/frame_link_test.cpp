@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where another observer's frame lies, from what both see flying.
+// Pose of another observer's frame from targets that both track.
 #include "swiftlet/core/sharing/frame_link.hpp"
 
 #include <gtest/gtest.h>
@@ -14,11 +14,11 @@ namespace {
 
 struct LinkTrial {
   std::vector<Flyer> targets = {target_1(), target_2(), target_3()};
-  std::vector<int> a_sees = {0, 1, 2}, b_sees = {0, 1, 2};  // of targets
+  std::vector<int> a_sees = {0, 1, 2}, b_sees = {0, 1, 2};  // indices of targets
   bool a_sees_b = true, b_sees_a = true;
   double sigma_m = 0.1;
   double duration_s = 40.0;
-  double loss = 0.0;  // of what B tells
+  double loss = 0.0;  // share of lost messages of B
   OdometryDriftConfig drift = no_drift();
   FrameLinkConfig config;
   Flyer a = observer_a(), b = observer_b();
@@ -59,7 +59,7 @@ class LinkFlight {
 
   FrameLink& link() { return link_; }
   double known_from_s() const { return known_from_s_; }
-  /// Of the place of B's anchor and the heading, against what they are now.
+  /// Error of the position of B's anchor and of the heading.
   Eigen::Matrix<double, 4, 1> error() const {
     const FrameAlignment& found = *link_.alignment();
     Eigen::Matrix<double, 4, 1> e;
@@ -178,7 +178,7 @@ TEST(FrameLink, HalfOfTheMessagesAreEnough) {
 
 TEST(FrameLink, FollowsTheDriftOfBoth) {
   LinkTrial trial;
-  trial.drift = {};  // of visual-inertial odometry
+  trial.drift = {};  // drift of visual-inertial odometry
   trial.duration_s = 120.0;
   double error_m = 0.0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -190,7 +190,7 @@ TEST(FrameLink, FollowsTheDriftOfBoth) {
   EXPECT_LT(error_m, 0.25);  // they drifted by 3 m and 5 degrees against each other
 }
 
-/// Without what is the same for all sightings, errors are as large as told: four degrees of freedom.
+/// Without errors common to all sightings, errors match the reported covariance: four degrees of freedom.
 TEST(FrameLink, ItsCovarianceIsHonest) {
   for (const bool drifts : {false, true}) {
     LinkTrial trial;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Observers that tell each other by radio what they see.
+// Observers that exchange tracks by radio.
 #include "swiftlet/core/sharing/shared_tracks.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace swiftlet {
 namespace {
 
-/// Tells what it is given.
+/// Reports given tracks.
 class GivenTracks : public Tracker {
  public:
   explicit GivenTracks(const std::vector<Track>& tracks) : tracks_(tracks) {}
@@ -95,7 +95,7 @@ class SharingTeam {
     std::unique_ptr<DriftingObserver> observer;
     std::unique_ptr<Tracker> tracker;
     std::vector<Track> own, told;
-    std::vector<Message> inbox;  // by time of arrival
+    std::vector<Message> inbox;  // ordered by time of arrival
   };
 
   void step(std::size_t i) {
@@ -148,7 +148,7 @@ class SharingTeam {
     largest_message = std::max(largest_message, message.size_bytes());
     ++num_messages;
     message.sent = t;
-    // With `reverse`, every other message takes so long that the next one overtakes it.
+    // With `reverse`, every other message is so slow that the next one overtakes it.
     const bool slow = trial_.reverse && num_messages_of_[static_cast<std::size_t>(message.from)]++ % 2 == 1;
     message.received = t + from_seconds(trial_.delay_s + (slow ? 0.35 : 0.0));
     for (std::size_t j = 0; j < members_.size(); ++j) {
@@ -186,7 +186,7 @@ TEST(SharedTracks, ATargetThatOnlyTheOtherSeesIsToldWhereItIs) {
   });
   EXPECT_EQ(there, scans);
   EXPECT_LT(error_m / scans, 0.45);  // 0.25 s old at most, at 4 m/s^2
-  EXPECT_EQ(observers, 0);           // what is an observer is no target
+  EXPECT_EQ(observers, 0);           // observers are no targets
 }
 
 TEST(SharedTracks, NothingOfAnotherIsToldBeforeItsFrameIsKnown) {
@@ -315,7 +315,7 @@ TEST(SharedTracks, AnUnsoundMessageChangesNothing) {
   observation.messages[0].received = observation.t;
   observation.messages[1] = observation.messages[0];
   observation.messages[1].payload.pop_back();  // cut
-  told.t = 10 * kNsPerSecond;                  // not yet
+  told.t = 10 * kNsPerSecond;                  // in the future
   write_message(told, observation.messages[2]);
   observation.messages[2].from = 1;
   observation.messages[2].received = observation.t;

@@ -12,7 +12,7 @@
 
 namespace swiftlet {
 
-/// Things that fly about in a field, each by its own sines: up to 5 m/s and 4 m/s^2.
+/// Targets on sinusoidal paths in a field: up to 5 m/s and 4 m/s^2.
 struct Flyer {
   Vector3 middle_m = Vector3::Zero();
   double radius_m = 8.0;
@@ -27,7 +27,7 @@ struct Flyer {
 
 inline Matrix3 turned(double yaw_rad) { return Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()).toRotationMatrix(); }
 
-/// An observer whose local frame drifts against the world as the drift's law has it.
+/// An observer whose local frame drifts against the world by the configured law.
 class DriftingObserver {
  public:
   static constexpr double kStep_s = 0.1;
@@ -60,7 +60,7 @@ class DriftingObserver {
   const Vector3& p_local_m() const { return p_local_m_; }
   Vector3 v_local_mps() const { return R() * flyer.v_mps(t_s()); }
   Vector3 to_local(const Vector3& p_world_m) const { return p_local_m_ + R() * (p_world_m - flyer.p_m(t_s())); }
-  /// Where another one's frame lies in this one's: a point of it, and the heading.
+  /// Pose of another observer's frame in this one: a point of it, and the heading.
   Vector3 from(const DriftingObserver& other, const Vector3& p_other_m) const {
     return to_local(other.flyer.p_m(other.t_s()) + other.R().transpose() * (p_other_m - other.p_local_m_));
   }
@@ -68,7 +68,7 @@ class DriftingObserver {
     return std::remainder(yaw_local_world_rad_ - other.yaw_local_world_rad_, 2.0 * kPi);
   }
 
-  /// What it sees of something: noise by its covariance.
+  /// Noisy measurement of a target with its covariance.
   MotionEstimate seen(const Flyer& target, std::uint32_t which, double sigma_m, double sigma_mps) const {
     MotionEstimate out;
     out.covariance.setZero();

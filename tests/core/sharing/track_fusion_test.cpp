@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which tracks of several observers are of one target, and what is told of it.
+// Association of several observers' tracks to targets, and the reported tracks.
 #include "swiftlet/core/sharing/track_fusion.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST(TrackFusion, WhatOneObserverSeesAloneIsToldAsItIs) {
   FusionScene scene;
   scene.noisy = false;
   scene.see(0, 7, {1, 2, 3}, {1, 0, 0});
-  scene.see(0, 8, {1.2, 2, 3}, {1, 0, 0});  // near it, but the same observer says that they are two
+  scene.see(0, 8, {1.2, 2, 3}, {1, 0, 0});  // near it, but reported by the same observer as a second target
   const auto told = scene.scan();
   ASSERT_EQ(told.size(), 2U);
   EXPECT_EQ(told[0].estimate.p_m(), Vector3(1, 2, 3));
@@ -138,7 +138,7 @@ TEST(TrackFusion, InDoubtNothingIsJoinedAndNothingToldTwice) {
     scene.see(1, 1, {0, 0.2, 5});
     scene.see(1, 2, {0, -0.2, 5});
     const auto told = scene.scan();
-    ASSERT_EQ(told.size(), 2U) << k;  // there are two at least: the second says so
+    ASSERT_EQ(told.size(), 2U) << k;  // at least two, as the second observer reports
     for (const FusedTrack& track : told) EXPECT_EQ(scene.last[track.members.front()].observer, 1);
   }
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
@@ -212,7 +212,7 @@ TEST(TrackFusion, ThreeObserversSeeOneTarget) {
   EXPECT_EQ(scene.fusion.told()[0].members.size(), 3U);
 }
 
-/// Whatever the errors have in common, they are not larger than told: six degrees of freedom.
+/// With any common errors, the fused error does not exceed its covariance: six degrees of freedom.
 TEST(TrackFusion, TheFusedErrorIsNotLargerThanTold) {
   for (const bool common : {false, true}) {
     double nees = 0.0;

@@ -28,7 +28,7 @@ double whole_after_s(CorrectionBlend blend, double most_s) {
   return high_s;
 }
 
-// From rest to rest over a way of 1 in 1 s: 1.875 fast in the middle, with 10 / sqrt 3 and 60 at most.
+// From rest to rest over a distance of 1 in 1 s: peaks of 1.875, 10 / sqrt 3 and 60.
 double closed_form_s(const CorrectionBlendConfig& limits, double way_m) {
   return std::max({1.875 * way_m / limits.speed_max_mps,
                    std::sqrt(10.0 / std::sqrt(3.0) * way_m / limits.acceleration_max_mps2),

@@ -140,7 +140,7 @@ TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowe
     ASSERT_TRUE(found.complete);
     ASSERT_TRUE(found.best);
     EXPECT_DOUBLE_EQ(found.best->score, expected.score / 30.0) << trial;
-    // Where it says to be, so many points lie in occupied cells.
+    // The reported share of points lies in occupied cells at the reported pose.
     const Vector3 by_m = found.best->T_map_cloud.translation() - guess.translation();
     const Pose turned = make_pose(guess.translation(), Eigen::Quaterniond(found.best->T_map_cloud.linear()));
     const Eigen::Vector3i off = (by_m / kGridCell_m).array().round().cast<int>();

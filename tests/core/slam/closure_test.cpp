@@ -43,7 +43,7 @@ void add_floor(Points& points, double half_m, std::mt19937& random) {
   }
 }
 
-/// A yard of walls that stand in no regular way.
+/// A yard with irregular walls.
 Points yard(unsigned seed) {
   std::mt19937 random(seed);
   Points points;
@@ -163,7 +163,8 @@ TEST(Closure, ABayOffIsNotLookedAtWhereTheGuessIsNearer) {
   EXPECT_LT(result.T_older_newer.translation().norm(), 0.02);
 }
 
-// Seen from the same place, the right bay scores best. The next one fits as well, but the vehicle knows better.
+// Seen from the same place, the right bay scores best. The next one fits as well, but is outside the error of the
+// guess.
 TEST(Closure, ABayOffDoesNotCountWhereTheVehicleKnowsBetter) {
   const Points older = bays(-15.0, 15.0, 1), newer = bays(-15.0, 15.0, 2);
   ClosureConfig config;
@@ -184,7 +185,7 @@ Points floor_and_wall(unsigned seed) {
   return points;
 }
 
-// Nobody can tell how far it is along the wall. All else is told as exactly as by a whole yard.
+// The position along the wall is unobservable. All else is as accurate as in a whole yard.
 TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
   const Pose T = make_pose({0.0, 0.2, -0.15}, rotation_by({0, 0, 0.01}));
   const ClosureResult result =
@@ -202,7 +203,7 @@ TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
   EXPECT_LT((result.told * result.told - result.told).norm(), 1e-9) << "a projector";
 }
 
-/// The same, and fins of 0.5 m across the wall.
+/// Floor and wall, and fins of 0.5 m across the wall.
 Points wall_with_fins(unsigned seed, std::span<const double> fins_x_m) {
   Points points = floor_and_wall(seed);
   std::mt19937 random(seed + 100);
@@ -221,8 +222,8 @@ TEST(Closure, AGuessThatIsOffAlongAWallSlidesToWhereItFits) {
   EXPECT_TRUE(result.told.isIdentity());
 }
 
-// A fin and ribs tell where it is to a millimeter. But the ribs are regular, and one fin is little. So it fits at the
-// next ribs about as well, and nothing is told of the way along the wall.
+// A fin and ribs determine the position to a millimeter. But the ribs are regular, and one fin is small. So the cloud
+// fits at the next ribs about as well, and the closure does not constrain the direction along the wall.
 TEST(Closure, WhatFitsAtTheNextRibsTellsNothingOfTheWayAlongTheWall) {
   const auto ribbed = [](unsigned seed) {
     const double fin_x_m[] = {-7.4};
@@ -257,8 +258,8 @@ TEST(Closure, FartherThanTheGuessCanBeOffNothingIsClosed) {
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
 }
 
-// As high as the next shelf is the view much the same. A search would have taken it where more of the points meet
-// cells of its grid.
+// One shelf higher the view is much the same. A search would choose the height where more of the points meet cells of
+// its grid.
 TEST(Closure, ANearlyRightGuessKeepsTheShelf) {
   const auto shelves = [](double lowest_m, double highest_m, unsigned seed) {
     std::mt19937 random(seed);
@@ -335,7 +336,7 @@ TEST(FindInMap, TakesNothingWhereTwoPlacesLookAlike) {
       {make_pose({100, 0, 0}, Eigen::Quaterniond::Identity()), there},
   };
   EXPECT_EQ(find_in_map(twice, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kRival);
-  // The same submap twice at the same place is one place.
+  // A duplicate of the submap at its place is no rival.
   const std::vector<MapPart> same = {twice[0], twice[0]};
   EXPECT_EQ(find_in_map(same, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kClosed);
 }
@@ -357,7 +358,7 @@ TEST(Closure, TellsHowMuchOfItIsKnownAndHowMuchOfThatLiesOnSurfaces) {
   const Points older = yard(1);
   Points newer = yard(2);
   std::mt19937 random(32);
-  add_wall(newer, -14, -20, -14, 20, 4.0, random);  // what the older one does not know
+  add_wall(newer, -14, -20, -14, 20, 4.0, random);  // unknown in the older submap
   const ClosureResult result = find_closure(older, newer, Pose::Identity(), {});
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
   EXPECT_LT(result.T_older_newer.translation().norm(), 0.01);

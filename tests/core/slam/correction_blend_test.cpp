@@ -24,7 +24,7 @@ CorrectionBlend blend_of(BlendForm form) {
   return CorrectionBlend(config);
 }
 
-/// What control sees of a point of the local frame: its place in the world at every tick.
+/// World position of a point of the local frame at every tick, as seen by control.
 std::vector<Vector3> shown(CorrectionBlend& blend, TimeNs from, TimeNs to, const Vector3& p_local_m) {
   std::vector<Vector3> places;
   for (TimeNs t = from; t <= to; t += kBlendTick) places.push_back(blend.advance(t) * p_local_m);
@@ -35,7 +35,7 @@ struct Peaks {
   double step_m = 0.0, speed_mps = 0.0, acceleration_mps2 = 0.0, jerk_mps3 = 0.0;
 };
 
-/// Of differences; a step in any derivative shows in the next one as a peak of it over the tick.
+/// Peaks of finite differences; a step in any derivative appears in the next one as a peak over the tick.
 Peaks peaks_of(const std::vector<Vector3>& p) {
   Peaks peaks;
   const double dt_s = to_seconds(kBlendTick);
@@ -164,7 +164,7 @@ TEST(CorrectionBlend, ManyClosuresAtAnyTimeNeverBreakTheLimits) {
     for (const Vector3& p : shown(blend, t + kBlendTick, until, Vector3::Zero())) places.push_back(p);
     t += kBlendTick * static_cast<TimeNs>(40 + (i * 379) % 1700);
   }
-  // Each waited until it could begin within the limits; none was lost.
+  // Each correction waited until it could begin within the limits; none was lost.
   for (const Vector3& p : shown(blend, t + kBlendTick, t + 60 * kNsPerSecond, Vector3::Zero())) places.push_back(p);
   EXPECT_TRUE(blend.is_done());
   const double last = 1.7 * 60 * 60;
@@ -175,7 +175,7 @@ TEST(CorrectionBlend, ManyClosuresAtAnyTimeNeverBreakTheLimits) {
   EXPECT_LE(peaks.acceleration_mps2, 0.1002);
 }
 
-/// Of differences, of the attitude that is shown.
+/// Peak angular acceleration of the blended attitude by finite differences.
 double peak_turn_radps2(CorrectionBlend& blend, TimeNs from, TimeNs to, Matrix3& R_shown, Vector3& omega_radps) {
   double peak_radps2 = 0.0;
   const double dt_s = to_seconds(kBlendTick);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the graph of a flight is made of: nodes, submaps, fixes and how much each is trusted.
+// The graph of a flight: nodes, submaps, fixes and their weights.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,7 +66,7 @@ TEST(GlobalGraph, NodesAreJoinedByWhatWasFlownWithTheDoubtOfTheWay) {
   for (const double way_m : ways_m) flight.node_at(make_pose({way_m, 0, 1}, rotation_by({0, 0, way_m})));
   ASSERT_EQ(flight.slam.num_nodes(), 4);
   ASSERT_EQ(flight.slam.num_submaps(), 1);
-  // In the order in which they are made: submap and node, then odometry and submap again.
+  // In the order of creation: submap and node, then odometry and submap again.
   const auto all = flight.slam.graph().relative_factors();
   ASSERT_EQ(all.size(), 7U);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -110,7 +110,7 @@ TEST(GlobalGraph, ASubmapHasTheWayThatItMayAndTheNextOneBeginsThere) {
     const auto map = flight.slam.saved_map();
     ASSERT_EQ(map->submaps.size(), static_cast<std::size_t>(num));
     EXPECT_EQ(map->nodes.size(), static_cast<std::size_t>(flight.slam.num_nodes()));
-    // It stands upright where its first node is, and has a point in each cube of 0.2 m.
+    // The submap is upright at its first node and has one point per cube of 0.2 m.
     const Pose& T = map->T_world_submap(map->submaps.back());
     EXPECT_LT((T.linear() * Vector3::UnitZ() - Vector3::UnitZ()).norm(), 1e-9);
     EXPECT_LT((T.translation() - Vector3(8.5 * (num - 1), 1, 2)).norm(), 1e-9);
@@ -135,7 +135,7 @@ TEST(GlobalGraph, AFixHoldsAtItsShareOfTheWayBetweenTwoNodes) {
   PlainFlight flight(config);
   flight.slam.add_gnss(fix_at(50'000'000, {0, 0, 0}));  // before any node
   flight.along_x(0.0);
-  flight.slam.add_gnss(fix_at(kNodeTick - 1, {0, 0, 0}));  // and before the last one
+  flight.slam.add_gnss(fix_at(kNodeTick - 1, {0, 0, 0}));  // also before the last one
   flight.slam.add_gnss(fix_at(kNodeTick + 10'000'000, {1, 1, 1}));
   flight.slam.add_gnss(fix_at(kNodeTick + 30'000'000, {2, 3, 4}, {0.5, 0.25, 1.0}));
   flight.slam.add_gnss(fix_at(kNodeTick + 140'000'000, {5, 5, 5}));

@@ -16,7 +16,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSide_m = 8.0;  // of the square that is flown
+constexpr double kSide_m = 8.0;  // side of the flown square
 
 /// Around a square at constant height, nose ahead along x.
 Vector3 on_square_m(double way_m, double side_m = kSide_m) {
@@ -129,8 +129,7 @@ TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
   EXPECT_GT(sizes["slam.trajectory"], sizes["slam.submaps"]);
 }
 
-// What the vehicle sees now stands still in its local frame. What it saw long ago moves to where it belongs beside
-// that.
+// Present points stand still in the vehicle's local frame. Old submaps move to their places relative to them.
 TEST(GlobalSlam, WhenALoopIsClosedOldSubmapsMoveInTheLocalFrameAndTheNewestStandsStill) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
@@ -222,7 +221,7 @@ TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingAndLoopsAreStillClosed) {
   EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.15);
 }
 
-// Where nothing is closed the rule holds as well.
+// The limit also holds without closures.
 TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingWithoutClosures) {
   GlobalSlamConfig config;
   config.visits_kept = 2;
@@ -280,7 +279,7 @@ TEST(GlobalSlam, ASubmapThatSeesOtherThingsThanBeforeStays) {
   EXPECT_GE(flight.slam.num_submaps(), submaps + 2);
 }
 
-// Of a hover of an hour with GNSS the last fixes are kept: the next node takes the newest that is not newer.
+// During a hover of an hour with GNSS the last fixes are kept: the next node uses the newest fix that is not newer.
 TEST(GlobalSlam, FixesOfALongHoverLeaveTheNextNodeItsFix) {
   Flight flight(GlobalSlam({}, true));
   flight.fly(0.0, Vector3::Zero());
@@ -309,7 +308,7 @@ TEST(GlobalSlam, WhatIsForgottenOfASubmapIsKnownInAnOlderOne) {
   }
   int missing = 0, seen = 0;
   for (const Vector3& p_m : flight.place_world_m) {
-    if ((p_m - Vector3(4, 4, 2)).head<2>().norm() > 11.0) continue;  // farther away nobody came by
+    if ((p_m - Vector3(4, 4, 2)).head<2>().norm() > 11.0) continue;  // farther points were out of range
     ++seen;
     missing += std::none_of(kept_m.begin(), kept_m.end(), [&](const Vector3& k) { return (k - p_m).norm() < 0.5; });
   }

@@ -82,8 +82,8 @@ TEST(GraphCosts, APullBeyondTheScaleIsConstant) {
 }
 
 TEST(GraphCosts, WhatIsLinearIsSolvedInOneStep) {
-  // Two poses side by side, each held by a spring, a fix at a share of the way and one edge: along each axis two
-  // unknowns, and a minimum in closed form.
+  // Two poses side by side, each with a spring, a fix between them and one edge: two unknowns along each axis, and a
+  // minimum in closed form.
   for (const double beta : {0.0, 0.25, 0.8}) {
     PoseGraph graph;
     graph.add_pose(at_place({0, 1, 2}));
@@ -234,7 +234,7 @@ TEST(GraphCosts, NoOtherHeadingOrPlaceFitsWeightedPointsBetter) {
       other.translation() = best * middle - other.linear() * middle;
       EXPECT_GT(sum_of_squares(points, other), least) << trial;
     }
-    // How far they spread, in the plane: a little less is enough, a little more is not.
+    // Horizontal spread: slightly less than the limit suffices, slightly more does not.
     double spread_m2 = 0.0;
     for (const MatchedPosition& m : points) {
       spread_m2 += m.weight / weight * (m.p_local_m.head<2>() - Eigen::Vector2d(mean_x, mean_y) / weight).squaredNorm();

@@ -37,9 +37,9 @@ TEST(GraphWays, AClosureCountsNothing) {
   PoseGraph graph = chain(11);
   graph.add(RelativeFactor{1, 9, along_x(0.5), Matrix6::Identity(), 1.0});
   const std::vector<double> way_m = shortest_ways_m(graph, 10);
-  EXPECT_DOUBLE_EQ(way_m[1], 2.0);  // by pose 9
+  EXPECT_DOUBLE_EQ(way_m[1], 2.0);  // through pose 9
   EXPECT_DOUBLE_EQ(way_m[0], 4.0);
-  EXPECT_DOUBLE_EQ(way_m[5], 10.0);  // either way round
+  EXPECT_DOUBLE_EQ(way_m[5], 10.0);  // equal in both directions
 }
 
 TEST(GraphWays, AClosureThatLeavesADirectionOpenLeadsNowhere) {

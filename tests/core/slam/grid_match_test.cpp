@@ -26,7 +26,7 @@ Pose moved_by(const Pose& T, const Vector6& d) {
   return make_pose(T.translation() + d.head<3>(), Eigen::Quaterniond(T.linear()) * rotation_by(d.tail<3>()));
 }
 
-/// What a sensor at the body's origin sees, in the body frame.
+/// Returns of a sensor at the body's origin, in the body frame.
 std::vector<Eigen::Vector3f> seen_from(const SyntheticRoom& room, const Pose& T_world_body, int num, unsigned seed,
                                        double sigma_m = 0.01) {
   std::mt19937 random(seed);
@@ -54,7 +54,7 @@ GridSubmap submap_of(const SyntheticRoom& room, int scans = 12) {
   return submaps.older();
 }
 
-/// By a central difference of fourth order.
+/// Central difference of fourth order.
 template <class F>
 std::invoke_result_t<F, double> derivative(F&& f, double h) {
   return ((f(-2.0 * h) - f(2.0 * h)) + 8.0 * (f(h) - f(-h))) / (12.0 * h);
@@ -109,7 +109,7 @@ TEST(GridsMatch, EvidenceIsTheGradientOfItsCost) {
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 400, 4);
   const std::array<GridCloud, 2> clouds{GridCloud{&submap.high, points_body_m, 1.0},
                                         GridCloud{&submap.low, points_body_m, 6.0}};
-  GridMatchConfig still;  // no step is allowed: where it begins
+  GridMatchConfig still;  // prevents any step
   still.translation_weight_1_m = still.rotation_weight = 1e6;
   const Pose T = make_pose({0.03, -0.02, 0.04}, rotation_by({0.01, 0.02, -0.01}));
   const GridsMatch here = match_to_grids(clouds, submap.origin_local_m, T, still);
@@ -122,7 +122,7 @@ TEST(GridsMatch, EvidenceIsTheGradientOfItsCost) {
         1e-6);
     EXPECT_NEAR(2.0 * here.evidence.g(i), numeric, 2e-3 * here.evidence.g.norm()) << "r^2 has the slope 2 r J";
   }
-  // By Gauss and Newton: the sum of the outer products.
+  // Gauss-Newton: the sum of the outer products.
   Matrix6 H = Matrix6::Zero(), scatter = Matrix6::Zero();
   for (const GridCloud& cloud : clouds) {
     const double w = cloud.weight * cloud.weight / static_cast<double>(points_body_m.size());
@@ -140,7 +140,7 @@ struct Found {
   double off_m, off_rad;
 };
 
-/// How far from the truth the pose of least cost lies, from ten predictions that are off by up to 0.1 m and 0.01 rad.
+/// Largest distance of the least-cost pose from the truth, over ten predictions with errors up to 0.1 m and 0.01 rad.
 Found worst_of(const SyntheticRoom& room, const GridMatchConfig& config) {
   const GridSubmap submap = submap_of(room);
   std::mt19937 random(5);
@@ -205,7 +205,7 @@ TEST(GridsMatch, ItsWeightsHoldItToThePrediction) {
     last_m = moved_m;
     EXPECT_EQ(match.held(0), weight * weight);
     EXPECT_EQ(match.held(5), 0.25 * 400.0 * 400.0);
-    // Where the cost is least, a further step is none.
+    // At the least cost a further step is zero.
     const Vector6 gradient = match.evidence.g + match.held.cwiseProduct(match.moved);
     const Matrix6 H = match.evidence.H + Matrix6(match.held.asDiagonal());
     const Vector6 step = H.inverse() * gradient;

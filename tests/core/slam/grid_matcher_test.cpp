@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Local SLAM in the document's way: what goes into the filter, what goes into the map, and what is told of it.
+// Local SLAM as in the document: updates of the filter and of the map, and reported figures.
 #include "swiftlet/core/slam/grid_matcher.hpp"
 
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ TEST(GridMatcher, ScansAreMatchedToTheOlderSubmap) {
   ASSERT_EQ(matcher.submaps().num_active(), 2);
   EXPECT_EQ(matcher.submaps().older().num_scans, 3);
   EXPECT_EQ(matcher.submaps().newer().num_scans, 1);
-  // From between both: the newer one would draw it further away.
+  // Between both: the newer submap would draw it further away.
   InertialFilter filter({},
                         make_pose(flight.at(0).translation() + Vector3(0.08, 0.08, 0), Eigen::Quaterniond::Identity()));
   filter.predict(flight.imu(kGridImuTick));
@@ -134,7 +134,7 @@ TEST(GridMatcher, TellsThatAnAisleIsOpenAndARoomIsNot) {
   SyntheticRoom aisle = SyntheticRoom::box({-300.0, -2.1, -0.2}, {300.0, 2.2, 3.7});
   GridFlight flight(aisle, at_rest);
   flight.fly(100);
-  int num_open = 0;  // from the fifth scan in the map on, which come every half second
+  int num_open = 0;  // from the fifth scan in the map on; one goes in every half second
   for (std::size_t i = 30; i < flight.outcomes.size(); ++i) num_open += flight.outcomes[i].fit.num_degenerate == 1;
   EXPECT_GT(num_open, 50);
   GridFlight room(kWorkshop, circling);
@@ -175,7 +175,7 @@ Matrix6 random_spd(std::mt19937& random) {
   return scale.asDiagonal() * Matrix6(root * root.transpose() + Matrix6::Identity()) * scale.asDiagonal();
 }
 
-// With the gain of Kalman it is Kalman's update: evidence of the same information.
+// With the Kalman gain the update equals that by evidence of the same information.
 TEST(InertialFilterTake, WithTheBestGainItIsTheUpdateByEvidence) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 10; ++trial) {

@@ -30,7 +30,7 @@ TEST(GridValue, SpansItsProbabilitiesEvenly) {
   }
 }
 
-// After so many hits the odds are those of a hit to that power, as long as no end of the range is reached.
+// After n hits the odds are those of one hit to the power n, within the range of values.
 TEST(OddsTable, MultipliesOdds) {
   for (const double p : {0.55, 0.49, 0.7, 0.3}) {
     const OddsTable table(p);

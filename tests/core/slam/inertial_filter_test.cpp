@@ -49,7 +49,7 @@ TEST(InertialFilter, TransitionIsTheDerivativeOfTheMotion) {
     const Filter::Error d = kStep * Filter::Error::Unit(i);
     const Filter::Error numeric =
         between(advanced(state.changed_by(-d)), advanced(state.changed_by(d))) / (2.0 * kStep);
-    // What is left out is of second order in dt (of third in position).
+    // The neglected terms are of second order in dt (of third in position).
     EXPECT_LT((F.col(i) - numeric).norm(), 5e-4) << "column " << i;
     EXPECT_LT((F.col(i) - numeric).segment<3>(Filter::kP).norm(), 1e-6) << "column " << i;
   }
@@ -117,7 +117,7 @@ TEST(InertialFilter, WithoutScansItSaysHowFastItsPoseGetsWorse) {
   Filter filter = flown_filter();
   const double before_m = std::sqrt(filter.pose_covariance().diagonal().head<3>().maxCoeff());
   for (int i = 101; i <= 350; ++i) filter.predict({i * 4'000'000, {0, 0, 0}, {0, 0, 9.81}});
-  // A second under a bias of 0.196 m/s^2 that nobody knows: 0.1 m, and the speed of the start.
+  // A second under an unknown bias of 0.196 m/s^2: 0.1 m, plus the speed of the start.
   EXPECT_GT(std::sqrt(filter.pose_covariance().diagonal().head<3>().maxCoeff()), before_m + 0.1);
   EXPECT_TRUE(filter.is_sound());
 }
@@ -131,7 +131,7 @@ TEST(InertialFilter, AfterAGapItNoLongerKnowsWhereItFlewNorWhereItTurned) {
   };
   const Eigen::Vector2d bridged = spread_after(100'000'000), gap = spread_after(400'000'000);
   EXPECT_LT(bridged.y(), 0.05);
-  // In 0.4 s it may have turned by 0.4 rad and flown 0.16 m off its way.
+  // In 0.4 s a rotation of 0.4 rad and an offset of 0.16 m are possible.
   EXPECT_GT(gap.x(), 0.16);
   EXPECT_GT(gap.y(), 0.4);
   EXPECT_LT(gap.y(), 0.5);
@@ -145,8 +145,8 @@ TEST(InertialFilter, SamplesThatAreNotFiniteOrNotNewAreNone) {
   EXPECT_EQ(filter.state().nav.p_m, p_m);
 }
 
-// Of two filters that differ in one noise alone, the difference of the covariances is what that noise adds: white
-// noise of the accelerometer, integrated once and twice.
+// The difference of the covariances of two filters that differ in one noise is the effect of that noise: white noise of
+// the accelerometer, integrated once and twice.
 TEST(InertialFilter, NoiseOfTheAccelerometerGrowsAsItsIntegrals) {
   constexpr double kNoise = 0.5, kDuration_s = 2.0;
   const auto after_flight = [](double accel_noise_mps2_sqrt_hz) {
@@ -181,7 +181,7 @@ TEST(InertialFilter, WithoutTiltAStepIsThatOfTheStrapdown) {
 }
 
 TEST(InertialFilter, WhatIsExactInTheTransitionIsExact) {
-  // By velocity, biases of the accelerometer and tilt the motion is linear within a step.
+  // The motion within a step is linear in velocity, accelerometer biases and tilt.
   const Vector3 omega(0.7, -1.2, 2.0), force(1.0, -2.0, 11.0);
   constexpr double kDt_s = 0.05, kStep = 1e-4;
   const Filter::State state = some_state();
@@ -239,7 +239,7 @@ TEST(InertialFilter, ItsFirstSampleOnlySaysWhatTimeItIs) {
   EXPECT_EQ(filter.state().nav.t, 5'000'000'000);
   EXPECT_EQ(filter.state().nav.p_m, Vector3(1, 2, 3));
   EXPECT_EQ(filter.covariance(), P);
-  // From then on it goes by the last sample.
+  // Later steps use the last sample.
   Filter other = filter;
   filter.predict_to(5'010'000'000);
   other.predict({5'010'000'000, {0, 0, 1}, {3, 0, 9.81}});
@@ -251,7 +251,7 @@ TEST(InertialFilter, ItsFirstSampleOnlySaysWhatTimeItIs) {
   EXPECT_EQ(filter.state().nav.t, other.state().nav.t) << "never back";
 }
 
-// Of two filters that differ in one noise alone, the difference is what that noise adds.
+// The difference of two filters that differ in one noise is the effect of that noise.
 TEST(InertialFilter, TheOtherNoisesGrowWithTheTime) {
   constexpr double kDt_s = 0.05;
   const auto after = [](double gyro, double accel_walk, double gyro_walk) {
@@ -284,7 +284,7 @@ TEST(InertialFilter, FromATenthOfASecondOnAGapCostsWhatMayHaveHappenedInIt) {
   };
   const double below_s = 0.0999, above_s = 0.1001;
   const Filter::Error added = (after(above_s) - after(below_s)).diagonal();
-  // 2 m/s^2 and a turn of 1 rad/s that nobody measured; what else grows within 0.2 ms is little.
+  // 2 m/s^2 and a rotation of 1 rad/s are allowed for the gap; other growth within 0.2 ms is small.
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(added(Filter::kP + axis), std::pow(above_s, 4), 3e-6);
     EXPECT_NEAR(added(Filter::kV + axis), 4.0 * above_s * above_s, 1e-4);

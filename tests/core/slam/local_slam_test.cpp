@@ -84,7 +84,7 @@ int kept_near(const Vector3& place_m, const std::vector<SeenVehicle>& others, do
 }
 
 TEST(LocalSlam, WhatItSeesOfOtherVehiclesIsLeftOut) {
-  const Vector3 on_wall_m(7.4, 1.0, 1.5);  // as if a vehicle were there
+  const Vector3 on_wall_m(7.4, 1.0, 1.5);  // reported position of a vehicle
   const int all = kept_near(on_wall_m, {});
   ASSERT_GT(all, 20);
   constexpr TimeNs kSeen = 3 * kLidarTick - 200'000'000;
@@ -130,7 +130,7 @@ TEST(LocalSlam, TakesNoMorePointsThanItMay) {
       continue;
     }
     ASSERT_EQ(slam.points_body_m().size(), 444U);
-    // From all around, not the first ones.
+    // Points from all around, not the first ones.
     int ahead = 0, behind = 0;
     for (const Eigen::Vector3f& p : slam.points_body_m()) ++(p.x() > 0.0F ? ahead : behind);
     EXPECT_GT(std::min(ahead, behind), 100);
@@ -187,7 +187,7 @@ TEST(LocalSlam, ItsDoubtIsMoreThanThatOfTheFilterAndHardlyGrowsWhileItStands) {
   EXPECT_LT(after_60.trace(), 4.0 * after_5.trace()) << "a map that is known is not renewed over and over";
 }
 
-// What was inherited at a place turns what comes after it: each adds what it is, carried by the lever from there.
+// Each inherited error is transformed by the lever from its place; the covariances add up.
 TEST(MapDrift, IsTheSumOfWhatItInheritedCarriedByTheWaySince) {
   const Vector3 start_m(1, 2, 3);
   MapDrift drift(start_m);

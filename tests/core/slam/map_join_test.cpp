@@ -13,9 +13,9 @@ namespace {
 
 using testing::level_at;
 
-const Pose kT_own_other_local = level_at(12, -7, 1.5, 2.1);  // of the local frames, as it truly is
+const Pose kT_own_other_local = level_at(12, -7, 1.5, 2.1);  // true transform of the local frames
 
-/// Both fly along a line of the own frame, the other one the opposite way, with a submap every eight meters.
+/// Both vehicles fly along a line of the own frame, in opposite directions, with a submap every eight meters.
 struct TwoWays {
   std::vector<SubmapPlace> own, others;
   TwoWays() {
@@ -25,7 +25,7 @@ struct TwoWays {
       others.push_back({true, kT_own_other_local.inverse() * T_local, 8.0 * i});
     }
   }
-  /// As both truly lie, but for an error.
+  /// The true relative pose, with an error.
   MapClosure closure(int i, int j, const Pose& error = Pose::Identity()) const {
     const Pose T = own[static_cast<std::size_t>(i)].T_local_submap.inverse() * kT_own_other_local *
                    others[static_cast<std::size_t>(j)].T_local_submap;
@@ -43,7 +43,7 @@ TEST(MapJoin, TrueClosuresLeadAroundTheirLoopAndFalseOnesDoNot) {
 }
 
 TEST(MapJoin, TheLoopIsAsLongAsItsErrorsInStandardDeviations) {
-  // Without odometry and turns between, two closures that are apart by d have d^2 / (2 sigma^2).
+  // Without odometry and rotations in between, two closures that differ by d have d^2 / (2 sigma^2).
   TwoWays ways;
   MapJoinConfig config;
   config.closure_attitude_deg = 1e-6;
@@ -73,7 +73,7 @@ TEST(MapJoin, OneClosureIsNeverEnough) {
 
 TEST(MapJoin, InDoubtBetweenTwoSetsNeitherIsTaken) {
   const TwoWays ways;
-  const Pose aisle = level_at(0, 5.68, 0, 0);  // the same way for both of the second set
+  const Pose aisle = level_at(0, 5.68, 0, 0);  // equal offset of both closures in the second set
   const auto shifted = [&](int i, int j) {
     const Pose& T_own = ways.own[static_cast<std::size_t>(i)].T_local_submap;
     MapClosure c = ways.closure(i, j);

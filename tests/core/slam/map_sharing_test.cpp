@@ -40,7 +40,7 @@ MapSharingConfig quick_config() {
   return config;
 }
 
-/// Two vehicles and a radio that takes half a step, but for what `drops` says.
+/// Two vehicles and a radio with a delay of half a step; `drops` selects lost messages.
 struct Pair {
   explicit Pair(const MapSharingConfig& config) : sharing{MapSharing(config, 0, 2), MapSharing(config, 1, 2)} {}
 
@@ -78,7 +78,7 @@ struct Pair {
   }
 };
 
-/// Both fly through the same yard, the second one the opposite way, a little aside and turned.
+/// Both fly through the same yard, the second one in the opposite direction, slightly offset and rotated.
 Pair two_in_the_yard(const MapSharingConfig& config) {
   Pair pair(config);
   const std::vector<Vector3> world_m = testing::shared_yard_m();
@@ -90,7 +90,7 @@ Pair two_in_the_yard(const MapSharingConfig& config) {
   return pair;
 }
 
-/// How far the frames are off where the other vehicle is.
+/// Error of the transform at the position of the other vehicle.
 double error_m(const Pair& pair, int self) {
   const JoinedMap& joined = pair.sharing[self].joined_maps().front();
   const Pose T_true = kT_local_world[self] * kT_local_world[1 - self].inverse();
@@ -264,7 +264,7 @@ TEST(MapSharing, SaysTheSameEveryTime) {
   EXPECT_EQ(x_m[0], x_m[1]);
 }
 
-/// One vehicle that others tell nonsense.
+/// A vehicle that receives invalid messages.
 struct Hearer {
   MapSharing sharing{quick_config(), 0, 3};
   WayThroughYard way{testing::shared_yard_m(), Pose::Identity()};

@@ -19,7 +19,7 @@ TEST(NearPoints, HoldWhatLiesWithinAVoxelAndNothingBeyondThree) {
   int within = 0, beyond = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vector3 p_m = point();
-    double least_m = 1e9;  // along the axis of the greatest difference
+    double least_m = 1e9;  // along the axis of the largest difference
     for (const Eigen::Vector3f& q : others_m) {
       least_m = std::min(least_m, (q.cast<double>() - p_m).cwiseAbs().maxCoeff());
     }

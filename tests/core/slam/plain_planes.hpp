@@ -11,8 +11,7 @@
 
 namespace swiftlet::testing {
 
-/// The points of a scan that meet one plane of the map, as offsets from its cell's mean, each with the information that
-/// it has of its own.
+/// Points of a scan that meet one plane of the map, as offsets from its cell's mean, each with its own information.
 struct PlainPlane {
   const SurfaceCell* cell = nullptr;
   std::vector<Vector3> off_m;
@@ -34,7 +33,7 @@ struct PlainPlane {
     return {of_point / n + std::max(structure, 0.0), of_point / n / cell->wide_variance_m2,
             of_point / n / cell->narrow_variance_m2};
   }
-  /// Of all distances together: each point has its own noise, and all have the plane in common.
+  /// Covariance of all distances together: each point has its own noise, the plane's error is common to all.
   Eigen::MatrixXd covariance(const Vector3& variances) const {
     const Eigen::MatrixX3d A = regressors();
     Eigen::MatrixXd S = A * variances.asDiagonal() * A.transpose();
@@ -43,7 +42,7 @@ struct PlainPlane {
   }
 };
 
-/// In the order in which points meet them, so that sums are the same in every run.
+/// In the order in which points meet the cells, so that sums are reproducible.
 class PlainPlanes {
  public:
   void add(const SurfaceCell& cell, const Vector3& off_m, double information) {

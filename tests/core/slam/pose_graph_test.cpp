@@ -132,7 +132,7 @@ TEST(PoseGraph, DerivativesAreThoseOfTheResiduals) {
   }
 }
 
-/// A square of poses that was measured exactly, with an estimate that is off.
+/// A square of exactly measured poses with an estimate in error.
 struct Loop {
   PoseGraph graph;
   std::vector<Pose> truth;
@@ -168,8 +168,8 @@ TEST(PoseGraph, FindsTheKnownOptimum) {
   EXPECT_LT(loop.worst(), 1e-6);
 }
 
-// A stiff way of 400 m is to turn by 0.4 rad about a prior at its far end. Straight steps bend it, so that the cost
-// rises.
+// A stiff trajectory of 400 m has to rotate by 0.4 rad about a prior at its far end. Straight steps bend it, so that
+// the cost rises.
 TEST(PoseGraph, AWayThatTurnsAsAWholeComesToRestInAFewSteps) {
   PoseGraph graph;
   constexpr int kPoses = 400;
@@ -191,7 +191,7 @@ TEST(PoseGraph, AWayThatTurnsAsAWholeComesToRestInAFewSteps) {
 }
 
 TEST(PoseGraph, SharesAnErrorAmongEqualEdgesOfALine) {
-  // Four edges of 1 m in a row, and one that says that the whole is 4.5 m: each takes its fifth of the half meter.
+  // Four edges of 1 m in a row, and one of 4.5 m over the whole: each takes its fifth of the half meter.
   PoseGraph graph;
   for (int i = 0; i <= 4; ++i) graph.add_pose(make_pose({1.0 * i, 0, 0}, Eigen::Quaterniond::Identity()));
   graph.add(PriorFactor{0, Pose::Identity(), 1e9 * Matrix6::Identity()});
@@ -225,7 +225,7 @@ TEST(PoseGraph, GravityTakesOutATiltThatEdgesLeaveOpen) {
   Loop loop(20, 5, 0.01);
   loop.graph.clear_priors();
   Matrix6 weak = 1e6 * Matrix6::Identity();
-  weak(3, 3) = weak(4, 4) = 1e-3;  // of the tilt the start tells next to nothing
+  weak(3, 3) = weak(4, 4) = 1e-3;  // the start hardly constrains the tilt
   const Pose tilted = loop.truth[0] * make_pose(Vector3::Zero(), rotation_by({0.05, -0.04, 0}));
   loop.graph.add(PriorFactor{0, tilted, weak});
   for (int i = 0; i < 20; ++i) {
@@ -254,7 +254,7 @@ TEST(PoseGraph, GnssPullsTheTrajectoryBetweenItsKeyFrames) {
 }
 
 TEST(PoseGraph, AFixAtAKeyFrameCountsOnceWhateverItsShare) {
-  // With a prior of equal weight the pose comes to rest halfway, and since all is linear, in one step.
+  // With a prior of equal weight the pose settles halfway, in a single step because the problem is linear.
   for (const double beta : {0.0, 0.3, 0.5, 1.0}) {
     PoseGraph graph;
     graph.add_pose(Pose::Identity());

@@ -14,7 +14,7 @@ namespace swiftlet {
 namespace {
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Dual = Eigen::AutoDiffScalar<Vector12>;  // by the steps of two poses
+using Dual = Eigen::AutoDiffScalar<Vector12>;  // derivatives by the steps of two poses
 using DualVector = Eigen::Matrix<Dual, 3, 1>;
 using DualMatrix = Eigen::Matrix<Dual, 3, 3>;
 
@@ -76,7 +76,7 @@ class ResidualDerivatives : public ::testing::Test {
 TEST_F(ResidualDerivatives, OfARelativePoseAreThoseOfItsDefinition) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose T_from = pose(), T_to = pose();
-    // What is left is a turn of 0.02 to 2.5 rad.
+    // The residual is a rotation of 0.02 to 2.5 rad.
     const Pose left = make_pose(vector(2.0), rotation_by(uniform(0.02, 2.5) * vector(1.0).normalized()));
     const RelativeFactor factor{0, 1, T_from.inverse() * T_to * left.inverse(), Matrix6::Identity()};
     const RelativeResidual result = residual_of(factor, T_from, T_to);

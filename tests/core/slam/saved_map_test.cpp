@@ -24,7 +24,7 @@ struct MapParts {
   SavedMap::Submap submap{0, {{1, 2, 3}}};
   std::vector<Pose> poses = {Pose::Identity(), make_pose({1, 2, 3}, rotation_by({0.1, 0.2, 0.3}))};
 
-  /// What is said of it; more poses make place for factors that name those that do not exist then.
+  /// Reported fault of the map; more poses allow factors that name poses beyond the map's.
   std::string fault() {
     SavedMap made;
     made.voxel_m = map.voxel_m;

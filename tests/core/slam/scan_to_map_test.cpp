@@ -132,8 +132,8 @@ TEST(SurfaceMap, TellsAStemFromAWallAndFromATrunkThatLies) {
   EXPECT_EQ(map.find_pole({5.0, 50.0, 3.0}), nullptr) << "not seen";
 }
 
-/// The cost whose gradient fit_scan() tells, with weights that do not change: planes only, no kernel. The points of one
-/// plane have its error in common.
+/// Cost with the gradient of fit_scan(), with constant weights: planes only, no kernel. Points of one plane share its
+/// error.
 double cost(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points_body_m, const Pose& T_local_body,
             const Pose& T_weights, const ScanToMapConfig& config) {
   const double floor_m2 = config.surface_sigma_m * config.surface_sigma_m;
@@ -191,7 +191,7 @@ TEST(ScanToMap, RecoversAKnownMotion) {
   const Pose T_true = make_pose({0.15, -0.1, 0.08}, rotation_by({0.02, -0.03, 0.06}));
   const auto points = in_body(seen_from(kRoom, T_true, 0.02, 9), T_true);
   InertialConfig wide;
-  wide.start_velocity_sigma_mps = 50.0;  // so that a prediction over 4 ms says nothing
+  wide.start_velocity_sigma_mps = 50.0;  // a prediction over 4 ms carries no information
   wide.gyro_noise_radps_sqrt_hz = 20.0;
   InertialFilter filter(wide, Pose::Identity());
   filter.predict({4'000'000, Vector3::Zero(), {0, 0, 9.81}});
@@ -269,7 +269,7 @@ TEST(ScanToMap, OverOpenGroundAFewStemsHoldWhatTheGroundLeavesOpen) {
   ScanToMapConfig planes_alone;
   planes_alone.standing_points = 1000000;
   EXPECT_EQ(fit_scan(map, points, Pose::Identity(), planes_alone).num_degenerate, fit.num_held);
-  // What they tell is right: from a few centimeters off, to the sides and in heading, back to the truth.
+  // The evidence is correct: from an offset of a few centimeters and an error of heading back to the truth.
   Pose T = make_pose({0.06, -0.05, 0.0}, rotation_by({0.0, 0.0, 0.004}));
   for (int i = 0; i < 20; ++i) {
     const PoseEvidence evidence = fit_scan(map, points, T, {}).evidence;
@@ -314,7 +314,7 @@ TEST(ScanToMap, APointFarOffEverySurfaceHardlyCounts) {
     map.insert(seen_from(kRoom, Pose::Identity(), 0.01, seed), Vector3::Zero());
   auto points = in_body(seen_from(kRoom, Pose::Identity(), 0.01, 9), Pose::Identity());
   const ScanFit clean = fit_scan(map, points, Pose::Identity(), {});
-  // Somebody stands before the wall: 300 points, 0.4 m off.
+  // A person before the wall: 300 points, 0.4 m off.
   for (int i = 0; i < 300; ++i) points.emplace_back(6.0F, -1.0F + 0.005F * static_cast<float>(i), 1.0F);
   const ScanFit disturbed = fit_scan(map, points, Pose::Identity(), {});
   const Eigen::Matrix<double, 6, 1> shift_clean = clean.evidence.information.ldlt().solve(clean.evidence.gradient);

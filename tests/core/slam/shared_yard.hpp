@@ -10,7 +10,7 @@
 
 namespace swiftlet::testing {
 
-/// A yard of 40 m with walls in many directions, boxes and poles. No part of it looks like another.
+/// A yard of 40 m with walls in many directions, boxes and poles, all parts different.
 inline std::vector<Vector3> shared_yard_m() {
   std::vector<Vector3> points_m;
   std::mt19937 random(7);
@@ -45,7 +45,7 @@ inline std::vector<Vector3> shared_yard_m() {
   return points_m;
 }
 
-/// Submaps at places on the way through such a world, without any error.
+/// Submaps along a path through such a world, without errors.
 class WayThroughYard : public TellsSubmaps {
  public:
   WayThroughYard(std::vector<Vector3> world_m, const Pose& T_local_world, double reach_m = 14.0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From which instant on an estimate by SLAM is warned of or not valid, and how far it is carried.
+// Times at which a SLAM estimate gets a warning or becomes invalid, and how far it is propagated.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 constexpr TimeNs kSlamTick = 4'000'000;
 const Vector3 kAtRest(0, 0, kStandardGravity_mps2);
 
-/// An estimator that is told what one likes, one tick after the other.
+/// An estimator with prescribed input, tick by tick.
 struct ToldSlam {
   SlamConfig config;
   AgentSetup setup;
@@ -35,7 +35,7 @@ struct ToldSlam {
     if (change) change(observation);
     return estimator->update(observation, outbox);
   }
-  /// Until something is said of it [s]; its first tick was at 4 ms.
+  /// Time until a warning or fault is reported [s]; the first tick is at 4 ms.
   double until_s(const std::string& said, bool fault, double most_s, bool imu = true) {
     while (to_seconds(t) < most_s) {
       tick({}, imu);
@@ -70,7 +70,7 @@ TEST(SlamLimits, WithoutTheImuItIsNotValidFromATenthOfASecondOn) {
 }
 
 TEST(SlamLimits, TooUncertainIsNotValid) {
-  // 0.1 m/s that nobody knows, a bias of 0.2 m/s^2 and a tilt of half a degree.
+  // An unknown velocity of 0.1 m/s, a bias of 0.2 m/s^2 and a tilt of half a degree.
   ToldSlam slam;
   slam.config.position_sigma_max_m = 0.12;
   const double s = slam.until_s("position too uncertain", true, 3.0);
@@ -94,7 +94,7 @@ TEST(SlamLimits, CarriesItsStateFromTheLastSampleOnButNotForLong) {
   slam.t += 20 * kNsPerSecond;
   const StateEstimate late = slam.tick({}, false);
   EXPECT_LT((late.T_local_body.translation() - last.T_local_body.translation() - 0.1 * v).norm(), 1e-9);
-  // Turning goes on as well.
+  // Rotation continues as well.
   ToldSlam turning;
   for (int i = 0; i < 3; ++i) turning.tick({}, true, kAtRest, {0, 0, 0.5});
   const double yaw_rad = yaw_of(turning.tick({}, true, kAtRest, {0, 0, 0.5}).T_local_body.linear());

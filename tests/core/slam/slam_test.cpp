@@ -23,7 +23,7 @@ constexpr TimeNs kTick = 4'000'000, kScanPeriod = 100'000'000;
 
 const SyntheticRoom kHall = SyntheticRoom::box({-8.3, -7.1, -0.2}, {9.4, 8.2, 5.7});
 
-/// From rest: around an ellipse with bobbing, nose along a heading that turns.
+/// From rest: around an ellipse with bobbing and a turning heading.
 Pose loop_at(double t_s) {
   const double ramp = t_s < 0.0 ? 0.0 : t_s - (1.0 - std::exp(-t_s));  // speed rises from 0 to 1
   const double angle = 0.4 * ramp;
@@ -127,7 +127,7 @@ TEST(Slam, AScanThatTakesHalfASecondOnBoardIsMatchedAsOfItsOwnInstant) {
 }
 
 TEST(Slam, TheLatencyChangesWhenAScanCountsAndNotWhatItSays) {
-  // The same scans and samples of the IMU, so the same map and the same states, told later.
+  // Equal scans and IMU samples, so equal maps and states, reported later.
   constexpr TimeNs kLate = 200'000'000;
   LocalSlamConfig config;
   SyntheticFlight flight = biased_flight(loop_at);
@@ -167,7 +167,7 @@ TEST(Slam, ItsCovarianceIsHonest) {
     course.duration_s = 12.0;
     nees += fly(flight, course).mean_nees / kFlights;
   }
-  // Six degrees of freedom. A smooth room is kinder than the worlds that the numbers were found in.
+  // Six degrees of freedom. A smooth room is easier than the worlds in which the parameters were tuned.
   EXPECT_GT(nees, 0.3);
   EXPECT_LT(nees, 9.0);
 }
@@ -268,7 +268,7 @@ TEST(Slam, OverOpenGroundAFewStemsAreEnough) {
 }
 
 TEST(Slam, InAnAisleItSaysThatOneDirectionIsOpen) {
-  // The columns of beams make upright lines on its walls, which look like stems. But no beam goes by beside them.
+  // The columns of beams make upright lines on its walls, which look like stems. But no beam passes beside them.
   SyntheticRoom aisle = kHall;
   aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
   SyntheticFlight flight(aisle, [](double t_s) {
@@ -335,7 +335,7 @@ TEST(Slam, AVehicleThatWasToldNothingLearnsItsHeadingByCompassAndItsPlaceByGnss)
   EXPECT_NEAR(yaw_of(e.T_world_body().linear()), 1.0, 1e-9);
 }
 
-// A map in which nobody can find oneself: one submap without points.
+// A map without points, in which relocalization is impossible.
 TEST(Slam, WhoHasAMapLooksForItselfUnlessItsStartWasToldWhateverElseItHas) {
   using Search = StateEstimator::Search;
   auto map = std::make_shared<SavedMap>();

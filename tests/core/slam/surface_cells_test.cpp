@@ -13,7 +13,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFace_m = -0.11;  // where cells begin, so that no wall at a round coordinate lies on a face
+constexpr double kFace_m = -0.11;  // offset of cell faces, so that no wall at a round coordinate lies on a face
 
 /// A map of one level of large cells.
 SurfaceMapConfig one_level(double cell_m = 2.0) {
@@ -80,7 +80,8 @@ TEST(SurfaceCells, AreTheStatisticsOfTheirPoints) {
     }
 
     // A plane is thinner than its roughness, and three times as wide as thick, but at least a tenth of the cell. A pole
-    // is no plane, 0.15 m thin, three times as long, but at least a seventh of the cell, and upright to 26 degrees.
+    // is not a plane; it is 0.15 m thin, three times as long, but at least a seventh of the cell, and upright to 26
+    // degrees.
     const double s0 = std::sqrt(plain.variance(0)), s1 = std::sqrt(plain.variance(1)), s2 = std::sqrt(most);
     const double upright = std::abs(plain.eigen.eigenvectors()(2, 2));
     const bool planar = s0 < 0.06 && s1 > std::max(0.1 * edge_m, 3.0 * s0);
@@ -135,7 +136,7 @@ std::vector<Vector3> blob(int num, const Vector3& around_m) {
 }
 
 TEST(SurfaceCells, AreNoFinerThanRaysFromFarAwayAre) {
-  // In the middle of a smallest cell of 0.25 m, and of all those above it.
+  // At the center of a smallest cell of 0.25 m, and of all cells above it.
   const Vector3 at_m = Vector3::Constant(kFace_m + 0.125);
   for (const auto& [range_m, levels] : std::vector<std::pair<double, std::size_t>>{
            {1.0, 4}, {24.0, 4}, {26.0, 3}, {49.0, 3}, {51.0, 2}, {99.0, 2}, {101.0, 1}}) {
@@ -170,7 +171,7 @@ TEST(SurfaceCells, ThatLieFartherThanTheRadiusAreForgottenAndNoOthers) {
   }
   EXPECT_EQ(map.num_cells(), kept);
   EXPECT_GT(kept, 80U);
-  // What was forgotten is learned anew.
+  // Forgotten surfaces are mapped again.
   map.insert(points, Vector3::Zero());
   EXPECT_EQ(map.num_cells(), 400U);
   map.clear();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr TimeNs kSweepMs = 1'000'000;
 
-/// A body that was told at uneven times.
+/// A body with poses at irregular times.
 struct ToldMotion {
   std::vector<TimeNs> times;
   std::vector<Vector3> places_m;
@@ -33,7 +33,8 @@ struct ToldMotion {
       q = q * rotation_by(0.02 * Vector3(b, c, d));
       times.push_back(t);
       places_m.push_back(p_m);
-      attitudes.push_back(i % 3 == 0 ? q : Eigen::Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()));  // the same attitude
+      // q or -q: equal attitudes
+      attitudes.push_back(i % 3 == 0 ? q : Eigen::Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()));
       history.push(t, p_m, attitudes.back());
       t += (2 + static_cast<TimeNs>(3.0 * (1.0 + d))) * kSweepMs;
     }

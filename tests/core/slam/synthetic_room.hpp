@@ -96,7 +96,7 @@ class SyntheticFlight {
     return (at_(s + kStep_s).translation() - at_(s - kStep_s).translation()) / (2.0 * kStep_s);
   }
 
-  /// The means over the 4 ms before t.
+  /// Means over the 4 ms before t.
   ImuSample imu(TimeNs t) {
     constexpr TimeNs kPeriod = 4'000'000;
     const Eigen::Quaterniond q0(at(t - kPeriod).linear()), q1(at(t).linear());

@@ -77,7 +77,7 @@ TEST(CloudTracker, FollowsATargetFromOneDetectionOn) {
   EXPECT_LT((tracks[0].velocity_mps - v).norm(), 0.15);
 }
 
-// Of two targets beside each other, the one with a marker is known by its track, and where it was measured.
+// The track of one of two neighboring targets carries the marker's reflectivity and the measured position.
 TEST(CloudTracker, ATrackTellsTheBrightestReturnOfItsTargetAndWhereItWasMeasured) {
   CloudTracker tracker = make(told_at_once());
   const auto marked = [](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
@@ -264,7 +264,7 @@ TEST(CloudTracker, ATrackWithoutMeasurementsEndsWhenItsRadiusDoes) {
     const Detection detection = detection_at(p, k * kScan);
     if (k == 1) tracker.new_detections({&detection, 1}, nullptr);
   }
-  // What is left of the certainty by then, by hand.
+  // Remaining certainty at that time, computed by hand.
   Matrix9 P = tracks_of(tracker).at(0).covariance;
   int expected = 0;
   while (tracker.uncertainty_radius_m(P.topLeftCorner<3, 3>()) <= 5.0) {
@@ -329,7 +329,7 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
     const Detection detection = detection_at(p, kScan);
     tracker.new_cloud(CloudMaker(kScan).add_target(p).make(), &wall);
     tracker.new_detections({&detection, 1}, &wall);
-    // Nothing there but a pole 1.6 m beside the place, known to the map.
+    // Only a pole 1.6 m beside the position, contained in the map.
     CloudMaker maker(2 * kScan);
     for (int i = 0; i < 100; ++i) {
       const Vector3 on_pole = p + Vector3(0.0, 1.6, -5.0 + 0.1 * i);
@@ -339,11 +339,11 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
     tracker.new_cloud(maker.make(), &wall);
     const bool corrected = tracks_of(tracker).at(0).corrected;
     EXPECT_EQ(corrected, false) << static_cast<int>(rule) << ": a pole of 3.8 m is no target either";
-    // A small thing beside it that the map knows, alone within its surroundings.
+    // A small object beside it that the map contains, without other points around.
     wall.centers_m = {p + Vector3(0, 1.5, 0)};
     tracker.new_cloud(CloudMaker(3 * kScan).add_target(p + Vector3(0, 1.0, 0), 0.2).make(), &wall);
     EXPECT_EQ(tracks_of(tracker).at(0).corrected, rule != Background::kMap) << static_cast<int>(rule);
-    // And one with other things around it.
+    // Such an object with other points around it.
     tracker.new_cloud(CloudMaker(4 * kScan).add_target(p, 0.2).add(p + Vector3(0, 0, 0.9)).make(), nullptr);
     EXPECT_EQ(tracks_of(tracker).at(0).corrected, rule != Background::kCloud) << static_cast<int>(rule);
   }
@@ -482,7 +482,7 @@ TEST(CloudTracker, SurvivesAnyCloud) {
   CloudMaker duplicates = next();
   for (int i = 0; i < 300'000; ++i) duplicates.add(p);
   feed(duplicates.make());
-  feed(CloudMaker(t).add_target(p).make());              // the same time again
+  feed(CloudMaker(t).add_target(p).make());              // repeated time
   feed(CloudMaker(t - 5 * kScan).add_target(p).make());  // an old one
   const Random random(1, "test.fuzz");
   for (std::uint32_t trial = 0; trial < 200; ++trial) {

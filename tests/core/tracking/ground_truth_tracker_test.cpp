@@ -14,7 +14,7 @@ namespace {
 
 constexpr TimeNs kSamplePeriod = 100'000'000;
 
-/// A vehicle at a fixed pose, and what its sensor tells.
+/// A vehicle at a fixed pose, and the samples of its sensor.
 struct Watcher {
   explicit Watcher(const GroundTruthTrackerConfig& config) : tracker(make_ground_truth_tracker(config, {})) {
     estimate.valid = true;

@@ -70,7 +70,7 @@ TEST(Transition, OfAVerySlowTurnIsThatOfConstantAcceleration) {
   EXPECT_EQ(coordinated_turn_transition(0.1, 0.0), constant_acceleration_transition(0.1));
 }
 
-// From a ten-thousandth of a radian on the closed form holds. Its terms are those of the series.
+// From a ten-thousandth of a radian on the closed form is used. Its terms equal those of the series.
 TEST(Transition, OfASlowTurnIsThatOfTheSeries) {
   for (const double angle : {9e-5, 1.1e-4, 1e-2}) {
     const double dt_s = 0.1, w = angle / dt_s;
@@ -94,7 +94,7 @@ TEST(ImmFilter, NoModeIsGivenUpForGood) {
   belief.modes[0].mean[0] = belief.modes[1].mean[1] = 50.0;
   filter->correct(belief, Vector3::Zero(), 0.01 * Matrix3::Identity());
   for (const int m : {0, 1}) {
-    // Of three that were equally likely before.
+    // Three modes that were equally likely.
     EXPECT_NEAR(belief.mode_probability[static_cast<std::size_t>(m)], 3e-6, 0.5e-6);
   }
   EXPECT_GT(belief.mode_probability[2], 0.99);

@@ -242,7 +242,7 @@ TEST(BoxProbability, OfALineIsThatOfThePieceInTheBox) {
   }
 }
 
-// Where a coordinate is certain, the box has its lower face and not its upper one.
+// For a coordinate without variance, the box includes its lower face and excludes its upper one.
 TEST(BoxProbability, ACertainCoordinateIsInOrOut) {
   for (int axis = 0; axis < 3; ++axis) {
     Vector3 variance(0.3, 0.5, 0.7);
