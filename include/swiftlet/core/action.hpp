@@ -27,8 +27,8 @@ struct Reference {
   double yaw_rate_radps = 0.0;
 
   static void visit(auto& r, auto& v) {
-    v.field("*_m", r.position_m, "[m] in the world as the vehicle knows it");
-    v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the axes of that world");
+    v.field("*_m", r.position_m, "[m] in the vehicle's estimated world frame");
+    v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the axes of that frame");
     v.field("a*_mps2", r.acceleration_mps2, "[m/s^2] acceleration, in the same axes");
     v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from east");
     v.field("yaw_rate_radps", r.yaw_rate_radps, "[rad/s] rate of the heading");
@@ -70,7 +70,7 @@ struct Action {
     v.list("tracks", a.tracks, "[-] tracks");
     v.list("relatives", a.relatives, "[-] estimates of teammates");
     v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] mission state");
-    v.field("mission_note", a.mission_note, "[-] why it failed, or what it waits for");
+    v.field("mission_note", a.mission_note, "[-] reason of a failure or a wait");
   }
 
   void clear_outputs() {

@@ -30,7 +30,7 @@ struct StampedPose {
   Pose T_world_body = Pose::Identity();
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("*", s.T_world_body, "[m, -] pose of the body in the world");
   }
 };

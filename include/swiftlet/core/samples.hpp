@@ -15,7 +15,7 @@ struct ImuSample {
   Vector3 specific_force_body_mps2 = Vector3::Zero();  ///< acceleration minus gravity: (0, 0, +9.81) at rest
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] end of the interval that the means are over");
+    v.time("t_s", s.t, "[s] end of the averaging interval");
     v.field("omega_*_radps", s.omega_body_radps, "[rad/s] body rate, in body axes");
     v.field("f_*_mps2", s.specific_force_body_mps2, "[m/s^2] specific force, in body axes; (0, 0, 9.81) at rest");
   }
@@ -30,7 +30,7 @@ struct OdometrySample {
   Vector3 v_local_body_mps = Vector3::Zero();
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("*", s.T_local_body, "[m, -] pose of the body in the local frame, which drifts");
     v.field("v*_mps", s.v_local_body_mps, "[m/s] velocity, in local axes");
   }
@@ -46,7 +46,7 @@ struct GnssSample {
   Vector3 sigma_v_mps = Vector3::Ones();
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("*_m", s.p_world_m, "[m] position in the world");
     v.field("v*_mps", s.v_world_mps, "[m/s] velocity, in world axes");
     v.field("sigma_*_m", s.sigma_p_m, "[m] standard deviation of the position");
@@ -62,7 +62,7 @@ struct AltimeterSample {
   double sigma_m = 0.0;
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("height_m", s.height_m, "[m] above the surface below");
     v.field("sigma_m", s.sigma_m, "[m] standard deviation");
   }
@@ -76,7 +76,7 @@ struct CompassSample {
   double sigma_rad = 0.0;
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("yaw_rad", s.yaw_rad, "[rad] heading, counter-clockwise from east");
     v.field("sigma_rad", s.sigma_rad, "[rad] standard deviation");
   }
@@ -91,7 +91,7 @@ struct PoseSample {
   Vector3 omega_body_radps = Vector3::Zero();
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("*", s.T_world_body, "[m, -] pose of the body in the world");
     v.field("v*_mps", s.v_world_mps, "[m/s] velocity, in world axes");
     v.field("omega_*_radps", s.omega_body_radps, "[rad/s] body rate, in body axes");
@@ -107,9 +107,9 @@ struct NeighborSample {
   Matrix3 covariance_body = Matrix3::Identity();
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.vehicle("neighbor", s.id, "[-] observed vehicle; empty: not identified");
-    v.field("*_body_m", s.p_body_m, "[m] its position in the body frame of the observer");
+    v.field("*_body_m", s.p_body_m, "[m] position of the neighbor in the body frame of the observer");
     v.covariance("cov_*_m2", s.covariance_body, "[m^2] covariance of the position");
   }
 };

@@ -33,13 +33,13 @@ struct StateEstimate {
 
   static void visit(auto& e, auto& v) {
     v.valid("valid", e.valid, "[-] is there an estimate?");
-    v.time("t_s", e.t, "[s] when it holds");
+    v.time("t_s", e.t, "[s] time of validity");
     v.field("local_*", e.T_local_body, "[m, -] pose of the body in the local frame");
     v.field("local_v*_mps", e.v_local_mps, "[m/s] velocity, in local axes");
     v.field("omega_*_radps", e.omega_body_radps, "[rad/s] body rate, in body axes");
     v.covariance("cov_*_m2", e.covariance, "[m^2] covariance of the position, in local axes");
     v.field("correction_*", e.T_world_local, "[m, -] pose of the local frame in the world");
-    v.field("correction_revision", e.correction_revision, "[-] how often that changed");
+    v.field("correction_revision", e.correction_revision, "[-] number of changes of the correction");
   }
 };
 
@@ -54,9 +54,9 @@ struct WorldEstimate {
 
   static void visit(auto& e, auto& v) {
     v.valid("valid", e.valid, "[-] is there an estimate?");
-    v.time("t_s", e.t, "[s] when it holds");
-    v.field("*", e.T_world_body, "[m, -] pose of the body in the world as the vehicle knows it");
-    v.field("v*_mps", e.v_world_mps, "[m/s] velocity, in the axes of that world");
+    v.time("t_s", e.t, "[s] time of validity");
+    v.field("*", e.T_world_body, "[m, -] pose of the body in the vehicle's estimated world frame");
+    v.field("v*_mps", e.v_world_mps, "[m/s] velocity, in the axes of that frame");
     v.field("omega_*_radps", e.omega_body_radps, "[rad/s] body rate, in body axes");
     v.covariance("cov_*_m2", e.covariance, "[m^2] covariance of the position");
   }

@@ -12,7 +12,7 @@ namespace swiftlet {
 struct ChaseReport {
   static constexpr const char* kTopic = "chase";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "whom an interceptor chases, how soon it is there, and where it will be";
+  static constexpr const char* kDoc = "pursued target, earliest interception and predicted path of an interceptor";
 
   /// kLeads: the teammates give way. kYields: a teammate intercepts earlier. kSearches: the target is lost. kCaught:
   /// the target is in the net.
@@ -33,14 +33,14 @@ struct ChaseReport {
   std::vector<Place> places;
 
   static void visit(auto& m, auto& v) {
-    v.time("t_s", m.t, "[s] of the first place");
+    v.time("t_s", m.t, "[s] time of the first place");
     v.choice("word", m.word, kWords,
-             "[-] leads: comes first; yields: keeps out of the way; searches: lost it; caught: has it");
-    v.field("arrival_s", m.arrival_s, "[s] from now until it meets its target at the earliest");
-    v.field("target_*_m", m.target_world_m, "[m] where its target is, in the world as the sender knows it");
+             "[-] leads: intercepts first; yields: gives way; searches: target lost; caught: target in the net");
+    v.field("arrival_s", m.arrival_s, "[s] from now to the earliest interception");
+    v.field("target_*_m", m.target_world_m, "[m] position of its target, in the sender's world frame");
     v.field("target_v*_mps", m.target_world_mps, "[m/s] velocity of its target, in the same axes");
-    v.field("interval_s", m.interval_s, "[s] from place to place");
-    v.list("num_places", m.places, "[-] where it will be [m], in the same world; then it goes straight on");
+    v.field("interval_s", m.interval_s, "[s] time between places");
+    v.list("num_places", m.places, "[-] predicted positions [m], in the same frame; straight flight afterwards");
   }
 };
 

@@ -40,10 +40,11 @@ struct GuidingPath {
 
   static void visit(auto& m, auto& v) {
     v.field("path", m.path, "[-] number of the path; grows with every message");
-    v.choice("word", m.word, kWords, "[-] guide: follow the path; move: to be found again; else the mission is over");
-    v.field("radius_m", m.radius_m, "[m] around where it is that is clear, when it is to move");
+    v.choice("word", m.word, kWords,
+             "[-] guide: follow the path; move: fly a pattern to be detected; else the mission is over");
+    v.field("radius_m", m.radius_m, "[m] radius of the clear space around the receiver, for move");
     v.field("has_instant", m.has_instant, "[-] 1: the body frame is that of an instant, 0: that of reception");
-    v.time("t_s", m.t, "[s] that instant, by the receiver's clock");
+    v.time("t_s", m.t, "[s] time of the body frame, by the receiver's clock");
     v.list("num_waypoints", m.waypoints, "[-] waypoints: position [m] and heading [rad] in that body frame");
   }
 };

@@ -31,7 +31,8 @@ struct MapClosures {
   std::vector<Closure> closures;
 
   static void visit(auto& m, auto& v) {
-    v.list("num_closures", m.closures, "[-] the submaps, and where the receiver's lies in the sender's [m, rad]");
+    v.list("num_closures", m.closures,
+           "[-] closures: submap numbers, and pose of the receiver's in the sender's [m, rad]");
   }
 };
 

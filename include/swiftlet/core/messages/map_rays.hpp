@@ -14,9 +14,9 @@ struct ToldRay {
   bool hit = true;
 
   static void visit(auto& r, auto& v) {
-    v.field("origin_*_m", r.origin_world_m, "[m] of the sensor, world frame");
-    v.field("end_*_m", r.end_world_m, "[m] what was met, world frame");
-    v.field("hit", r.hit, "[-] false: nothing was met up to the end");
+    v.field("origin_*_m", r.origin_world_m, "[m] position of the sensor, world frame");
+    v.field("end_*_m", r.end_world_m, "[m] end of the beam, world frame");
+    v.field("hit", r.hit, "[-] false: free up to the end");
   }
 };
 
@@ -31,8 +31,7 @@ struct MapRays {
 
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] end of the sweep");
-    v.list("num_rays", m.rays,
-           "[-] beams: origin and end [m] in the world as the sender knows it, and whether they hit");
+    v.list("num_rays", m.rays, "[-] beams: origin and end [m] in the sender's world frame, and hit");
   }
 };
 

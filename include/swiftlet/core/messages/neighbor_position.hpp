@@ -9,14 +9,14 @@ namespace swiftlet {
 struct NeighborPosition {
   static constexpr const char* kTopic = "neighbor";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "where its sender believes to be";
+  static constexpr const char* kDoc = "estimated position of its sender";
 
   TimeNs t = 0;
   Vector3 p_world_m = Vector3::Zero();
 
   static void visit(auto& m, auto& v) {
-    v.time("t_s", m.t, "[s] when it holds");
-    v.field("*_m", m.p_world_m, "[m] position in the world as the sender knows it");
+    v.time("t_s", m.t, "[s] time of validity");
+    v.field("*_m", m.p_world_m, "[m] position in the sender's world frame");
   }
 };
 

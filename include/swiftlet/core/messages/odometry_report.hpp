@@ -9,7 +9,7 @@ namespace swiftlet {
 struct OdometryReport {
   static constexpr const char* kTopic = "odometry";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "where its sender is in its own local frame, and which waypoints it visited";
+  static constexpr const char* kDoc = "pose of its sender in the sender's own local frame, and visited waypoints";
 
   TimeNs t = 0;
   Pose T_local_body = Pose::Identity();
@@ -19,12 +19,12 @@ struct OdometryReport {
   std::uint16_t num_visited = 0;
 
   static void visit(auto& m, auto& v) {
-    v.time("t_s", m.t, "[s] when it holds, by the sender's clock");
+    v.time("t_s", m.t, "[s] time of validity, by the sender's clock");
     v.field("*", m.T_local_body, "[m, -] pose of the body in the sender's local frame");
     v.field("v*_mps", m.v_local_mps, "[m/s] velocity, in the axes of that frame");
     v.field("yaw_rate_radps", m.yaw_rate_radps, "[rad/s] rate of the heading");
-    v.field("path", m.path, "[-] the newest path that it got; 0: none");
-    v.field("num_visited", m.num_visited, "[-] waypoints of that path that it visited");
+    v.field("path", m.path, "[-] number of the newest received path; 0: none");
+    v.field("num_visited", m.num_visited, "[-] visited waypoints of that path");
   }
 };
 

@@ -12,7 +12,7 @@ namespace swiftlet {
 struct SharedPath {
   static constexpr const char* kTopic = "shared_path";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "where its sender will be in the next seconds";
+  static constexpr const char* kDoc = "predicted path of its sender for the next seconds";
 
   /// kPlan: will be flown unless another vehicle reports a conflicting path.
   enum class Word { kPlan, kFlown };
@@ -29,10 +29,10 @@ struct SharedPath {
   std::vector<Place> places;
 
   static void visit(auto& m, auto& v) {
-    v.choice("word", m.word, kWords, "[-] plan: will be flown unless somebody objects; flown: is being flown");
-    v.time("t_s", m.t, "[s] of the first place");
-    v.field("interval_s", m.interval_s, "[s] from place to place");
-    v.list("num_places", m.places, "[-] places [m] in the world as the sender knows it");
+    v.choice("word", m.word, kWords, "[-] plan: flown unless a conflicting path is received; flown: is being flown");
+    v.time("t_s", m.t, "[s] time of the first place");
+    v.field("interval_s", m.interval_s, "[s] time between places");
+    v.list("num_places", m.places, "[-] places [m] in the sender's world frame");
   }
 };
 

@@ -23,7 +23,7 @@ struct SubmapChunk {
     v.field("submap", m.submap, "[-] number of the submap");
     v.field("chunk", m.chunk, "[-] number of the chunk, from 0 on");
     v.field("num_points", m.num_points, "[-] points in it");
-    v.field("bits", m.bits, "[-] by which each coordinate tells the place within a voxel");
+    v.field("bits", m.bits, "[-] bits of each coordinate within a voxel");
     v.field("voxel_m", m.voxel_m, "[m] edge of the voxels, each of which has one point");
     v.field("data", m.data, "[-] an octree of voxels, depth first, and the places within");
   }

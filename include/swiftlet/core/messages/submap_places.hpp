@@ -12,7 +12,7 @@ namespace swiftlet {
 struct SubmapPlaces {
   static constexpr const char* kTopic = "submap_places";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "where submaps of its sender lie in the sender's own local frame";
+  static constexpr const char* kDoc = "poses of its sender's submaps in the sender's own local frame";
 
   struct Place {
     Eigen::Vector3f p_local_m = Eigen::Vector3f::Zero();
@@ -22,7 +22,7 @@ struct SubmapPlaces {
     static void visit(auto& p, auto& v) {
       v.field("*_m", p.p_local_m, "[m] origin of the submap");
       v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector of its axes");
-      v.field("way_m", p.way_m, "[m] of the flight when it began");
+      v.field("way_m", p.way_m, "[m] path length of the flight at its beginning");
     }
   };
 
@@ -31,9 +31,9 @@ struct SubmapPlaces {
   std::vector<Place> places;
 
   static void visit(auto& m, auto& v) {
-    v.field("num_finished", m.num_finished, "[-] submaps that take no further scans");
+    v.field("num_finished", m.num_finished, "[-] number of finished submaps");
     v.field("first", m.first, "[-] number of the first submap of the list");
-    v.list("num_places", m.places, "[-] submaps: origin [m] and rotation vector [rad] in that frame, way before [m]");
+    v.list("num_places", m.places, "[-] submaps: origin [m] and rotation vector [rad] in that frame, path length [m]");
   }
 };
 

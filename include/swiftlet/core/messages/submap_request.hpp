@@ -12,7 +12,7 @@ namespace swiftlet {
 struct SubmapRequest {
   static constexpr const char* kTopic = "submap_request";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "what its sender still lacks of the receiver's submaps";
+  static constexpr const char* kDoc = "request for missing data of the receiver's submaps";
 
   enum class Word { kDescriptors, kCloud };
   static constexpr std::array<const char*, 2> kWords = {"descriptors", "cloud"};

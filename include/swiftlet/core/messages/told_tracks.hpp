@@ -12,7 +12,7 @@ namespace swiftlet {
 struct ToldTracks {
   static constexpr const char* kTopic = "told_tracks";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "what flies near its sender, and where it is itself, in its own local frame";
+  static constexpr const char* kDoc = "tracks and own state of its sender, in the sender's own local frame";
 
   /// A track of 120 bytes. Single precision resolves a tenth of a millimeter at a kilometer.
   struct Told {
@@ -25,7 +25,7 @@ struct ToldTracks {
 
     static void visit(auto& t, auto& v) {
       v.field("identity", t.identity, "[-] its identity at the sender");
-      v.field("age_s", t.age_s, "[s] how long before the message's instant it holds");
+      v.field("age_s", t.age_s, "[s] age of the track at the message's time");
       v.field("existence", t.existence, "[-] probability that it exists");
       v.field("*_m", t.p_local_m, "[m] position in the sender's local frame");
       v.field("v*_mps", t.v_local_mps, "[m/s] velocity, in the axes of that frame");
@@ -41,10 +41,10 @@ struct ToldTracks {
   std::vector<Told> tracks;
 
   static void visit(auto& m, auto& v) {
-    v.time("t_s", m.t, "[s] when the sender was there, by its clock");
-    v.field("*_m", m.p_local_m, "[m] where it was, in its own local frame");
-    v.field("v*_mps", m.v_local_mps, "[m/s] its velocity, in the axes of that frame");
-    v.field("yaw_rad", m.yaw_rad, "[rad] its heading there");
+    v.time("t_s", m.t, "[s] time of validity, by the sender's clock");
+    v.field("*_m", m.p_local_m, "[m] position of the sender, in its own local frame");
+    v.field("v*_mps", m.v_local_mps, "[m/s] velocity of the sender, in the axes of that frame");
+    v.field("yaw_rad", m.yaw_rad, "[rad] heading of the sender in that frame");
     v.field("yaw_rate_radps", m.yaw_rate_radps, "[rad/s] rate of the heading");
     v.list("num_tracks", m.tracks,
            "[-] tracks: identity, age [s], existence, position [m], velocity [m/s] and their covariance");
