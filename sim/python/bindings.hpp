@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-/// The module `swiftlet._core`: one function a file.
+/// The module `swiftlet._core`: one function per file.
 namespace swiftlet::python {
 
 namespace py = pybind11;

@@ -15,7 +15,7 @@ namespace {
 
 using Row = std::array<double, kMaxRotors>;
 
-// How far a goal may be ahead of its vehicle: what it cannot follow must not pile up.
+// Largest lead of a goal over its vehicle, so that commands that the vehicle cannot follow do not accumulate.
 constexpr double kLeash_m = 0.5;
 constexpr double kLeash_s = 0.5;
 
@@ -63,7 +63,7 @@ class Commanded final : public Guidance {
  private:
   void take(const Row& row, const GuidanceInput& input) {
     if (config_.by == CommandedConfig::By::kPosition) {
-      if (std::isnan(row[0])) return;  // nothing was commanded so far
+      if (std::isnan(row[0])) return;  // no command so far
       require_finite(row, kGoalNumbers, setup_);
       goal_world_.position_m = {row[0], row[1], row[2]};
       goal_world_.yaw_rad = row[3];
@@ -87,7 +87,7 @@ class Commanded final : public Guidance {
   bool started_ = false;
 };
 
-/// No controller at all: rotor commands as they are.
+/// Agent without controller: passes rotor commands through.
 class Rotors final : public Agent {
  public:
   Rotors(const RotorsConfig& config, const AgentSetup& setup) : config_(config), setup_(setup) {

@@ -26,7 +26,7 @@ void bind_errors(py::module_& module) {
       PyErr_SetString(PyExc_MemoryError, error.what());
     }
   });
-  // A wrong type within an argument is a TypeError, as that of the argument itself.
+  // A wrong type within an argument is a TypeError, like that of the argument itself.
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);

@@ -7,7 +7,7 @@
 
 namespace swiftlet::python {
 
-/// The visitor that fills a sample from values by the names of its columns, all of which must be given.
+/// Visitor that fills a sample from values by column name; all columns must be given.
 class FieldValues {
  public:
   FieldValues(const std::string& kind, const py::dict& values, int num_vehicles)
@@ -64,7 +64,7 @@ class FieldValues {
   int num_vehicles_;
 };
 
-/// Throws TypeError on a value that the kind does not have, and on one that is missing.
+/// Throws TypeError on an unknown value, and on a missing one.
 template <class Kind>
 Kind filled(const std::string& name_of_kind, const py::dict& values, int num_vehicles) {
   std::vector<std::string> names;

@@ -35,7 +35,7 @@ std::string describe(const Table& table) {
   return text;
 }
 
-// Columns first: Python's own search would raise and drop an exception before it asks for them.
+// Columns first: Python's own search would raise and drop an exception before the look-up of columns.
 PyObject* attribute_of(PyObject* self, PyObject* name) try {
   auto& table = py::cast<Table&>(py::handle(self));
   const char* text = PyUnicode_AsUTF8(name);

@@ -16,33 +16,33 @@
 
 #include "swiftlet/core/fields.hpp"
 
-/// Kinds of data (swiftlet/core/fields.hpp) as numpy arrays that look into the structs themselves: the one `visit` of a
-/// kind tells names, places and meanings.
+/// Data types with fields (swiftlet/core/fields.hpp) as numpy arrays that are views of the structs. The type's `visit`
+/// provides names, offsets and descriptions.
 namespace swiftlet::python {
 
 namespace py = pybind11;
 
-/// One field of a kind of data, and where it lies in the struct.
+/// One field of a data type, and its offset in the struct.
 struct Field {
   std::string name;
   std::string doc;
   std::ptrdiff_t offset = 0;
-  const char* format = nullptr;  ///< of numpy; null: no numbers, `read` makes an object
+  const char* format = nullptr;  ///< numpy format; null: not numeric, `read` creates an object
   std::vector<py::ssize_t> shape;
   std::vector<py::ssize_t> strides;
   std::function<py::object(const std::byte* field)> read;
 };
 
-/// A pattern of fields.hpp as the name of an array: "v*_mps" -> "v_mps", "*_m" -> "position_m", "t_s" -> "t_ns".
+/// Array name of a pattern of fields.hpp: "v*_mps" -> "v_mps", "*_m" -> "position_m", "t_s" -> "t_ns".
 std::string array_name(const std::string& pattern, const char* whole);
 
-/// Instants are nanoseconds: "seen_s" -> "seen_ns".
+/// Times are in nanoseconds: "seen_s" -> "seen_ns".
 inline std::string name_of_time(std::string name) {
   if (name.ends_with("_s")) name.replace(name.size() - 2, 2, "_ns");
   return name;
 }
 
-/// The visitor that notes the fields of a struct.
+/// Visitor that records the fields of a struct.
 class FieldNotes {
  public:
   explicit FieldNotes(const void* base) : base_(static_cast<const std::byte*>(base)) {}
@@ -117,7 +117,7 @@ const std::vector<Field>& fields_of() {
   return fields;
 }
 
-/// A numpy array that cannot be written and keeps `owner` alive.
+/// A read-only numpy array that keeps `owner` alive.
 py::array view_of(const char* format, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                   const void* data, const std::shared_ptr<const void>& owner);
 
@@ -130,7 +130,7 @@ py::array view_of(const Scalar* data, std::vector<py::ssize_t> shape, const std:
   return view_of(py::format_descriptor<Scalar>::value, std::move(shape), std::move(strides), data, owner);
 }
 
-/// Rows of one kind of data, column by column as arrays.
+/// Rows of one data type, as one array per column.
 class Table {
  public:
   template <class Kind>
@@ -138,7 +138,7 @@ class Table {
     return Table(fields_of<Kind>(), reinterpret_cast<const std::byte*>(rows), static_cast<py::ssize_t>(count),
                  sizeof(Kind), std::move(owner));
   }
-  /// A copy, which belongs to the table.
+  /// A copy, owned by the table.
   template <class Kind>
   static Table copy_of(std::span<const Kind> rows) {
     auto copy = std::make_shared<const std::vector<Kind>>(rows.begin(), rows.end());
@@ -153,7 +153,7 @@ class Table {
     return table;
   }
 
-  /// Rows whose fields are cells of eight bytes; `owner` keeps both.
+  /// Rows whose fields are cells of eight bytes; `owner` owns cells and texts.
   static Table of_cells(const std::vector<Field>& fields, std::span<const std::uint64_t> cells,
                         std::shared_ptr<const void> owner) {
     const auto width = static_cast<py::ssize_t>(fields.size());
@@ -162,7 +162,7 @@ class Table {
   }
 
   std::size_t size() const { return single_ ? 1 : static_cast<std::size_t>(count_); }
-  /// Throws KeyError with the names that there are.
+  /// Throws KeyError that lists the existing names.
   py::object column(std::string_view name);
   std::optional<py::object> find(std::string_view name);
   const std::vector<Field>& fields() const { return *fields_; }
@@ -185,7 +185,7 @@ class Table {
   py::ssize_t stride_;
   std::shared_ptr<const void> owner_;
   bool single_ = false;
-  std::vector<py::object> arrays_;  // made when they are first asked for
+  std::vector<py::object> arrays_;  // created on first access
 };
 
 void bind_table(py::module_& module);

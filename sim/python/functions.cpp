@@ -66,8 +66,7 @@ Doubles point_covariances(const py::object& directions_lidar, const py::object& 
   const Matrix7 Sigma_w = noise.Sigma_w();
   Doubles out({count, py::ssize_t{3}, py::ssize_t{3}});
   for (py::ssize_t i = 0; i < count; ++i) {
-    const Matrix3 C =
-        point_covariance(directions[i], finite(range_m.data()[i], at("range_m", i)), R, Sigma_w);  // symmetric
+    const Matrix3 C = point_covariance(directions[i], finite(range_m.data()[i], at("range_m", i)), R, Sigma_w);
     std::copy_n(C.data(), 9, out.mutable_data() + 9 * i);
   }
   return out;
@@ -120,7 +119,7 @@ double probability_of_box(const py::object& mean, const py::object& Sigma, const
                          {min_m, max_m});
 }
 
-/// Cells, centroids and rules of rule-based Lloyd for one agent.
+/// Cells, centroids and rules of rule-based Lloyd (RBL) for one agent.
 class Rbl {
  public:
   Rbl(const std::string& cell, const std::string& rules, bool planar)

@@ -7,7 +7,7 @@
 
 namespace swiftlet::python {
 
-/// Copies of the maps that an agent keeps, by stage; numpy looks into the copies.
+/// Copies of an agent's maps, by stage, as numpy views.
 pybind11::dict maps_of(const Agent& agent);
 
 }  // namespace swiftlet::python

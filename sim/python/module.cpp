@@ -6,7 +6,7 @@
 namespace swiftlet::python {
 namespace {
 
-// The library is built for processors with AVX2; on others it would end with an illegal instruction.
+// The library is built for processors with AVX2; others would stop with an illegal instruction.
 void require_known_processor() {
 #if defined(__x86_64__)
   if (!__builtin_cpu_supports("avx2"))

@@ -15,9 +15,9 @@
 namespace swiftlet::python {
 namespace {
 
-// A registry takes functions without a context, so each class has one of its own.
+// Registries accept functions without context, so each class uses a slot with a function of its own.
 constexpr std::size_t kMaxClasses = 64;
-std::array<const PythonClass*, kMaxClasses> g_classes{};  // NOLINT: filled with Python's lock held
+std::array<const PythonClass*, kMaxClasses> g_classes{};  // NOLINT: written with the GIL held
 std::size_t g_num_classes = 0;                            // NOLINT
 
 template <std::size_t Slot>
@@ -69,7 +69,7 @@ AgentNeeds needs_from(const py::dict& needs) {
   return out;
 }
 
-/// @return whether the name is new: a class that is told again takes the place of the earlier one
+/// @return whether the name is new: a class defined again replaces the earlier one
 void add_class(const std::string& kind, const std::string& name, const std::string& doc, const py::object& type,
                const py::list& keys, const py::dict& needs) {
   auto* told = new PythonClass{name, doc, type.inc_ref().ptr(), {}, needs_from(needs)};
@@ -78,15 +78,15 @@ void add_class(const std::string& kind, const std::string& name, const std::stri
   told->needs_map = needs["map"].cast<bool>();
   told->needs_relatives = needs["relatives"].cast<bool>();
   told->needs_world = needs["world"].cast<bool>();
-  static std::vector<std::string> kinds;  // by slot
+  static std::vector<std::string> kinds;  // indexed by slot
   for (std::size_t i = 0; i < g_num_classes; ++i) {
     if (kinds[i] != kind || g_classes[i]->name != name) continue;
-    g_classes[i] = told;  // defined once more, as in a notebook
+    g_classes[i] = told;  // redefinition, as in a notebook
     return;
   }
   if (g_num_classes == kMaxClasses) throw std::runtime_error("there are 64 modules of Python already");
   const ModuleType module{told->name.c_str(), told->doc.c_str(), kMakers[g_num_classes]};
-  add_row(kind, module);  // refuses a name that is taken
+  add_row(kind, module);  // throws when the name is taken
   kinds.push_back(kind);
   g_classes[g_num_classes++] = told;
 }

@@ -11,23 +11,23 @@
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/config.hpp"
 
-/// Modules written in Python: a class becomes a row of a registry, its keys those of a configuration.
+/// Modules written in Python: a class becomes a row of a registry, its keys a configuration.
 namespace swiftlet::python {
 
 namespace py = pybind11;
 
 using KeyValue = std::variant<bool, int, double, std::string, Vector3, std::vector<double>>;
 
-/// A key that scenarios may set. Its type is that of its default.
+/// A key for scenarios. Its type is that of the default.
 struct Key {
   std::string name;
-  std::string doc;  ///< unit in brackets, meaning
+  std::string doc;  ///< unit in brackets, description
   KeyValue standard;
   Range range;
-  std::vector<std::string> words;  ///< of a text: one of these; none: any
+  std::vector<std::string> words;  ///< allowed words of a text; empty: any
 };
 
-/// What Python has told of a class. Is never freed: registries and configurations point to it.
+/// Definition of a class by Python. Never freed: registries and configurations point to it.
 struct PythonClass {
   std::string name;
   std::string doc;
@@ -42,13 +42,13 @@ struct PythonClass {
 
 struct PythonConfig : ModuleConfigOf<PythonConfig> {
   const PythonClass* of = nullptr;
-  std::vector<KeyValue> values;  ///< by key
+  std::vector<KeyValue> values;  ///< indexed by key
 
   explicit PythonConfig(const PythonClass& its_class);
   void visit(ConfigVisitor& v) override;
 };
 
-/// An object of Python that C++ owns: let go with Python's lock held, whoever does so.
+/// A Python object owned by C++; releases it with the GIL held, on any thread.
 class OwnedObject {
  public:
   explicit OwnedObject(py::object object) : object_(object.release()) {}
@@ -61,7 +61,7 @@ class OwnedObject {
   py::handle object_;
 };
 
-/// Calls the class with the values of its keys and what a vehicle's software is told before the start. Takes the lock.
+/// Constructs an object from the values of its keys and the agent's setup. Acquires the GIL.
 std::unique_ptr<OwnedObject> make_object(const PythonConfig& config, const AgentSetup& setup);
 
 }  // namespace swiftlet::python

@@ -18,7 +18,7 @@
 namespace swiftlet::python {
 namespace {
 
-/// The software of one vehicle without a simulator, fed with measurements from anywhere.
+/// The software of one vehicle without a simulator, for measurements from any source.
 class Onboard {
  public:
   Onboard(const ReadScenario& read, int vehicle) {
@@ -89,7 +89,7 @@ class Onboard {
  private:
   Use call() const { return {in_use_, "Onboard"}; }
 
-  /// Times of one kind do not go back.
+  /// Times of one kind must not decrease.
   void note_time(const std::string& kind, TimeNs t) {
     TimeNs& latest = latest_.try_emplace(kind, t).first->second;
     if (t < latest)
@@ -98,7 +98,7 @@ class Onboard {
     latest = t;
   }
 
-  /// A step follows the one before, and what was measured until then.
+  /// A step must be later than the previous one and not earlier than its measurements.
   void require_time(TimeNs t) const {
     if (stepped_ && t <= observation_.t)
       throw py::value_error("step: t_ns: expected a time after that of the step before, " +
@@ -116,7 +116,7 @@ class Onboard {
   const Action* action_ = nullptr;
   int num_vehicles_ = 0;
   bool stepped_ = false;
-  std::map<std::string, TimeNs> latest_;  // time of each kind
+  std::map<std::string, TimeNs> latest_;  // latest time by kind
   mutable std::atomic<bool> in_use_ = false;
 };
 

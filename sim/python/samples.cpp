@@ -9,11 +9,11 @@
 namespace swiftlet::python {
 namespace {
 
-/// Rows of a kind that is not known here: a cell of eight bytes for each number, and texts.
+/// Rows of a data type unknown at compile time: an eight-byte cell for each number, and texts.
 struct Rows {
   std::vector<Field> fields;
   std::vector<std::uint64_t> cells;
-  std::vector<std::string> texts;  // a cell tells which
+  std::vector<std::string> texts;  // a cell holds the index
 };
 
 class RowWriter final : public ColumnSink {

@@ -8,10 +8,10 @@
 
 namespace swiftlet::python {
 
-/// A copy of the samples of that kind, whether it has a name in Observation or not. Throws KeyError with what there is.
+/// A copy of the samples of that kind, with or without a name in Observation. Throws KeyError with the existing kinds.
 Table samples_named(const Observation& observation, const std::string& kind);
 
-/// KeyError: which kinds of samples there are, and which was meant.
+/// Throws KeyError with the existing kinds and the nearest match.
 [[noreturn]] void reject_kind(const Observation& observation, const std::string& kind);
 
 }  // namespace swiftlet::python

@@ -16,7 +16,7 @@
 namespace swiftlet::python {
 namespace {
 
-// Of every beam, as (rows, cols); None when there is nothing.
+// An array of a value per beam, as (rows, cols); None when empty.
 template <class Scalar>
 py::object beams(const HeldScan& held, const std::vector<Scalar>& values, const std::shared_ptr<const void>& owner) {
   if (values.empty()) return py::none();
@@ -59,7 +59,7 @@ py::array points_lidar(const HeldScan& held) {
   return points;
 }
 
-constexpr double kMaxSweep_s = 10.0;  // a longer one is mostly one in milliseconds
+constexpr double kMaxSweep_s = 10.0;  // longer values are usually in milliseconds
 
 std::string index_text(int beam, int cols) {
   return " at [" + std::to_string(beam / cols) + ", " + std::to_string(beam % cols) + "]";
@@ -74,7 +74,7 @@ Numbers<float> image_from(const py::object& value, const char* what, std::vector
   return Numbers<float>(array);
 }
 
-/// Ranges as a scan has them: not finite, or farther than the greatest, is no return.
+/// Copies ranges; a range that is not finite or beyond range_max_m becomes "no return".
 void take_ranges(const Numbers<float>& range_m, int cols, Scan& scan) {
   scan.range_m.assign(range_m.data(), range_m.data() + range_m.size());
   for (int i = 0; i < static_cast<int>(scan.range_m.size()); ++i) {
@@ -86,7 +86,7 @@ void take_ranges(const Numbers<float>& range_m, int cols, Scan& scan) {
   }
 }
 
-/// A beam without return may have no direction. Then nothing is known of it.
+/// A beam without return may lack a direction; it is then masked.
 void take_directions(const Numbers<float>& directions, const Scan& scan, BeamTable& beams) {
   constexpr float kTolerance = 1e-3F;
   beams.directions_lidar.resize(scan.range_m.size());
@@ -103,7 +103,7 @@ void take_directions(const Numbers<float>& directions, const Scan& scan, BeamTab
   }
 }
 
-/// Firing times of columns, or of points. Puts the length of the sweep into the scan.
+/// Firing times of columns, or of points. Sets the sweep duration of the scan.
 std::vector<float> times_from(const py::object& offset_s, std::optional<double> duration_s, int rows, int cols,
                               Scan& scan) {
   if (offset_s.is_none()) {
@@ -120,14 +120,14 @@ std::vector<float> times_from(const py::object& offset_s, std::optional<double> 
   for (std::size_t i = 0; by_point && i < times.size(); ++i) {
     if (scan.range_m[i] == 0.0F && std::isnan(times[i])) times[i] = 0.0;
   }
-  constexpr double kTolerance_s = 1e-6;  // more than the rounding of float32
+  constexpr double kTolerance_s = 1e-6;  // above the rounding of float32
   const double longest_s = within(duration_s.value_or(kMaxSweep_s), 0.0, kMaxSweep_s, "duration_s");
   for (const double time_s : times) within(time_s, 0.0, longest_s + kTolerance_s, "offset_s");
   scan.duration = from_seconds(duration_s.value_or(*std::ranges::max_element(times)));
   return {times.begin(), times.end()};
 }
 
-/// Puts columns into the order of their times. Points with times of their own become a column each.
+/// Sorts columns by time. Points with individual times become a column each.
 void sort_by_time(const std::vector<float>& times_s, BeamTable& beams, Scan& scan) {
   if (static_cast<int>(times_s.size()) != beams.cols) {
     beams.cols *= beams.rows;

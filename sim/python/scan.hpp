@@ -10,7 +10,7 @@
 
 namespace swiftlet::python {
 
-/// A scan that Python holds on to; the truth beside it where whoever asks may know it.
+/// A scan held by Python, with its truth where access is allowed.
 struct HeldScan {
   std::shared_ptr<const Scan> scan;
   std::shared_ptr<const sim::LabeledScan> labeled;  ///< null: no truth

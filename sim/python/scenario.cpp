@@ -15,7 +15,7 @@ ReadScenario load(const std::filesystem::path& file, const ConfigChanges& change
   return {file, changes, sim::load_scenario(file, changes), std::nullopt};
 }
 
-/// A text instead of a file, which `name` stands for in messages.
+/// A text instead of a file; `name` replaces the file in messages.
 ReadScenario load_text(const std::string& text, const std::string& name, const ConfigChanges& changes) {
   ReadScenario read{name, changes, {}, text};
   sim::read_config_text(

@@ -10,7 +10,7 @@
 
 namespace swiftlet::python {
 
-/// A scenario with what it was made of, so that it can be made again with further changes.
+/// A scenario with its sources, so that it can be read again with further changes.
 struct ReadScenario {
   std::filesystem::path file;
   ConfigChanges changes;

@@ -28,8 +28,8 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// A fork copies the calling thread alone. In the new process the threads of OpenMP, TBB and the renderer are missing,
-// and a wait for them does not end.
+// A fork copies only the calling thread. The threads of OpenMP, TBB and the renderer are missing in the new process, so
+// that waiting for them would block for ever.
 std::atomic<bool> g_made_a_simulator = false, g_was_forked = false;  // NOLINT: read by the handler of forks
 
 void note_fork() { g_was_forked = g_made_a_simulator.load(); }
@@ -41,7 +41,7 @@ void require_own_threads() {
       "\"spawn\", such as multiprocessing.get_context(\"spawn\"), or before the first Simulator, fly or check");
 }
 
-/// The given world where the scenario means it, or a new one.
+/// The given world if it matches the scenario, otherwise a new one.
 BuiltWorld world_of(const sim::Scenario& scenario, const BuiltWorld* given) {
   require_own_threads();
   g_made_a_simulator = true;
@@ -69,7 +69,7 @@ sim::Scenario connected(sim::Scenario scenario, const std::shared_ptr<Commands>&
   return scenario;
 }
 
-// (vehicles, numbers of a row), which Python may write.
+// (vehicles, numbers per row), writable by Python.
 py::array commands_of(const Simulator& simulator) {
   const auto& commands = simulator.commands();
   auto* kept = new std::shared_ptr<Commands>(commands);
@@ -80,13 +80,13 @@ py::array commands_of(const Simulator& simulator) {
                              commands->empty() ? nullptr : commands->front().data(), base);
 }
 
-/// One vehicle of a run: what its software was told and did in the last tick.
+/// One vehicle of a run: its observations and actions in the last tick.
 struct Vehicle {
   std::shared_ptr<sim::Simulation> simulation;
   std::shared_ptr<std::atomic<bool>> in_use;
   VehicleId id = 0;
 
-  /// View of the last tick; RuntimeError while another call flies.
+  /// View of the last tick; throws RuntimeError during a call that flies.
   const sim::TickView& view() const {
     const Use use(*in_use, "simulator");
     return simulation->view();
@@ -204,7 +204,7 @@ void Simulator::advance() try {
   events_.insert(events_.end(), events.begin(), events.end());
 } catch (...) {
   broken_ = true;
-  directory_.reset();  // nothing that looks finished is left behind
+  directory_.reset();  // an incomplete run directory must not appear under its final name
   throw;
 }
 

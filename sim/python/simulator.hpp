@@ -18,14 +18,14 @@
 
 namespace swiftlet::python {
 
-/// A world that simulators share, and what it was made of.
+/// A world shared by simulators, and its configuration.
 struct BuiltWorld {
   sim::World world;
   std::string config;  ///< type and settings
   std::uint64_t seed = 0;
 };
 
-/// Deletes what this process has made. A forked process leaves its copies alone: their threads do not exist there, and
+/// Deletes objects created by this process. A forked process keeps its copies: their threads do not exist there, and
 /// their files belong to the parent.
 struct DeleteUnlessForked {
   template <class T>
@@ -35,25 +35,25 @@ struct DeleteUnlessForked {
   static bool was_forked();
 };
 
-/// A simulation as Python drives it. C++ runs without Python's lock; one thread at a time.
+/// Python interface of a simulation. C++ runs without the GIL; one thread at a time.
 class Simulator {
  public:
   /// @param out  run directory, which appears when the run is finished; none: nothing is written
   Simulator(const ReadScenario& scenario, int threads, const BuiltWorld* world,
             const std::optional<std::filesystem::path>& out);
 
-  /// Whole ticks, at most until the run is over; how many there were.
+  /// Runs up to `count` ticks, at most until the run is over. Returns their number.
   int tick(int count);
-  /// Until that instant or the end of the run. Ctrl-C ends it after the present tick.
+  /// Runs until that time or the end of the run. Ctrl-C ends it after the current tick.
   void run(double until_s);
   bool finished() const { return simulation_->finished(); }
-  /// Ends recording and puts the run directory in place.
+  /// Ends recording and moves the run directory to its place.
   void finish();
   std::string summary_json() const;
 
   const std::shared_ptr<sim::Simulation>& simulation() const { return simulation_; }
   const BuiltWorld& world() const { return world_; }
-  /// Refuses a second call meanwhile.
+  /// Set during a call; a second call meanwhile is rejected.
   const std::shared_ptr<std::atomic<bool>>& in_use() const { return in_use_; }
   Table& states() { return states_; }
   const std::shared_ptr<Commands>& commands() const { return commands_; }

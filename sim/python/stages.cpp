@@ -20,15 +20,15 @@
 namespace swiftlet::python {
 namespace {
 
-/// A cloud that Python holds on to.
+/// A cloud held by Python.
 struct HeldCloud {
   std::shared_ptr<const LocalCloud> cloud;
 };
 
-/// What a module of Python is lent for the time of one step.
+/// Inputs lent to a Python module for the duration of one step.
 struct Lent {
   const Observation* observation = nullptr;  ///< null: the step is over
-  const StateEstimate* estimate = nullptr;   ///< null: an agent makes its own
+  const StateEstimate* estimate = nullptr;   ///< null for agents, which estimate their own state
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
@@ -54,7 +54,7 @@ struct Lent {
   }
 };
 
-/// Where a guidance of Python wants to be.
+/// Output of a Python guidance.
 struct Goal {
   Reference reference;
   bool in_world = true;
@@ -65,7 +65,7 @@ struct Goal {
   std::string note;
 };
 
-/// What an agent of Python does.
+/// Output of a Python agent.
 struct Command {
   std::vector<double> rotors;
   std::optional<Pose> T_world_body;
@@ -82,7 +82,7 @@ MissionStatus mission_from(const std::string& word) {
   return *status;
 }
 
-/// The object and its bound method `step`, with what it is lent.
+/// The object, its bound method `step`, and the inputs lent to it.
 class Stepper {
  public:
   Stepper(const ModuleConfig& config, const AgentSetup& setup)
@@ -94,7 +94,7 @@ class Stepper {
     lent_object_ = std::make_unique<OwnedObject>(py::cast(lent_));
   }
 
-  /// With Python's lock held.
+  /// Requires the GIL.
   py::object step(const Lent& lent) {
     *lent_ = lent;
     struct End {
@@ -104,11 +104,11 @@ class Stepper {
     return step_->get()(lent_object_->get());
   }
 
-  /// What the step returned is not what it should be: names class and method.
+  /// Throws TypeError with class and method for an invalid return value of the step.
   [[noreturn]] void reject(const std::string& expected, py::handle found) const {
     throw py::type_error(name_ + ": expected " + expected + ", found " + shown(found));
   }
-  /// ValueError with class and method where a number that the step returned is not finite.
+  /// Throws ValueError with class and method for a non-finite number returned by the step.
   template <class Value>
   void require_finite(const Value& value, const char* what) const {
     if (!is_finite(value)) (void)finite(value, name_ + ": " + what);

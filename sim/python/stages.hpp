@@ -9,8 +9,7 @@
 
 namespace swiftlet::python {
 
-/// Adds a class of Python to the registry of its kind: "guidance", "detector" or "agent". Throws when its name is
-/// taken.
+/// Adds a Python class to the registry of its kind: "guidance", "detector" or "agent". Throws when its name is taken.
 void add_row(const std::string& kind, const ModuleType& module);
 
 void bind_stages(pybind11::module_& module);

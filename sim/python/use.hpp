@@ -7,8 +7,8 @@
 
 namespace swiftlet::python {
 
-/// Marks an object as in use. Another call meanwhile throws RuntimeError, whether it comes from another thread or from
-/// Python code that the first call runs. Made and ended with Python's lock held.
+/// Marks an object as in use. A concurrent call throws RuntimeError, from another thread as well as from Python code
+/// run by the first call. Requires the GIL in constructor and destructor.
 class Use {
  public:
   Use(std::atomic<bool>& in_use, const char* object) : in_use_(in_use) {

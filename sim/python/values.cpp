@@ -16,7 +16,7 @@ bool holds_numbers(const py::array& array) {
   return array && kKinds.find(array.dtype().kind()) != std::string_view::npos;
 }
 
-// In the order of numpy, row by row.
+// Converts in numpy's order, row by row.
 std::vector<double> numbers_of_shape(py::handle value, const std::string& what, std::span<const py::ssize_t> shape) {
   const py::array array = py::array::ensure(value);
   if (!holds_numbers(array) || !std::equal(shape.begin(), shape.end(), array.shape(), array.shape() + array.ndim())) {
@@ -28,7 +28,7 @@ std::vector<double> numbers_of_shape(py::handle value, const std::string& what, 
   return {numbers.data(), numbers.data() + numbers.size()};
 }
 
-// Row by row, as numpy shows it.
+// Formats row by row, like numpy.
 template <class Matrix>
 std::string text_of(const Matrix& matrix) {
   std::string text;
@@ -77,7 +77,7 @@ double within(double value, double low, double high, const std::string& what) {
 }
 
 Pose rigid(const Pose& pose, const std::string& what) {
-  constexpr double kTolerance = 1e-3;  // relative; more than the rounding of float32 and of printed digits
+  constexpr double kTolerance = 1e-3;  // relative; above the rounding of float32 and of printed digits
   const Matrix3 R = pose.linear();
   const bool is_rotation = R.determinant() > 0.0 && (R * R.transpose()).isApprox(Matrix3::Identity(), kTolerance);
   if (is_finite(pose) && is_rotation && pose.matrix().row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)) return pose;
@@ -86,7 +86,7 @@ Pose rigid(const Pose& pose, const std::string& what) {
 }
 
 Matrix3 covariance(const Matrix3& matrix, const std::string& what) {
-  constexpr double kTolerance = 1e-6;  // relative; more than the rounding of float32
+  constexpr double kTolerance = 1e-6;  // relative; above the rounding of float32
   if (is_finite(matrix)) {
     const double scale = matrix.cwiseAbs().maxCoeff();
     const bool is_symmetric = (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= kTolerance * scale;

@@ -9,7 +9,7 @@
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/frames.hpp"
 
-/// Arguments from Python as values of C++. `what` names the argument in messages.
+/// Conversion of Python arguments to C++ values. `what` names the argument in messages.
 namespace swiftlet::python {
 
 namespace py = pybind11;
@@ -17,18 +17,18 @@ namespace py = pybind11;
 template <class Scalar>
 using Numbers = py::array_t<Scalar, py::array::c_style | py::array::forcecast>;
 
-/// A value in an error message: its repr, cut to one line.
+/// Representation of a value in an error message: its repr, shortened to one line.
 std::string shown(py::handle value);
 
 /// An array of real numbers. Throws TypeError on texts, complex numbers, rows of unequal length and the like.
 py::array numbers_from(py::handle value, const std::string& what);
 
-/// From anything that numpy understands. Throw TypeError. Any frame, the same for all arguments.
+/// Convert anything that numpy accepts. Throw TypeError. Any frame, the same for all arguments.
 Vector3 vector_from(py::handle value, const std::string& what);
 Matrix3 matrix3_from(py::handle value, const std::string& what);
 Pose pose_from(py::handle value, const std::string& what);
 
-/// The value, or ValueError where a number of it is not finite.
+/// Returns the value; throws ValueError if a number in it is not finite.
 template <class Value>
 Value finite(const Value& value, const std::string& what) {
   if (is_finite(value)) return value;
@@ -37,13 +37,13 @@ Value finite(const Value& value, const std::string& what) {
   throw py::value_error(what + ": expected finite numbers, found " + found);
 }
 
-/// The value, or ValueError where it is no number from `low` to `high`.
+/// Returns the value; throws ValueError unless it is within [low, high].
 double within(double value, double low, double high, const std::string& what);
 
-/// The pose, or ValueError where it is no rotation and translation.
+/// Returns the pose; throws ValueError unless it is a rotation and translation.
 Pose rigid(const Pose& pose, const std::string& what);
 
-/// The matrix, or ValueError where it is not symmetric or has a negative eigenvalue.
+/// Returns the matrix; throws ValueError if it is not symmetric or has a negative eigenvalue.
 Matrix3 covariance(const Matrix3& matrix, const std::string& what);
 
 }  // namespace swiftlet::python
