@@ -7,8 +7,8 @@
 #include <embree3/rtcore.h>
 #endif
 
-/// Internal to this room: what differs between Embree 3 and Embree 4. Embree 3 keeps context, flags and filter of a
-/// query in one structure. Embree 4 has the context apart from the arguments.
+/// Internal to sim/raycast: differences between Embree 3 and Embree 4. Embree 3 keeps context, flags and filter of a
+/// query in one structure; Embree 4 separates the context from the arguments.
 namespace swiftlet::sim {
 
 #if RTC_VERSION_MAJOR >= 4
@@ -16,16 +16,16 @@ namespace swiftlet::sim {
 using EmbreeContext = RTCRayQueryContext;
 inline constexpr auto kFilterInArguments = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
-/// Context and options of one query. The context is the first member, so a filter that gets its address finds what
-/// stands behind it.
+/// Context and options of one query. The context is the first member, so that a filter can cast its address to the
+/// containing structure.
 struct EmbreeQuery {
   EmbreeContext context;
   RTCFilterFunctionN filter;  ///< may be null
-  bool coherent = false;      ///< the rays of a packet have nearly the same direction
+  bool coherent = false;      ///< the rays of a packet have similar directions
 
   explicit EmbreeQuery(RTCFilterFunctionN filter_in = nullptr) : filter(filter_in) { rtcInitRayQueryContext(&context); }
 
-  /// For RTCIntersectArguments and RTCOccludedArguments, which have equal members.
+  /// For RTCIntersectArguments and RTCOccludedArguments, whose members are equal.
   template <typename Arguments>
   void fill(Arguments& arguments) {
     arguments.context = &context;
@@ -66,11 +66,11 @@ inline void occluded(RTCScene scene, EmbreeQuery& query, RTCRay& ray) {
 using EmbreeContext = RTCIntersectContext;
 inline constexpr auto kFilterInArguments = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
-/// Context and options of one query. The context is the first member, so a filter that gets its address finds what
-/// stands behind it.
+/// Context and options of one query. The context is the first member, so that a filter can cast its address to the
+/// containing structure.
 struct EmbreeQuery {
   EmbreeContext context;
-  bool coherent = false;  ///< the rays of a packet have nearly the same direction
+  bool coherent = false;  ///< the rays of a packet have similar directions
 
   explicit EmbreeQuery(RTCFilterFunctionN filter = nullptr) {
     rtcInitIntersectContext(&context);

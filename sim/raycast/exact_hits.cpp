@@ -11,11 +11,11 @@ namespace swiftlet::sim {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// What Embree hands to the callbacks; it knows the first member only.
+/// Context passed by Embree to the callbacks; Embree uses only the first member.
 struct ExactQuery::Context {
   EmbreeQuery embree;
   ExactQuery* query;
-  const void* packet = nullptr;  // of rays in neighboring lanes
+  const void* packet = nullptr;  // rays in consecutive lanes
   int packet_size = 0, first_lane = 0;
 
   Context(ExactQuery* query_in, RTCFilterFunctionN callback) : embree(callback), query(query_in) {}
@@ -26,10 +26,10 @@ namespace {
 alignas(64) constexpr std::array<int, kPacketSize> kAllLanes = {-1, -1, -1, -1, -1, -1, -1, -1,
                                                                 -1, -1, -1, -1, -1, -1, -1, -1};
 
-// Embree may pass a ray by a triangle, across the ray, within this part of the distance to its farthest corner: eight
-// roundings to single precision.
+// Bound of Embree's error across the ray, relative to the distance of the triangle's farthest corner: eight roundings
+// in single precision. A ray may miss a triangle by this.
 constexpr double kRelativeError = 5e-7;
-// Of what Facet::least_cosine_per_m counts with.
+// Range offset in the definition of Facet::least_cosine_per_m.
 constexpr double kLargeTriangle_m = 1.0;
 constexpr int kNeverFirm = 255;
 constexpr double kFirmStep = 1.0 / 512.0;
@@ -57,13 +57,13 @@ template <typename Register>
   __builtin_memcpy(lanes, &from, sizeof from);
 }
 
-/// Where a ray meets the plane of a facet.
+/// Intersection of a ray with the plane of a facet.
 struct PlaneHit {
   double range_m, cosine;
   bool visible;
 };
 
-// Rule 2. judge_proposals() has the same for several rays at a time.
+// Rule 2. judge_proposals() evaluates it for several rays at once.
 PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, double dz, const Facet& facet) {
   const double nx = facet.normal.x(), ny = facet.normal.y(), nz = facet.normal.z();
   const double height =
@@ -79,8 +79,7 @@ PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, doubl
 
 }  // namespace
 
-// ---- rays
-// -------------------------------------------------------------------------------------------------------------
+// ---- rays ----
 
 void ExactQuery::set_ray(int lane, const Vector3f& origin, const Vector3f& direction, double range_max_m) {
   RTCRay16& rays = packet_.ray;
@@ -135,7 +134,7 @@ void ExactQuery::trace_scattered() {
   conclude();
 }
 
-// Nothing is proposed yet.
+// Resets the proposals.
 void ExactQuery::begin() {
   for (int i = 0; i < kPacketSize; ++i) {
     packet_.ray.tnear[i] = 0.0F;
@@ -151,7 +150,7 @@ void ExactQuery::begin() {
   }
 }
 
-// Of the rays of as many lanes as it holds.
+// Loads as many rays as Packet has lanes.
 template <typename Packet>
 Packet ExactQuery::packet_from(int lane) const {
   Packet packet;
@@ -195,14 +194,13 @@ RTCRay ExactQuery::single_ray(int lane) const {
   return ray;
 }
 
-// How far Embree may be wrong about the range of a visible surface; the slack is twice that.
+// Bound of Embree's range error for a visible surface; the slack is twice that.
 inline float ExactQuery::error_m(float range_m) const { return 0.5F * (slack_m_ + (slack_factor_ - 1.0F) * range_m); }
 
-// ---- first pass: Embree proposes, the rule judges afterwards
-// ------------------------------------------------------------------
+// ---- first pass: Embree proposes, the rule judges afterwards ----
 
-// For neighboring lanes at once, in registers as wide as those that Embree has written the packet from: to read it lane
-// by lane would wait for each of those stores.
+// Processes consecutive lanes at once, in registers as wide as those with which Embree has written the packet: reading
+// single lanes would stall on each of those stores.
 template <typename Registers>
 [[gnu::always_inline]] inline void ExactQuery::propose_at_once(int lane, const RTCFilterFunctionNArguments* args) {
   typename Registers::Floats tfar_m, nearest_m;
@@ -213,10 +211,10 @@ template <typename Registers>
   load(&nearest_proposal_m_[lane], nearest_m);
   load(&first_proposal_[lane], first);
   load(&second_proposal_[lane], second);
-  // What the rule is going to read. Embree proposes one triangle to all lanes.
+  // Prefetches data for the rule. Embree proposes one triangle to all lanes.
   __builtin_prefetch(&scene_->facets[RTCHitN_primID(args->hit, Registers::kLanes, 0)]);
 
-  const typename Registers::Ints is_alone =  // those before are behind it for sure
+  const typename Registers::Ints is_alone =  // earlier proposals lie behind it in any case
       valid & (tfar_m * slack_factor_ + slack_m_ < nearest_m);
   const typename Registers::Ints joins = valid & ~is_alone;
   const typename Registers::Ints next = second == static_cast<int>(kNone) ? triangle : static_cast<int>(kSeveral);
@@ -227,7 +225,7 @@ template <typename Registers>
   store(valid ? nearest_m * slack_factor_ + slack_m_ : tfar_m, &RTCRayN_tfar(args->ray, Registers::kLanes, 0));
 }
 
-// The ray goes on a little way behind, because a proposal from there may be the nearer one.
+// The ray continues for the slack beyond a proposal, because a proposal from there may be the nearer one.
 inline void ExactQuery::propose(int lane, std::uint32_t triangle, float& tfar) {
   if (with_slack_m(tfar) < nearest_proposal_m_[lane]) {
     first_proposal_[lane] = triangle;
@@ -255,8 +253,8 @@ void ExactQuery::take_eight(ExactQuery& query, int lane, const RTCFilterFunction
   query.propose_at_once<Eight>(lane, args);
 }
 
-// Embree's callback for every enlarged triangle that rays meet before their `tfar`. A packet as wide as the registers
-// that Embree has found on this processor comes as it was given; others come in parts.
+// Embree's callback for every enlarged triangle that rays meet before their `tfar`. A packet as wide as Embree's
+// registers on this processor is passed unchanged, others in parts.
 void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
   const Context& context = *reinterpret_cast<const Context*>(args->context);
   ExactQuery& query = *context.query;
@@ -272,7 +270,7 @@ void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-// Most rays have one proposal, far from its edges. The others are judged in full.
+// Most rays have one proposal, far from its edges. Only the others are judged in full.
 void ExactQuery::conclude() {
   for (int lane = 0; lane < kPacketSize; lane += 8) judge_proposals(lane);
   int in_full[kPacketSize];
@@ -280,7 +278,7 @@ void ExactQuery::conclude() {
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (triangle_[lane] != kSeveral) continue;
     in_full[num_in_full++] = lane;
-    // What the rule is going to read.
+    // Prefetches data for the rule.
     __builtin_prefetch(&scene_->corners_m[first_proposal_[lane]]);
     if (second_proposal_[lane] >= kSeveral) continue;
     __builtin_prefetch(&scene_->facets[second_proposal_[lane]]);
@@ -293,7 +291,7 @@ namespace {
 
 typedef int Four __attribute__((vector_size(16)));
 
-// Columns of the matrix of eight rows.
+// Transposes a matrix of eight rows.
 [[gnu::always_inline]] inline void transpose(Eight::Floats (&row)[8]) {
   Eight::Floats pair[8], four[8];
   for (int i = 0; i < 8; i += 2) {
@@ -320,10 +318,10 @@ template <int kHalf>
 
 }  // namespace
 
-// Rule 2 for eight lanes, and rule 1 where a ray is inside for sure. triangle_ becomes kSeveral where that does not do.
+// Rule 2 for eight lanes, and rule 1 where a ray is certainly inside. Undecided lanes get triangle_ = kSeveral.
 void ExactQuery::judge_proposals(int first_lane) {
   static const Facet kNowhere{};
-  Eight::Floats facet[8];  // then: corner, normal, least_cosine_per_m, surface and firm_steps of all lanes
+  Eight::Floats facet[8];  // after transpose: corner, normal, least_cosine_per_m, surface and firm_steps of all lanes
   for (int i = 0; i < 8; ++i) {
     const std::uint32_t triangle = first_proposal_[first_lane + i];
     load(triangle == kNone ? &kNowhere : &scene_->facets[triangle], facet[i]);
@@ -360,8 +358,8 @@ void ExactQuery::judge_proposals(int first_lane) {
     load(&range_max_m_[lane], range_max_m);
     const Masks visible = (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kLeastCosine) &
                           ((height >= kLeastHeight_m) | (height <= -kLeastHeight_m)) & (range_m <= range_max_m);
-    // The edges lie half of `margin` within the enlarged ones, the corners of which are rounded by at most an eighth.
-    // Embree is wrong by less than half, and that only of rays that barely see the surface.
+    // The true edges lie half of `margin` inside the enlarged ones, whose corners are rounded by at most an eighth of
+    // it. Embree's error is less than half, and only for rays near the visibility limit.
     const Masks inside =
         half_of<kHalf>(inner) * cosine >= half_of<kHalf>(margin) * (0.625 * cosine + 0.5 * least_cosine);
     store(range_m, &range_m_[lane]);
@@ -376,19 +374,19 @@ void ExactQuery::judge_proposals(int first_lane) {
   store((sure & first) | (~sure & (none | static_cast<int>(kSeveral))), &triangle_[first_lane]);
 }
 
-// Several proposals, or one near an edge.
+// Judges several proposals, or one near an edge.
 void ExactQuery::judge_in_full(int lane) {
   triangle_[lane] = kNone;
   range_m_[lane] = range_max_m_[lane];
   const std::uint32_t second = second_proposal_[lane];
   if (second != kSeveral) judge(lane, first_proposal_[lane]);
   if (second < kSeveral) judge(lane, second);
-  // Embree has looked farther than that behind the nearest proposal.
+  // Embree has searched beyond this distance behind the nearest proposal.
   const double certain_m = nearest_proposal_m_[lane] + error_m(nearest_proposal_m_[lane]);
   if (!met(lane) || range_m_[lane] > certain_m) trace_again(lane);
 }
 
-// True: the nearest so far.
+// @return whether the triangle is the nearest so far
 bool ExactQuery::judge(int lane, std::uint32_t triangle) {
   const RTCRay16& ray = packet_.ray;
   const PlaneHit hit = meet_plane(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane], ray.dir_x[lane], ray.dir_y[lane],
@@ -402,7 +400,8 @@ bool ExactQuery::judge(int lane, std::uint32_t triangle) {
   return true;
 }
 
-// Rule 1. Corners are taken relative to the origin first: the same numbers for all triangles that have the corner.
+// Rule 1. Corners are taken relative to the origin first, which gives equal numbers for all triangles that share a
+// corner.
 bool ExactQuery::passes_inside(int lane, std::uint32_t triangle) const {
   const auto& corners_m = scene_->corners_m[triangle];
   const RTCRay16& ray = packet_.ray;
@@ -414,8 +413,7 @@ bool ExactQuery::passes_inside(int lane, std::uint32_t triangle) const {
   return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
 }
 
-// ---- second pass: the rule judges each proposal before Embree goes on
-// ------------------------------------------------------------
+// ---- second pass: the rule judges each proposal before Embree continues ----
 
 void ExactQuery::trace_again(int lane) {
   triangle_[lane] = kNone;
@@ -423,13 +421,13 @@ void ExactQuery::trace_again(int lane) {
   Context context(this, judge_at_once);
   RTCRayHit one;
   one.ray = single_ray(lane);
-  // Nothing lies before the nearest proposal.
+  // Starts just before the nearest proposal.
   one.ray.tnear = std::max(nearest_proposal_m_[lane] - error_m(nearest_proposal_m_[lane]), 0.0F);
   one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   intersect(tree_, context.embree, one);
 }
 
-// Embree's callback for single rays. What the rule rejects does not stop the ray.
+// Embree's callback for single rays. A rejected triangle does not stop the ray.
 void ExactQuery::judge_at_once(const RTCFilterFunctionNArguments* args) {
   ExactQuery& query = *reinterpret_cast<const Context*>(args->context)->query;
   const auto lane = static_cast<int>(RTCRayN_id(args->ray, 1, 0));
@@ -440,12 +438,11 @@ void ExactQuery::judge_at_once(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-// ---- what Embree traces
-// -----------------------------------------------------------------------------------------------
+// ---- triangles for Embree ----
 
 namespace {
 
-/// Lengths of a triangle.
+/// Dimensions of a triangle.
 struct Measures {
   int apex = 0;  // opposite to the longest side
   double side_m[3];
@@ -461,7 +458,8 @@ struct Measures {
   }
 };
 
-// All sides move outwards alike: the triangle grows about the center of its incircle, of radius 2 area / perimeter.
+// Moves all sides outwards by the same distance: scales the triangle about the center of its incircle, of radius 2 area
+// / perimeter.
 std::array<Vector3f, 3> grown(const Vector3d (&corner)[3], const Measures& m, double growth) {
   const Vector3d center = (m.side_m[0] * corner[0] + m.side_m[1] * corner[1] + m.side_m[2] * corner[2]) / m.perimeter_m;
   std::array<Vector3f, 3> out;
@@ -469,7 +467,8 @@ std::array<Vector3f, 3> grown(const Vector3d (&corner)[3], const Measures& m, do
   return out;
 }
 
-// A splinter would grow very long. Instead the smallest triangle about the rectangle that holds it and its margin.
+// Growing a splinter would make it very long. Instead returns the smallest triangle around the rectangle that holds it
+// and its margin.
 std::array<Vector3f, 3> wrapped(const Vector3d (&corner)[3], const Measures& m, double margin_m) {
   const Vector3d& foot = corner[(m.apex + 1) % 3];
   const Vector3d along =
@@ -484,13 +483,13 @@ std::array<Vector3f, 3> wrapped(const Vector3d (&corner)[3], const Measures& m, 
 }
 
 /// @param least_margin_m  more than the corners' rounding to single precision
-/// @return the longest side
+/// @return length of the longest side
 double prepare(const std::array<Vector3f, 3>& corners_m, double least_margin_m, Facet& facet,
                std::array<Vector3f, 3>& enlarged_m) {
   const Vector3d corner[3] = {corners_m[0].cast<double>(), corners_m[1].cast<double>(), corners_m[2].cast<double>()};
   const Measures m(corner);
-  const double radius_m = m.perimeter_m > 0.0 ? 2.0 * m.area_m2 / m.perimeter_m : 0.0;  // of the incircle
-  // Large triangles are seen from afar and at grazing angles; a fiftieth costs them little.
+  const double radius_m = m.perimeter_m > 0.0 ? 2.0 * m.area_m2 / m.perimeter_m : 0.0;  // radius of the incircle
+  // Large triangles are met from afar and at grazing angles; growth by a fiftieth of the incircle costs little.
   const double margin_m = std::max(least_margin_m, 0.02 * radius_m);
   facet.corner_m = corners_m[0];
   const Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
@@ -517,7 +516,7 @@ void prepare_for_exact_hits(TriangleScene& scene) {
     for (const Vector3f& corner : corners_m) box.extend(corner);
   }
   const double farthest_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).cast<double>().norm();
-  const double rounding_m = 1.2e-7 * farthest_m;  // of a corner in single precision
+  const double rounding_m = 1.2e-7 * farthest_m;  // rounding of a corner to single precision
   const double least_margin_m = 2e-4 + 2.0 * rounding_m;
   scene.enlarged_m.resize(scene.size());
   scene.enlarged_m.reserve(scene.size() + 1);  // Embree reads 16 bytes at the last corner

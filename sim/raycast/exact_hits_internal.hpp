@@ -8,20 +8,19 @@
 #include "sim/raycast/embree_scene.hpp"
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 
-/// Internal to this room: which triangle a ray meets, and where, with the same bits on every processor.
+/// Internal to sim/raycast: computes which triangle a ray meets, and where, with the same bits on every processor.
 ///
-/// Embree rounds differently by instruction set and by maker. Ranges differ in their last bits, and near an edge so
-/// does the triangle. Therefore Embree only proposes: it traces triangles that are enlarged in their planes by more
-/// than it can err. A rule in IEEE double arithmetic judges the proposals:
-///
-/// 1. The ray passes the three edges on the same side, by the signs of the volumes that it spans with them. Two
-///    triangles with a common edge see the same volume with opposite signs, so no ray slips through between them.
+/// Embree's rounding depends on instruction set and manufacturer. Ranges differ in their last bits, and near an edge
+/// also the triangle. Therefore Embree only proposes triangles, which are enlarged in their planes by more than its
+/// error. A rule in IEEE double arithmetic judges the proposals:
+/// 1. The ray passes the three edges on the same side, by the signs of the volumes that it spans with them. Triangles
+/// with a common edge compute this volume with opposite signs, so that no ray passes between them.
 /// 2. The surface is visible: the origin is at least kLeastHeight_m off the plane, and the surface is not nearly
-///    edge-on. Seen along the ray, the margin is more than Embree may err at that range.
-/// 3. The nearest triangle within the range of the query counts; of equally near ones the first in the scene.
+/// edge-on. The margin, projected along the ray, exceeds Embree's error at that range.
+/// 3. The nearest triangle within the range of the query is the result; at equal ranges the first in the scene.
 ///
-/// Nearly all rays get one proposal well before all others and far from its edges. The rest (5 % in a forest) are
-/// judged in full, and traced again where that does not decide.
+/// Nearly all rays get one proposal that is clearly nearer than all others and far from its edges. The rest (5 % in a
+/// forest) are judged in full, and traced again where that does not decide.
 namespace swiftlet::sim {
 
 inline constexpr double kLeastCosine = 0.01;
@@ -37,8 +36,8 @@ struct alignas(64) Rays {
   }
 };
 
-/// Up to kPacketSize rays through one scene, and the triangle that each one meets. The frame of the scene is
-/// any frame, the same for all arguments.
+/// Up to kPacketSize rays through one scene, and the triangle met by each. The frame of the scene is any frame, the
+/// same for all arguments.
 class ExactQuery {
  public:
   explicit ExactQuery(const TriangleScene& scene)
@@ -47,22 +46,22 @@ class ExactQuery {
         slack_factor_(1.0F + 2.0F * kErrorPerRange),
         slack_m_(scene.slack_m) {}
 
-  /// Lanes are filled from 0 on.
+  /// Sets one ray; lanes must be filled from 0 on.
   void set_ray(int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, double range_max_m);
-  /// All lanes.
+  /// Sets all lanes.
   void set_rays(const Rays& rays, const std::array<float, kPacketSize>& range_max_m);
 
-  /// The nearest triangle of each of the first `count` rays, each traced alone.
+  /// Finds the nearest triangle of each of the first `count` rays, tracing each alone.
   void trace_singly(int count);
-  /// The same for kPacketSize rays at once; best for rays that go nearly the same way.
+  /// Finds them for kPacketSize rays at once; best for rays with similar directions.
   void trace_together();
-  /// The same for rays that go different ways; best in a scene that is made for them.
+  /// Finds them for rays with different directions; best with a tree for scattered rays.
   void trace_scattered();
-  /// Does the ray of lane 0 meet anything at all?
+  /// Does the ray of lane 0 meet any triangle?
   bool is_blocked();
 
   bool met(int lane) const { return triangle_[lane] != kNone; }
-  // Of rays that have met something:
+  // For rays that meet a triangle:
   std::uint32_t triangle(int lane) const { return triangle_[lane]; }
   std::uint32_t surface(int lane) const { return scene_->facets[triangle_[lane]].surface; }
   float range_m(int lane) const { return static_cast<float>(range_m_[lane]); }
@@ -96,22 +95,22 @@ class ExactQuery {
   float error_m(float range_m) const;
   float with_slack_m(float range_m) const { return slack_factor_ * range_m + slack_m_; }
 
-  // Callbacks read and write whole registers of these, just as Embree does with the packet.
+  // Callbacks read and write whole registers of these, as Embree does with the packet.
   RTCRayHit16 packet_;
   alignas(64) Lanes<float> nearest_proposal_m_;
   alignas(64) Lanes<std::uint32_t> first_proposal_;   // kNone: none
-  alignas(64) Lanes<std::uint32_t> second_proposal_;  // within the slack of the nearest
-  // The hits.
+  alignas(64) Lanes<std::uint32_t> second_proposal_;  // another one within the slack of the nearest
+  // Results:
   alignas(64) Lanes<double> range_m_, cos_incidence_;
   alignas(64) Lanes<std::uint32_t> triangle_;
 
   Lanes<double> range_max_m_;
   const TriangleScene* scene_;
   RTCScene tree_;
-  float slack_factor_, slack_m_;  // a ray goes on behind a proposal, to factor * range + slack
+  float slack_factor_, slack_m_;  // a ray continues beyond a proposal, to factor * range + slack
 };
 
-/// Fills in the facets, the enlarged corners and the slack of a scene that has its corners.
+/// Computes the facets, the enlarged corners and the slack of a scene from its corners.
 void prepare_for_exact_hits(TriangleScene& scene);
 
 }  // namespace swiftlet::sim

@@ -20,8 +20,8 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 1'000'000'000;
-constexpr std::size_t kUsuallyNear = 1024;      // triangles about a vehicle
-constexpr std::size_t kMaxSurfaces = 1U << 24;  // Facet::surface
+constexpr std::size_t kUsuallyNear = 1024;      // reserved triangles near a vehicle
+constexpr std::size_t kMaxSurfaces = 1U << 24;  // limit of Facet::surface
 
 // Equal (class, instance, material, part) share one surface number.
 class SurfaceNumbers {
@@ -58,8 +58,8 @@ void append(const Mesh& mesh, const Eigen::Affine3f& T_world_mesh, std::uint32_t
   out.facets.resize(out.size(), facet);
 }
 
-// All instances unrolled: one big geometry is quicker to build and to trace than instances of small ones.
-/// @param first_triangle  of each instance
+// Flattens all instances: one large geometry is faster to build and to trace than instances of small ones.
+/// @param first_triangle  output: index of the first triangle of each instance
 TriangleScene flatten(const Scene& scene, std::vector<std::uint32_t>& first_triangle) {
   std::size_t num_triangles = 0;
   for (const Instance& instance : scene.instances) num_triangles += scene.meshes.at(instance.mesh).triangles.size();
@@ -80,9 +80,9 @@ TriangleScene flatten(const Scene& scene, std::vector<std::uint32_t>& first_tria
 }
 
 EmbreeDevice make_device() {
-  // Embree takes 4-wide trees where it believes that wider registers slow the clock (Xeons of the Skylake family).
-  // 8-wide ones are a fifth faster there all the same; a processor without AVX gets the narrow ones anyway.
-  // SWIFTLET_EMBREE chooses otherwise, such as "isa=avx": tests show that results do not depend on it.
+  // By default, Embree uses 4-wide trees where it assumes that wider registers reduce the clock rate (Xeons of the
+  // Skylake family). 8-wide trees are a fifth faster there; on processors without AVX the option has no effect.
+  // SWIFTLET_EMBREE overrides this, such as "isa=avx", for tests that results do not depend on it.
   const char* chosen = std::getenv("SWIFTLET_EMBREE");
   EmbreeDevice device(rtcNewDevice(chosen != nullptr ? chosen : "frequency_level=simd256"));
   if (device) return device;
@@ -114,7 +114,7 @@ Vector3 closest_point_on_triangle(const Vector3& p, const Vector3& a, const Vect
   return a + ab * (vb / denominator) + ac * (vc / denominator);
 }
 
-// Embree culls in single precision: a little more, so that only the exact distances decide.
+// Embree culls in single precision; the enlarged radius leaves the decision to the exact distances.
 float query_radius(double radius_m) { return static_cast<float>(radius_m * (1.0 + 1e-6) + 1e-4); }
 
 struct NearestQuery {
@@ -130,7 +130,7 @@ bool visit_nearest(RTCPointQueryFunctionArguments* args) {
   const auto& [a, b, c] = query.world->corners_m[args->primID];
   const Vector3 point = closest_point_on_triangle(query.p, a.cast<double>(), b.cast<double>(), c.cast<double>());
   const double distance_sq = (point - query.p).squaredNorm();
-  // Of equally near triangles the first in the scene wins, whatever the order of the visits.
+  // Of equally near triangles the first in the scene wins, independent of the order of visits.
   if (distance_sq > query.best_sq) return false;
   if (distance_sq == query.best_sq && args->primID > query.best_triangle) return false;
   query.best_sq = distance_sq;
@@ -202,15 +202,16 @@ void TriangleScene::commit(RTCDevice device) {
     prepare_for_exact_hits(*this);
     attach_triangles(*this, RTC_BUILD_QUALITY_MEDIUM, device);
   }
-  // Robust: no box of the tree is passed by that a ray touches.
+  // Robust: a ray that touches a box of the tree does not miss it.
   commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM, size(), device);
 }
 
 void TriangleScene::commit_to_move(RTCDevice device) {
   scene.reset(rtcNewScene(device));
   attach_triangles(*this, RTC_BUILD_QUALITY_REFIT, device);
-  // Embree refits no scene of medium quality, but builds it anew. Here LOW is the two-level tree only: that of the one
-  // geometry below it is built by the surface area heuristic, as RTC_BUILD_QUALITY_REFIT asks for.
+  // Embree rebuilds scenes of medium quality instead of refitting them. Here LOW concerns only the top level of the
+  // two-level tree: the geometry's own tree is built by the surface area heuristic, as RTC_BUILD_QUALITY_REFIT
+  // requests.
   commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_LOW, size(), device);
 }
 
@@ -221,7 +222,7 @@ void TriangleScene::refit() {
   rtcCommitScene(scene.get());
 }
 
-// Not robust: the margins of the triangles are larger than what a ray may pass by.
+// Not robust: the margins of the triangles exceed the distance by which a ray may miss a box.
 void TriangleScene::commit_for_scattered_rays(RTCDevice device) const {
   EmbreeScene tree(rtcNewScene(device));
   if (!corners_m.empty()) rtcAttachGeometry(tree.get(), rtcGetGeometry(scene.get(), 0));
@@ -295,7 +296,7 @@ RayHit StaticScene::trace(const Vector3& origin_world, const Vector3& direction_
 bool StaticScene::occluded(const Vector3& a_world, const Vector3& b_world) const {
   const Vector3 ab = b_world - a_world;
   const double distance_m = ab.norm();
-  if (distance_m <= 2 * kLeastHeight_m) return false;  // the ends may lie on surfaces
+  if (distance_m <= 2 * kLeastHeight_m) return false;  // ends may lie on surfaces
   ExactQuery query(impl_->world);
   query.set_ray(0, a_world.cast<float>(), (ab / distance_m).cast<float>(), distance_m - kLeastHeight_m);
   return query.is_blocked();
@@ -317,11 +318,11 @@ void StaticScene::triangles_near_box(
     const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>& visit) const {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  // The order of the tree depends on the processor; that of the scene does not.
+  // Sorted by scene index, since the order of the tree depends on the processor.
   static thread_local std::vector<std::uint32_t> found;
   found.clear();
   found.reserve(kUsuallyNear);
-  // A hair of slack for the rounding to single precision.
+  // Slack for rounding to single precision.
   constexpr float kSlack_m = 1e-4F;
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(kSlack_m);
   BoxQuery box{&impl_->world,

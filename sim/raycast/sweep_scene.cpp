@@ -14,11 +14,12 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr TimeNs kKnotSpacing = 2'000'000;  // 2 ms
-constexpr double kFastest_mps = 60.0;       // no vehicle is faster: bounds which ones can come into reach
-constexpr float kCullingSlack_m = 0.02F;    // single precision at some 100 m
+// Upper bound of any vehicle's speed, to find vehicles that may come into range
+constexpr double kFastest_mps = 60.0;
+constexpr float kCullingSlack_m = 0.02F;  // single precision at some 100 m
 constexpr double kTwoPi = 6.283185307179586;
 
-/// A vehicle at one instant of the sweep.
+/// State of a vehicle at one instant of the sweep.
 struct Knot {
   Eigen::Vector3d p_world;
   Eigen::Quaterniond q_world_body;
@@ -26,20 +27,20 @@ struct Knot {
   std::array<double, kMaxRotors> rotor_rate_radps;  // signed
 };
 
-/// Where in the knots an instant lies.
+/// Position of an instant between the knots.
 struct KnotPlace {
   int before = 0;
-  float fraction = 0.0F;  // of the way to the next knot
+  float fraction = 0.0F;  // interpolation weight of the next knot
 };
 
 struct Vehicle {
   std::shared_ptr<const VehicleShape> shape;
   std::shared_ptr<const VehicleBody> body;
-  std::uint32_t first_surface = 0;  // of its body
+  std::uint32_t first_surface = 0;  // first surface index of its body
   std::uint32_t rotor_surface = 0;
-  float radius_m = 0.0F;  // of a sphere about its origin that holds all of it
+  float radius_m = 0.0F;  // radius of the sphere about its origin that contains the vehicle
   std::vector<Knot> knots;
-  // Sphere that holds the vehicle during the whole sweep, world frame.
+  // Sphere that contains the vehicle during the whole sweep, world frame.
   Eigen::Vector3f sweep_center_m = Eigen::Vector3f::Zero();
   float sweep_radius_m = 0.0F;
 };
@@ -61,7 +62,7 @@ double bounding_radius_m(const VehicleShape& shape) {
   return radius + 1e-3;
 }
 
-// The shorter way on the sphere, linear and normalized: between knots 2 ms apart indistinguishable from slerp.
+// Normalized linear interpolation along the shorter arc: between knots 2 ms apart indistinguishable from slerp.
 Eigen::Quaterniond nlerp(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double s) {
   const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
   return Eigen::Quaterniond((1.0 - s) * a.coeffs() + sign * s * b.coeffs()).normalized();
@@ -79,7 +80,7 @@ double rotor_angle(const Knot& a, const Knot& b, int rotor, double s, double h) 
 struct SweepScene::Impl {
   std::shared_ptr<const StaticScene> world;
   std::unique_ptr<WavingFoliage> foliage;  // null: nothing moves
-  std::vector<Vehicle> vehicles;           // by VehicleId
+  std::vector<Vehicle> vehicles;           // indexed by VehicleId
   std::vector<int> in_reach;               // other vehicles, ascending
   std::vector<SweepSurface> surfaces;
   VehicleId self = 0;
@@ -96,7 +97,7 @@ struct SweepScene::Impl {
   std::vector<Eigen::Vector3f> origins_body;  // (firings)
   int num_knots = 1;
   double knot_spacing_s = 0.0;
-  TimeNs duration = -1;  // of the sweep that `places` belong to
+  TimeNs duration = -1;  // duration of the sweep for which `places` were computed
 
   void place_firings();
   void look_up(const StateHistory& truth, VehicleId id, TimeNs start, Vehicle& vehicle) const;
@@ -114,7 +115,7 @@ struct SweepScene::Impl {
                    std::array<float, kPacketSize>& tfar, PacketHits& hits) const;
 };
 
-// ---- preparation of a sweep -----------------------------------------------------------------------------------------
+// ---- preparation of a sweep ----
 
 void SweepScene::Impl::place_firings() {
   const double duration_s = to_seconds(duration);
@@ -173,8 +174,7 @@ void SweepScene::Impl::transform_firings() {
   }
 }
 
-// ---- rays of a packet in the frames
-// -----------------------------------------------------------------------------------
+// ---- rays of a packet in the frames ----
 
 Rays SweepScene::Impl::rays_world(const BeamPacket& beams) const {
   Rays rays;
@@ -221,10 +221,9 @@ Rays SweepScene::Impl::rays_of(const Vehicle& vehicle, const BeamPacket& beams, 
   return rays;
 }
 
-// ---- meeting vehicles
-// -------------------------------------------------------------------------------------------------
+// ---- intersection with vehicles ----
 
-// Does any ray come through the sphere that holds the vehicle during the sweep, before what it has met already?
+// Does any ray meet the vehicle's sweep sphere before its current intersection?
 bool SweepScene::Impl::near(const Vehicle& vehicle, const Rays& rays,
                             const std::array<float, kPacketSize>& tfar) const {
   const float cx = vehicle.sweep_center_m.x(), cy = vehicle.sweep_center_m.y(), cz = vehicle.sweep_center_m.z();
@@ -266,7 +265,7 @@ void SweepScene::Impl::meet(const Vehicle& vehicle, const BeamPacket& beams, con
   meet_rotors(vehicle, beams, rays, tfar, hits);
 }
 
-// A blade is where it is at the beam's own instant: flat, in the plane of its disc.
+// A blade is placed at the instant of each beam: flat, in the plane of its disc.
 void SweepScene::Impl::meet_rotors(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
                                    std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
   const auto& rotors = vehicle.shape->rotors;
@@ -290,8 +289,7 @@ void SweepScene::Impl::meet_rotors(const Vehicle& vehicle, const BeamPacket& bea
   }
 }
 
-// ---- interface
-// --------------------------------------------------------------------------------------------------------
+// ---- interface ----
 
 SweepScene::SweepScene(std::shared_ptr<const StaticScene> world,
                        std::vector<std::shared_ptr<const VehicleShape>> shapes, VehicleId self,

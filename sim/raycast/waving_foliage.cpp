@@ -18,7 +18,7 @@ double top_m(const Mesh& mesh, const Eigen::Affine3f& T_world_mesh) {
   return top;
 }
 
-// Of each triangle of a mesh the height of its piece, with the mesh's numbers.
+// For each triangle of a mesh, the height of its connected piece, indexed like the mesh's triangles.
 std::vector<double> heights_m(const Mesh& mesh, const std::vector<std::uint32_t>& piece_of_vertex,
                               const Eigen::Affine3f& T_world_mesh) {
   std::vector<double> sum_m(piece_of_vertex.size(), 0.0);

@@ -10,14 +10,14 @@
 
 namespace swiftlet::sim {
 
-/// The leaves of the world at one instant, for one sensor. World frame. Every leaf cluster is shifted as a whole by
-/// FoliageMotion, so that all but the corners of its triangles stays as it was prepared.
+/// The leaves of the world at one instant, for one sensor. World frame. Every leaf cluster is translated rigidly by
+/// FoliageMotion, so that only the corners of its triangles change.
 class WavingFoliage {
  public:
   /// @param world  must have foliage
   explicit WavingFoliage(std::shared_ptr<const StaticScene> world);
 
-  /// To where the leaves are then.
+  /// Moves the leaves to their positions at time t.
   void move_to(TimeNs t);
   const TriangleScene& leaves() const { return leaves_; }
 
@@ -26,12 +26,12 @@ class WavingFoliage {
 
   std::shared_ptr<const StaticScene> world_;
   std::vector<std::array<Eigen::Vector3f, 3>> enlarged_at_rest_m_;
-  std::vector<Eigen::Vector3f> sway_m_;                          // of each tree's top
-  std::array<Eigen::Vector3f, FoliageMotion::kWays> flutter_m_;  // of each way
+  std::vector<Eigen::Vector3f> sway_m_;                          // displacement of each tree's top
+  std::array<Eigen::Vector3f, FoliageMotion::kWays> flutter_m_;  // displacement of each flutter pattern
   TriangleScene leaves_;
 };
 
-/// The leaves that move and the rest; null where the scene has none.
+/// Separates the moving leaves from the rest; null where the scene has none.
 std::unique_ptr<Foliage> make_foliage(const Scene& scene, const TriangleScene& world,
                                       const std::vector<std::uint32_t>& first_triangle);
 
