@@ -18,7 +18,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// The values of one row as text.
+/// Formats the values of one row as text.
 class CsvRow final : public ColumnSink {
  public:
   CsvRow(std::vector<std::string> vehicle_names, TimeNs start_time)
@@ -43,7 +43,7 @@ class CsvRow final : public ColumnSink {
   TextRow row_{','};
 };
 
-/// A file with the names of its columns in the first line.
+/// A CSV file with column names in the first line.
 class Table {
  public:
   Table(std::filesystem::path directory, std::string name, const std::vector<Column>& columns)
@@ -60,7 +60,7 @@ class Table {
     if (!file_.is_open()) open();
     file_.append(line);
   }
-  /// @return its name, or none when it was never opened
+  /// @return its name; empty when it was never opened
   std::optional<std::filesystem::path> finish() {
     if (!file_.is_open()) return std::nullopt;
     file_.finish();
@@ -73,7 +73,7 @@ class Table {
   OutputFile file_;
 };
 
-/// What the rows of one tick are made from.
+/// Input of the rows of one tick.
 struct Source {
   const TickView& tick;
   VehicleId vehicle;
@@ -92,12 +92,12 @@ struct Source {
   void end_row() const { table.append(row.line()); }
 };
 
-/// One kind of table.
+/// One type of table.
 struct Topic {
   std::string name;
   std::vector<Column> columns;
-  std::function<void(const Source&)> write;  ///< the rows of one tick
-  bool sampled = false;                      ///< written at rate_hz; the others as they come
+  std::function<void(const Source&)> write;  ///< writes the rows of one tick
+  bool sampled = false;                      ///< written at rate_hz; others on arrival
 };
 
 Topic state_topic(int num_rotors) {
@@ -121,7 +121,7 @@ Topic series_topic(const Series& series) {
   return {series.name(), series.columns(), write};
 }
 
-/// A row for each of the values that `values_of` finds in a tick.
+/// One row for each value that `values_of` returns for a tick.
 template <class Kind, class ValuesOf>
 Topic topic_of(ValuesOf values_of) {
   const auto write = [values_of](const Source& source) {
@@ -133,7 +133,7 @@ Topic topic_of(ValuesOf values_of) {
   return {Kind::kName, columns_of<Kind>(), write};
 }
 
-/// Samples of a kind that has no list of its own.
+/// Samples without a list of their own in Observation.
 Topic samples_topic(TableType table) {
   const auto write = [name = table.name](const Source& source) {
     for (const auto& samples : source.observation().others) {
@@ -146,7 +146,7 @@ Topic samples_topic(TableType table) {
   return {std::move(table.name), std::move(table.columns), write};
 }
 
-/// What was heard of one kind of message.
+/// Received messages of one kind.
 Topic message_topic(const MessageKind& kind) {
   const auto write = [&kind](const Source& source) {
     for (const Message& message : source.observation().messages) {
@@ -158,7 +158,7 @@ Topic message_topic(const MessageKind& kind) {
   return {"message_" + std::string(kind.topic), message_columns(kind), write};
 }
 
-/// The tables that every vehicle has.
+/// Tables of every vehicle.
 std::vector<Topic> vehicle_topics(int num_rotors) {
   std::vector<Topic> topics{state_topic(num_rotors)};
   const Observation nothing;
@@ -199,7 +199,7 @@ class CsvRecorder : public Recorder {
       for (Topic& topic : topics) add(static_cast<VehicleId>(i), std::move(topic), info.directory, folder);
     }
     for (OpenTable& open : tables_) open.table.open();
-    // Of the whole run: there is a file when there is a row.
+    // Tables of the whole run; a file is created with its first row.
     for (const Series* series : info.series) add(kNoVehicle, series_topic(*series), info.directory, "csv/");
   }
 
@@ -237,7 +237,7 @@ class CsvRecorder : public Recorder {
   std::optional<CsvRow> row_;
 };
 
-/// The reference has a page of the others.
+/// Messages have a reference page of their own.
 std::vector<std::string> names_but_of_kinds_of_messages(std::vector<std::string> names) {
   std::erase_if(names, [](const std::string& name) { return name.starts_with("message_"); });
   return names;

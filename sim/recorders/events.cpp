@@ -11,13 +11,13 @@ namespace {
 
 constexpr const char* kFile = "events.jsonl";
 
-/// The visitor that makes a JSON object of an event.
+/// Visitor that creates a JSON object of an event.
 class EventLine {
  public:
   EventLine(const std::vector<std::string>& vehicle_names, TimeNs start_time)
       : names_(vehicle_names), start_time_(start_time) {}
 
-  // A division rounds right: 0.09, not 0.09000000000000001.
+  // A division rounds correctly: 0.09, not 0.09000000000000001.
   void time(const char* name, TimeNs t, const char*) { line_[name] = static_cast<double>(start_time_ + t) / 1e9; }
   void field(const char* name, const std::string& text, const char*) { line_[name] = text; }
   void field(const char* name, const Vector3& v, const char*) {
@@ -28,7 +28,7 @@ class EventLine {
   void vehicle(const char* name, VehicleId id, const char*) {
     line_[name] = id == kNoVehicle ? nlohmann::ordered_json() : nlohmann::ordered_json(names_[id]);
   }
-  // Names may come from files in any encoding: what is not UTF-8 is replaced rather than refused.
+  // Names may come from files in any encoding: invalid UTF-8 is replaced.
   std::string text() const { return line_.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace); }
 
  private:

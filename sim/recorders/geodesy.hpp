@@ -15,7 +15,7 @@ struct Geodetic {
 /// Earth-centered, earth-fixed coordinates [m].
 Vector3 ecef_of(const Geodetic& position);
 Geodetic geodetic_of(const Vector3& p_ecef_m);
-/// Where a point of the world (east, north, up from `datum`) lies on earth.
+/// Geodetic position of a point of the world (east, north, up from `datum`).
 Geodetic geodetic_of_world(const Vector3& p_world_m, const Geodetic& datum);
 
 }  // namespace swiftlet::sim

@@ -18,9 +18,9 @@ constexpr int kEndOfBlock = 256;
 constexpr int kNumSymbols = 286;  // literals, end, lengths
 constexpr int kMaxCodeBits = 15;
 constexpr int kLeastRun = 4, kMostRun = 258;
-constexpr std::uint16_t kRunToken = 256;  // a token above is a run of token - kRunToken repetitions
+constexpr std::uint16_t kRunToken = 256;  // larger tokens are runs of token - kRunToken repetitions
 
-/// Lengths of runs as RFC 1951, 3.2.5 codes them.
+/// Code of a run length, RFC 1951, 3.2.5.
 struct LengthCode {
   int symbol, extra_bits, base;
 };
@@ -67,12 +67,12 @@ std::array<std::uint8_t, kNumSymbols> code_lengths(std::array<std::uint32_t, kNu
       longest = std::max(longest, length);
     }
     if (longest <= kMaxCodeBits) return lengths;
-    // Flatter counts make shorter codes.
+    // Flatter counts give shorter codes.
     for (std::uint32_t& count : counts) count = count > 0 ? count / 2 + 1 : 0;
   }
 }
 
-/// Canonical codes, as RFC 1951, 3.2.2; turned around, for the stream is filled from the lowest bit.
+/// Canonical codes, RFC 1951, 3.2.2; bit-reversed, since the stream is filled from the lowest bit.
 std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, kNumSymbols>& lengths) {
   std::array<int, kMaxCodeBits + 2> first{};
   for (const std::uint8_t length : lengths) {
@@ -90,11 +90,11 @@ std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, k
   return codes;
 }
 
-/// Fills bytes from the lowest bit. Writes eight bytes at a time: the room must reach that far beyond the end.
+/// Fills bytes from the lowest bit. Writes eight bytes at a time, so the buffer must extend that far beyond the end.
 class BitWriter {
  public:
   explicit BitWriter(std::uint8_t* at) : at_(at) {}
-  /// At most 56 bits.
+  /// Appends at most 56 bits.
   void put(std::uint64_t bits, int count) {
     held_ |= bits << num_held_;
     num_held_ += count;
@@ -130,7 +130,7 @@ void put_chunk(ByteBuffer& out, std::string_view kind, std::span<const std::uint
                           crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()))));
 }
 
-// Each byte less the one two before it in its row, that is the same half of the pixel to the left.
+// Subtracts from each byte the one two before it in its row, which is the same half of the pixel to the left.
 void filter(int width, int height, std::span<const std::uint16_t> gray, std::vector<std::uint8_t>& out) {
   out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
   std::uint8_t* at = out.data();
@@ -147,7 +147,7 @@ void filter(int width, int height, std::span<const std::uint16_t> gray, std::vec
   }
 }
 
-// Bytes, and runs of the byte before.
+// Splits the bytes into literals and runs of the previous byte.
 void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& tokens) {
   tokens.resize(bytes.size());
   std::uint16_t* token = tokens.data();
@@ -173,7 +173,7 @@ struct Bits {
 constexpr std::size_t kNumTokens = kRunToken + kMostRun + 1;
 constexpr int kMostTokenBits = kMaxCodeBits + 5 + 1;  // length code, its extra bits, the distance
 
-/// What every token becomes.
+/// Bits for each token.
 std::array<Bits, kNumTokens> bits_of_tokens(const std::array<std::uint8_t, kNumSymbols>& lengths) {
   const auto codes = codes_of(lengths);
   std::array<Bits, kNumTokens> table;
@@ -182,16 +182,16 @@ std::array<Bits, kNumTokens> bits_of_tokens(const std::array<std::uint8_t, kNumS
     const LengthCode code = length_code(run);
     const auto symbol = static_cast<std::size_t>(code.symbol);
     const auto extra = static_cast<std::uint32_t>(run - code.base);
-    // The code, how much longer than its base, and one bit 0: distance 1.
+    // The code, the difference to its base length, and one bit 0: distance 1.
     table[static_cast<std::size_t>(kRunToken + run)] = {codes[symbol] | extra << lengths[symbol],
                                                         lengths[symbol] + code.extra_bits + 1};
   }
   return table;
 }
 
-/// How often each symbol of the code is needed.
+/// Frequency of each symbol of the code.
 std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16_t> tokens) {
-  // Two tables: the same token often follows itself, and would wait for its own count.
+  // Two tables: equal tokens often follow each other, and the second would wait for the first one's count.
   std::array<std::uint32_t, kNumTokens> even{}, odd{};
   std::size_t i = 0;
   for (; i + 1 < tokens.size(); i += 2) {
@@ -209,16 +209,16 @@ std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16
   return counts;
 }
 
-/// One block with codes of its own. @return one past the last byte
+/// Writes one block with its own codes. @return one past the last byte
 std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t* out) {
   const auto lengths = code_lengths(count_symbols(tokens));
   BitWriter bits(out);
   bits.put(1, 1);                  // the last block
-  bits.put(2, 2);                  // with its own codes
-  bits.put(kNumSymbols - 257, 5);  // how many symbols
-  bits.put(0, 5);                  // one distance
+  bits.put(2, 2);                  // with dynamic codes
+  bits.put(kNumSymbols - 257, 5);  // number of symbols
+  bits.put(0, 5);                  // one distance code
   bits.put(19 - 4, 4);
-  // The lengths themselves: 16 values of four bits each, no repetitions (order: 16, 17, 18, then 0 to 15 shuffled).
+  // The code lengths: 16 values of four bits each, no repetitions (order: 16, 17, 18, then 0 to 15 shuffled).
   for (int i = 0; i < 19; ++i) bits.put(i < 3 ? 0 : 4, 3);
   const auto put_length = [&](int length) {
     const int turned = (length & 1) << 3 | (length & 2) << 1 | (length & 4) >> 1 | (length & 8) >> 3;
@@ -227,7 +227,7 @@ std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t
   for (const std::uint8_t length : lengths) put_length(length);
   put_length(1);
   const auto table = bits_of_tokens(lengths);
-  // Two at a time: what one waits for is the place of the one before.
+  // Two at a time, which shortens the dependency chain through the write position.
   std::size_t i = 0;
   for (; i + 1 < tokens.size(); i += 2) {
     const Bits first = table[tokens[i]], second = table[tokens[i + 1]];
@@ -239,7 +239,7 @@ std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t
   return bits.finish();
 }
 
-/// Bytes that a block of so many tokens never fills, with the head, the check at the end and the room BitWriter needs.
+/// Upper bound of the size of a block with this number of tokens, including header, checksum and BitWriter's margin.
 std::size_t room_for(std::size_t num_tokens) { return num_tokens * kMostTokenBits / 8 + 1024; }
 
 }  // namespace
@@ -263,7 +263,7 @@ const ByteBuffer& GrayPng::encode(int width, int height, std::span<const std::ui
   put_big_endian(header, static_cast<std::uint32_t>(width));
   put_big_endian(header, static_cast<std::uint32_t>(height));
   for (const int value : {16, 0, 0, 0, 0})
-    header.put(static_cast<std::uint8_t>(value));  // bits, gray, deflate, filters, not interlaced
+    header.put(static_cast<std::uint8_t>(value));  // bit depth, gray, deflate, filters, not interlaced
   put_chunk(file_, "IHDR", {reinterpret_cast<const std::uint8_t*>(header.bytes().data()), header.size()});
   put_chunk(file_, "IDAT", {stream_.data(), end});
   put_chunk(file_, "IEND", {});

@@ -14,11 +14,11 @@
 namespace swiftlet::sim {
 namespace {
 
-/// What the header of a file tells beside its voxels.
+/// Header of a map file.
 struct MapLabel {
   std::string vehicle;
   TimeNs t = 0;
-  Pose T_world_local = Pose::Identity();  // as far as the vehicle knows
+  Pose T_world_local = Pose::Identity();  // as estimated by the vehicle
 };
 
 std::vector<std::string> comments(const MapVoxels& map, const MapLabel& label) {
@@ -63,7 +63,7 @@ class MapRecorder : public Recorder {
     selected_ = select_vehicles(config_.vehicles, names_);
   }
 
-  void write_start(const TickView&) override {}  // agents begin their maps in the first tick
+  void write_start(const TickView&) override {}  // ignored: agents create their maps in the first tick
   void write(const TickView& tick) override {
     last_ = tick;
     for (; next_ < config_.times_s.size() && tick.t >= from_seconds(config_.times_s[next_]); ++next_) {
@@ -134,10 +134,10 @@ class MapRecorder : public Recorder {
   std::vector<std::string> names_;
   std::vector<bool> selected_;
   TimeNs start_time_ = 0;
-  TickView last_;         // its agents and actions stay
-  std::size_t next_ = 0;  // of the instants
+  TickView last_;         // its agents and actions remain valid
+  std::size_t next_ = 0;  // index of the next instant
   std::vector<MapVoxels> maps_;
-  MapVoxels occupied_;  // of one of them
+  MapVoxels occupied_;  // occupied cells of one map
   ByteBuffer body_;
   std::vector<std::filesystem::path> paths_;
 };

@@ -12,8 +12,8 @@
 namespace swiftlet::sim {
 namespace {
 
-/// The quality of service of a publisher as rosbag2 notes it: numbers of rmw_qos_*_policy_t. A latched topic is
-/// transient local, so that late subscribers of a replay get its last message.
+/// Quality of service of a publisher in rosbag2's format: numbers of rmw_qos_*_policy_t. A latched topic is transient
+/// local, so that late subscribers of a replay get its last message.
 std::string offered_qos_profiles(bool latched) {
   const std::string infinite = "\n    sec: 9223372036\n    nsec: 854775807\n";
   return "- history: 1\n  depth: " + std::string(latched ? "1" : "10") +
@@ -24,7 +24,7 @@ std::string offered_qos_profiles(bool latched) {
 
 using Json = nlohmann::ordered_json;
 
-/// How Foxglove and Lichtblick show a topic in space; null: not there.
+/// Settings for a topic in the 3D view of Foxglove and Lichtblick; null: not shown.
 Json shown(const std::string& topic, const std::string& type) {
   if (type == "sensor_msgs/msg/PointCloud2") {
     return {{"visible", true}, {"pointSize", 2}, {"colorMode", "colormap"}, {"colorField", "z"}, {"colorMap", "turbo"}};
@@ -35,7 +35,7 @@ Json shown(const std::string& topic, const std::string& type) {
   return {};
 }
 
-/// A layout with one view of the scene, for the command "Import layout".
+/// A layout with one 3D view, for the command "Import layout".
 Json layout_of(const Json& topics) {
   const Json camera = {
       {"perspective", true}, {"distance", 40}, {"phi", 55},   {"thetaOffset", 45}, {"targetOffset", {0, 0, 0}},

@@ -33,7 +33,7 @@ void put_string(std::string_view text, ByteBuffer& out) {
   out.put_text(text);
 }
 
-/// Runs `content`, which appends something, after its length in a Length.
+/// Appends the output of `content`, preceded by its length as a Length.
 template <class Length, class Content>
 void put_sized(ByteBuffer& out, Content content) {
   const std::size_t start = out.size();
@@ -125,7 +125,7 @@ void McapWriter::close_chunk() {
   crc_ = crc_of(records, crc_);
   file_.append(records);
 
-  // Where each channel's messages lie in the chunk.
+  // Offsets of each channel's messages in the chunk.
   record_.clear();
   const std::uint64_t indexes_at = file_.size();
   for (std::size_t i = 0; i < channels_.size(); ++i) {

@@ -14,7 +14,8 @@
 namespace swiftlet::sim {
 
 /// Writes an MCAP file ("MCAP File Format Specification", version 0, mcap.dev): chunks with message indexes, and a
-/// summary with schemas, channels, statistics, chunk indexes and offsets. Memory: one chunk, and some bytes a chunk.
+/// summary with schemas, channels, statistics, chunk indexes and offsets. Memory: one chunk, plus a few bytes per
+/// chunk.
 class McapWriter {
  public:
   struct Options {
@@ -22,7 +23,7 @@ class McapWriter {
     std::string library;
     bool compress = true;  ///< with zstd
     int zstd_level = 1;
-    std::size_t chunk_bytes = 1 << 20;  ///< a chunk is closed when it holds at least this, before compression
+    std::size_t chunk_bytes = 1 << 20;  ///< least size of a chunk, before compression
   };
   struct Channel {
     std::string topic;
@@ -49,7 +50,7 @@ class McapWriter {
   struct ChunkIndex {
     TimeNs start, end;
     std::uint64_t offset, length;
-    std::vector<std::pair<std::uint16_t, std::uint64_t>> index_offsets;  ///< channel, place of its message index
+    std::vector<std::pair<std::uint16_t, std::uint64_t>> index_offsets;  ///< channel, offset of its message index
     std::uint64_t index_length;
     std::uint64_t compressed_size, uncompressed_size;
   };
@@ -65,9 +66,9 @@ class McapWriter {
 
   Options options_;
   OutputFile file_;
-  std::uint32_t crc_ = 0;               // of everything so far
-  std::vector<ChannelState> channels_;  // id = place + 1
-  std::vector<std::string> schemas_;    // names; id = place + 1
+  std::uint32_t crc_ = 0;               // checksum of all bytes so far
+  std::vector<ChannelState> channels_;  // indexed by id - 1
+  std::vector<std::string> schemas_;    // names, indexed by id - 1
   std::vector<ChunkIndex> chunks_;
   ByteBuffer chunk_;
   TimeNs chunk_start_ = 0, chunk_end_ = 0;

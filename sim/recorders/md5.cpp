@@ -11,7 +11,7 @@ namespace {
 
 using Words = std::array<std::uint32_t, 4>;
 
-/// The entries of the RFC's table: the first 32 bits of |sin(i)| after the point.
+/// Table of the RFC: the first 32 bits of the fraction of |sin(i)|.
 std::array<std::uint32_t, 64> sine_table() {
   std::array<std::uint32_t, 64> table{};
   for (int i = 0; i < 64; ++i)

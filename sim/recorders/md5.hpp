@@ -6,7 +6,7 @@
 
 namespace swiftlet::sim {
 
-/// MD5 (RFC 1321) in hexadecimal digits; ROS 1 tells message types apart by it.
+/// MD5 (RFC 1321) in hexadecimal digits; ROS 1 identifies message types by it.
 std::string md5(std::string_view text);
 
 }  // namespace swiftlet::sim

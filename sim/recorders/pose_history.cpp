@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Longer than any sweep and its delivery.
+// Longer than any sweep plus its latency.
 constexpr TimeNs kKept = 2 * kNsPerSecond;
 
 }  // namespace

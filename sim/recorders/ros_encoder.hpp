@@ -13,12 +13,12 @@ namespace swiftlet::sim {
 
 enum class RosDialect { kRos1, kRos2 };
 
-/// Serializes one ROS message, field after field. ROS 1: packed. ROS 2: little-endian CDR (OMG RTPS 2.3, 10: four
-/// bytes of encapsulation header, then every number aligned to its own size, strings with their final zero). Any frame,
-/// the same for all arguments: the header of a message names it.
+/// Serializes one ROS message, field by field. ROS 1: packed. ROS 2: little-endian CDR (OMG RTPS 2.3, 10: four bytes of
+/// encapsulation header, then every number aligned to its own size, strings with terminating zero). Any frame, the same
+/// for all arguments: the header of a message names it.
 class RosEncoder {
  public:
-  /// @param start_time  added to every time, so that it counts from 1970 if that does
+  /// @param start_time  added to every time; for times since 1970
   explicit RosEncoder(RosDialect dialect, TimeNs start_time = 0) : dialect_(dialect), start_time_(start_time) {}
   RosDialect dialect() const { return dialect_; }
   TimeNs recorded(TimeNs t) const { return start_time_ + t; }
@@ -46,9 +46,9 @@ class RosEncoder {
       for (Eigen::Index j = 0; j < matrix.cols(); ++j) put(static_cast<double>(matrix(i, j)));
     }
   }
-  /// The length of a sequence that follows.
+  /// Length of the following sequence.
   void count(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
-  /// A sequence of bytes, to be filled by the caller before the next field.
+  /// A sequence of bytes; the caller must fill it before the next field.
   std::byte* blob(std::size_t size);
 
  private:

@@ -14,9 +14,9 @@ namespace {
 enum MarkerType : std::int32_t { kArrow = 0, kCube = 1, kSphere = 2, kText = 9, kTriangleList = 11 };
 enum MarkerAction : std::int32_t { kAdd = 0, kDeleteAll = 3 };
 
-constexpr double kLeastSize_m = 0.1;  // a box without extent would not be seen
+constexpr double kLeastSize_m = 0.1;  // a box without extent would be invisible
 
-/// One marker; what is not named stays as the message has it.
+/// One marker; unset members have the message's defaults.
 struct Marker {
   std::string frame = "world";
   const char* space = "";
@@ -29,7 +29,7 @@ struct Marker {
   Eigen::Vector4f color = Eigen::Vector4f::Zero();
   std::vector<Vector3> points_m = {};
   std::string text = {};
-  bool moves = false;  // with its frame
+  bool moves = false;  // moves with its frame
 };
 
 void encode_marker(const Marker& marker, TimeNs t, std::uint32_t sequence, RosEncoder& out) {
@@ -41,7 +41,7 @@ void encode_marker(const Marker& marker, TimeNs t, std::uint32_t sequence, RosEn
   out.put_pose(marker.position_m, marker.rotation);
   out.vector3(marker.scale_m);
   for (const float value : marker.color) out.put(value);
-  out.put(std::int32_t{0});  // lifetime: for ever
+  out.put(std::int32_t{0});  // lifetime: unlimited
   out.put(std::int32_t{0});
   out.put(marker.moves);  // frame_locked
   out.count(marker.points_m.size());
@@ -90,7 +90,7 @@ void append_triangles(const Mesh& mesh, const Eigen::Affine3f& T_frame_mesh, std
   }
 }
 
-/// The disc that a rotor sweeps, from both sides.
+/// The disc of a rotor, visible from both sides.
 void append_disc(const VehicleShape::RotorShape& rotor, std::vector<Vector3>& points_m) {
   constexpr int kCorners = 12;
   const Vector3 hub_m = rotor.hub_body_m.cast<double>();

@@ -13,16 +13,16 @@
 
 namespace swiftlet::sim {
 
-/// visualization_msgs/MarkerArray in the frame `world`. The first marker deletes those of the message before, so that
-/// the newest message is all there is to see.
+/// visualization_msgs/MarkerArray in the frame `world`. The first marker deletes those of the previous message, so that
+/// only the newest message is visible.
 /// A red box for each detection, `ns` "detections".
 void encode_detection_markers(std::span<const Detection> detections, TimeNs t, std::uint32_t sequence, RosEncoder& out);
-/// For each track, with its identity as `id`: place ("tracks"), three standard deviations ("covariance"), motion of the
-/// next second ("velocity"), number ("names").
+/// For each track, with its identity as `id`: position ("tracks"), three standard deviations ("covariance"),
+/// displacement in the next second ("velocity"), number ("names").
 void encode_track_markers(std::span<const Track> tracks, TimeNs t, std::uint32_t sequence, RosEncoder& out);
-/// The world as triangles, a marker for each material, `ns` "world".
+/// The world as triangles, one marker per material, `ns` "world".
 void encode_world_markers(const Scene& scene, TimeNs t, std::uint32_t sequence, RosEncoder& out);
-/// A vehicle as triangles that move with its frame, `ns` "model"; a rotor is the disc that it sweeps.
+/// A vehicle as triangles that move with its frame, `ns` "model"; rotors are drawn as discs.
 void encode_vehicle_markers(const VehicleShape& shape, const std::string& frame, TimeNs t, std::uint32_t sequence,
                             RosEncoder& out);
 

@@ -18,7 +18,7 @@ struct Field {
   Datatype datatype;
 };
 
-// ouster_ros::Point, as its PCL macro registers it: aligned to 16 bytes.
+// ouster_ros::Point, as registered by its PCL macro: aligned to 16 bytes.
 constexpr Field kOusterFields[] = {{"x", 0, kFloat32},          {"y", 4, kFloat32},       {"z", 8, kFloat32},
                                    {"intensity", 16, kFloat32}, {"t", 20, kUint32},       {"reflectivity", 24, kUint16},
                                    {"ring", 26, kUint16},       {"ambient", 28, kUint16}, {"range", 32, kUint32}};
@@ -42,7 +42,7 @@ void store(std::byte* at, Number value) {
 }
 
 void store_xyz(std::byte* at, const Scan& scan, int i, float step_m) {
-  if (!scan.hit(i)) return;  // the drivers give zeros for an empty return, and the memory is zero
+  if (!scan.hit(i)) return;  // the drivers write zeros for an empty return; the memory is already zero
   Eigen::Vector3f point = scan.point_lidar(i);
   if (step_m > 0.0F) point = (point / step_m).array().round() * step_m;
   std::memcpy(at, point.data(), 3 * sizeof(float));
@@ -50,7 +50,7 @@ void store_xyz(std::byte* at, const Scan& scan, int i, float step_m) {
 
 std::uint32_t offset_ns(const Scan& scan, int i) { return static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp); }
 
-/// Rows in the order in which they fire within a column.
+/// Rows in firing order within a column.
 std::vector<int> firing_order(const BeamTable& beams) {
   std::vector<int> rows(static_cast<std::size_t>(beams.rows));
   std::iota(rows.begin(), rows.end(), 0);
@@ -61,7 +61,7 @@ std::vector<int> firing_order(const BeamTable& beams) {
   return rows;
 }
 
-/// Everything of PointCloud2 up to its data.
+/// All fields of PointCloud2 before its data.
 void encode_description(std::uint32_t sequence, const Scan& scan, const std::string& frame, int width, int height,
                         std::span<const Field> fields, std::uint32_t step, RosEncoder& out) {
   out.begin();
@@ -80,7 +80,7 @@ void encode_description(std::uint32_t sequence, const Scan& scan, const std::str
   out.put(step * static_cast<std::uint32_t>(width));
 }
 
-/// Organized, rows by rows; empty returns are zeros.
+/// Organized by rows; empty returns are zeros.
 void encode_ouster(const Scan& scan, float step_m, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
   encode_description(sequence, scan, frame, scan.cols(), scan.rows(), kOusterFields, kOusterStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(scan.size()) * kOusterStep);

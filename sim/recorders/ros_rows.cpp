@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// In the words of ROS 1.
+/// Type name in ROS 1.
 const char* word_of(Column::Type type) {
   switch (type) {
     case Column::Type::kTime:

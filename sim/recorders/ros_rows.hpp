@@ -11,8 +11,8 @@
 
 namespace swiftlet::sim {
 
-/// What ROS has no type for is written as it stands: package swiftlet_msgs, a header, then a field for each column, of
-/// the column's name.
+/// Type of data without a ROS standard message: package swiftlet_msgs, a header, then one field per column, with the
+/// column's name.
 RosType row_type(std::string_view name, std::span<const Column> columns);
 
 /// Encodes one such message: begin(), then the columns.

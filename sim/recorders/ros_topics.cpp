@@ -16,7 +16,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// What can be asked for.
+/// All selectable topics.
 std::vector<std::string> ros_topic_names() {
   std::vector<std::string> names = {"points", "world",      "models", "truth",     "estimate", "tf",
                                     "clock",  "detections", "tracks", "relatives", "messages", "events"};
@@ -32,7 +32,7 @@ constexpr std::int8_t kStatusFix = 0;
 constexpr std::uint16_t kServiceGps = 1;
 constexpr std::uint8_t kCovarianceDiagonalKnown = 2;
 
-/// nav_msgs/Odometry; the twist is in the axes of the body, as the message wants it.
+/// nav_msgs/Odometry; the twist is in body axes, as the message requires.
 struct OdometryMessage {
   TimeNs t;
   std::string frame, child_frame;
@@ -53,7 +53,7 @@ void encode_odometry(const OdometryMessage& odometry, std::uint32_t sequence, Ro
   out.row_major(Matrix6::Zero());
 }
 
-/// Covariance with the rotation in the axes of the world, as nav_msgs/Odometry wants it.
+/// Covariance with the rotation in world axes, as nav_msgs/Odometry requires.
 Matrix6 covariance_in_world_axes(const StateEstimate& estimate) {
   Matrix6 J = Matrix6::Identity();
   if (estimate.correction_revision > 0) J.topLeftCorner<3, 3>() = estimate.T_world_local.linear();
@@ -68,7 +68,7 @@ void encode_transform(std::uint32_t sequence, TimeNs t, const std::string& paren
   out.put_pose(position, rotation);
 }
 
-/// What a message of a sample needs to know besides.
+/// Further input of a sample's message.
 struct SampleContext {
   std::string local, body;  // frames
   Geodetic datum;
@@ -80,7 +80,7 @@ void encode(const ImuSample& sample, const SampleContext& context, std::uint32_t
   out.header(sequence, sample.t, context.body);
   out.rotation(Eigen::Quaterniond::Identity());
   Matrix3 no_orientation = Matrix3::Zero();
-  no_orientation(0, 0) = -1.0;  // "no orientation estimate" in the words of sensor_msgs/Imu
+  no_orientation(0, 0) = -1.0;  // "no orientation estimate" by the convention of sensor_msgs/Imu
   out.row_major(no_orientation);
   out.vector3(sample.omega_body_radps);
   out.row_major(Matrix3::Zero());
@@ -129,7 +129,7 @@ RosType type_of(const Sample&) {
   return row_type(Sample::kName, columns_of<Sample>());
 }
 
-/// A part of a topic: ROS 2 lets none begin with a digit.
+/// Is it a valid name in a topic? ROS 2 allows no leading digit.
 bool begins_as_topic(const std::string& name) { return !name.empty() && (name[0] < '0' || name[0] > '9'); }
 
 }  // namespace
@@ -227,7 +227,7 @@ void RosTopics::send(Channel& channel, TimeNs t) {
   sink_.write(channel.id, channel.sequence++, message_.recorded(t), message_.bytes());
 }
 
-/// World and vehicles, once: latched topics keep them for whoever comes later.
+/// Writes world and vehicles once; latched topics keep them for late subscribers.
 void RosTopics::write_solids(TimeNs t) {
   if (solids_written_) return;
   solids_written_ = true;
@@ -409,7 +409,7 @@ void RosTopics::announce_sensor(const std::string& parent, const std::string& ch
                                     [&](const StaticTransform& transform) { return transform.child == child; });
   if (is_known || !wants("tf")) return;
   static_transforms_.push_back({parent, child, T_body_lidar});
-  // All of them each time: a latched topic keeps only its last message.
+  // All transforms every time: a latched topic keeps only its last message.
   Channel& tf_static = channel("/tf_static", kTFMessage, true);
   message_.begin();
   message_.count(static_transforms_.size());

@@ -16,16 +16,16 @@
 
 namespace swiftlet::sim {
 
-/// Where the messages go.
+/// Destination of the messages.
 class RosSink {
  public:
   virtual ~RosSink() = default;
-  /// A number for a topic, used in write(). `latched`: late subscribers get the last message.
+  /// Returns a number for a topic, used in write(). `latched`: late subscribers get the last message.
   virtual int add_channel(const std::string& topic, const RosType& type, bool latched) = 0;
   virtual void write(int channel, std::uint32_t sequence, TimeNs t, std::span<const std::byte> message) = 0;
 };
 
-/// Turns ticks into ROS messages. Frames: world, VEHICLE/body, VEHICLE/local (odometry), VEHICLE/SENSOR.
+/// Converts ticks into ROS messages. Frames: world, VEHICLE/body, VEHICLE/local (odometry), VEHICLE/SENSOR.
 class RosTopics {
  public:
   RosTopics(const RosConfig& config, const RunInfo& info, RosDialect dialect, RosSink& sink);
@@ -43,7 +43,7 @@ class RosTopics {
 
   bool wants(const char* topic) const;
   Channel& channel(const std::string& topic, const RosType& type, bool latched = false);
-  /// The same with a type that is made only when the channel is new.
+  /// As above, with a type that is created only for a new channel.
   template <class TypeOf>
   requires std::is_invocable_v<TypeOf> Channel& channel(const std::string& topic, const TypeOf& type_of,
                                                         bool latched = false);
@@ -65,9 +65,9 @@ class RosTopics {
   RosSink& sink_;
   RosEncoder message_;
   RateGate gate_;
-  std::vector<bool> selected_;         // by VehicleId
-  std::vector<std::string> names_;     // by VehicleId, as ROS allows them
-  std::vector<TimeNs> last_estimate_;  // by VehicleId
+  std::vector<bool> selected_;         // indexed by VehicleId
+  std::vector<std::string> names_;     // ROS names, indexed by VehicleId
+  std::vector<TimeNs> last_estimate_;  // indexed by VehicleId
   std::map<std::string, Channel> channels_;
   std::vector<const Series*> series_;
   std::map<std::string, int> num_scans_;  // by topic

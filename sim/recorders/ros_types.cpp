@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Fields and constants of a type, in the words of ROS 1; ros2_text only where it differs.
+/// Fields and constants of a type in ROS 1 syntax; ros2_text only where it differs.
 struct Definition {
   std::string_view name;
   const char* text;
@@ -95,7 +95,7 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-/// The lines of a type itself.
+/// The lines of the type itself, without parts.
 std::string own_definition(const RosType& type, RosDialect dialect) {
   if (type.text.empty()) return std::string(definition_of(type.package + "/" + type.name, dialect));
   std::string text;
@@ -106,7 +106,7 @@ std::string own_definition(const RosType& type, RosDialect dialect) {
   return text;
 }
 
-/// As genmsg makes it: MD5 of the constants, then of the fields, types of other messages replaced by their
+/// Fingerprint of genmsg: MD5 of the constants, then of the fields, with types of other messages replaced by their
 /// fingerprints.
 std::string fingerprint(std::string_view definition) {
   std::string constants, fields;
@@ -177,7 +177,7 @@ std::string full_name(const RosType& type, RosDialect dialect) {
 std::string full_definition(const RosType& type, RosDialect dialect) {
   std::string text = own_definition(type, dialect);
   for (const std::string_view part : type.parts) {
-    if (dialect == RosDialect::kRos1 && definition_of(part, dialect).empty()) continue;  // built in, or not there
+    if (dialect == RosDialect::kRos1 && definition_of(part, dialect).empty()) continue;  // built in, or missing
     text += "\n" + std::string(80, '=') + "\nMSG: ";
     text += part;
     text += "\n";

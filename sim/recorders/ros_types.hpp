@@ -8,12 +8,12 @@
 
 namespace swiftlet::sim {
 
-/// A message type that the recorders write.
+/// A message type written by the recorders.
 struct RosType {
   std::string package;
   std::string name;
-  std::span<const char* const> parts;  ///< "package/Name" of every type inside, in order of appearance
-  std::string text = {};               ///< its fields in the words of ROS 1; empty: a standard type
+  std::span<const char* const> parts;  ///< "package/Name" of every nested type, in order of appearance
+  std::string text = {};               ///< fields in ROS 1 syntax; empty: a standard type
 };
 
 extern const RosType kPointCloud2;
@@ -27,9 +27,9 @@ extern const RosType kMarkerArray;
 
 /// "sensor_msgs/Imu" or "sensor_msgs/msg/Imu".
 std::string full_name(const RosType& type, RosDialect dialect);
-/// The definition with those of all its parts, as bags carry it.
+/// The definition with those of all its parts, as stored in bags.
 std::string full_definition(const RosType& type, RosDialect dialect);
-/// The fingerprint by which ROS 1 tells types apart.
+/// The fingerprint of the type in ROS 1.
 std::string ros1_fingerprint(const RosType& type);
 
 }  // namespace swiftlet::sim

@@ -12,9 +12,9 @@ namespace {
 enum Op : std::uint8_t { kBagMessage = 2, kBagHeader = 3, kIndex = 4, kBagChunk = 5, kChunkInfo = 6, kConnection = 7 };
 
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
-constexpr std::size_t kBagHeaderBytes = 4096;  // padded, so that it can be written over at the end
+constexpr std::size_t kBagHeaderBytes = 4096;  // padded, so that it can be overwritten at the end
 
-/// Runs `content`, which appends something, after its length.
+/// Appends the output of `content`, preceded by its length.
 template <class Content>
 void put_field(ByteBuffer& out, Content content) {
   const std::size_t start = out.size();
@@ -53,7 +53,7 @@ void put_text(ByteBuffer& out, std::string_view name, std::string_view text) {
   });
 }
 
-/// Two words, seconds and nanoseconds, as one number.
+/// Seconds and nanoseconds, each a 32-bit word, as one number.
 std::uint64_t ros_time(TimeNs t) {
   const auto nanoseconds = static_cast<std::uint64_t>(t % kNsPerSecond);
   return nanoseconds << 32 | static_cast<std::uint64_t>(t / kNsPerSecond);
@@ -76,7 +76,7 @@ std::uint32_t RosbagWriter::add_connection(Connection connection) {
 }
 
 void RosbagWriter::write(std::uint32_t connection, TimeNs t, std::span<const std::byte> message) {
-  t = std::max<TimeNs>(t, 1);  // readers take the time 0 for "none": ros::TIME_MIN is 1 ns
+  t = std::max<TimeNs>(t, 1);  // readers interpret time 0 as "none": ros::TIME_MIN is 1 ns
   ConnectionState& state = connections_.at(connection);
   const bool first =
       std::all_of(connections_.begin(), connections_.end(), [](const auto& c) { return c.index.empty(); });
@@ -130,7 +130,7 @@ void RosbagWriter::close_chunk() {
 
 std::span<const std::byte> RosbagWriter::compressed_chunk() {
   if (!compress_) return chunk_.bytes();
-  // What ROS's own LZ4 stream reader understands: independent blocks, a checksum of the content, no other fields.
+  // Supported by ROS's own LZ4 stream reader: independent blocks, a checksum of the content, no other fields.
   LZ4F_preferences_t preferences{};
   preferences.frameInfo.blockSizeID = LZ4F_max4MB;
   preferences.frameInfo.blockMode = LZ4F_blockIndependent;

@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 
 /// Writes a ROS 1 bag (wiki.ros.org/Bags/Format/2.0): chunks with their indexes, then connections and chunk infos.
-/// Memory: one chunk, and some bytes a chunk.
+/// Memory: one chunk, plus a few bytes per chunk.
 class RosbagWriter {
  public:
   struct Connection {
@@ -24,7 +24,7 @@ class RosbagWriter {
     bool latched = false;
   };
 
-  /// @param compress  chunks with LZ4
+  /// @param compress  compress chunks with LZ4
   RosbagWriter(const std::filesystem::path& path, bool compress, std::size_t chunk_bytes = 768 * 1024);
   std::uint32_t add_connection(Connection connection);
   void write(std::uint32_t connection, TimeNs t, std::span<const std::byte> message);
@@ -50,7 +50,7 @@ class RosbagWriter {
   OutputFile file_;
   bool compress_;
   std::size_t chunk_bytes_;
-  std::vector<ConnectionState> connections_;  // by id
+  std::vector<ConnectionState> connections_;  // indexed by id
   std::vector<ChunkInfo> chunks_;
   ByteBuffer chunk_;
   TimeNs chunk_start_ = 0, chunk_end_ = 0;

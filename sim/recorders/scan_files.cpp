@@ -103,7 +103,7 @@ class ScanFilesRecorder : public Recorder {
     Stream& stream = stream_of(vehicle, scan.scan.sensor);
     if (stream.num_scans++ % config_.every != 0) return;
 
-    // The header needs the number of points, hence the points first.
+    // Points first, since the header contains their number.
     body_.clear();
     const int num_points = put_points(scan, poses_of(vehicle, scan), format_.organized, body_);
     const char* frame = ScanFilesConfig::kFrames[static_cast<std::size_t>(config_.frame)];
@@ -119,7 +119,7 @@ class ScanFilesRecorder : public Recorder {
     append_index(stream.index, name, num_points, vehicle, scan);
   }
 
-  /// Poses that bring the points into the frame of the file, by column. Empty: they stay where they are.
+  /// Transforms of each column's points into the frame of the file. Empty: points stay in the lidar frame.
   std::span<const Pose> poses_of(VehicleId vehicle, const LabeledScan& scan) {
     if (config_.frame == ScanFilesConfig::Frame::kLidar) return {};
     if (config_.frame == ScanFilesConfig::Frame::kWorld) return scan.truth.T_world_lidar;
@@ -154,7 +154,7 @@ class ScanFilesRecorder : public Recorder {
   std::vector<std::string> names_;
   std::vector<bool> selected_;
   TimeNs start_time_ = 0;
-  std::vector<PoseHistory> estimates_;  // by VehicleId
+  std::vector<PoseHistory> estimates_;  // indexed by VehicleId
   std::map<std::pair<VehicleId, std::string>, Stream> streams_;
   std::vector<Pose> poses_;
   ByteBuffer body_;

@@ -14,7 +14,7 @@
 
 namespace swiftlet::sim {
 
-/// A number of each point, as stored.
+/// A stored value of each point.
 struct PointField {
   enum class Type { kFloat32, kUint8, kUint16, kUint32 };
   const char* name;
@@ -24,25 +24,25 @@ struct PointField {
 /// The fields of a point in their order: packed, little-endian, without padding.
 std::span<const PointField> point_fields();
 
-/// What a file's header tells about its points.
+/// Layout of the points, for a file's header.
 struct CloudLayout {
   int width = 0, height = 0;  ///< organized: columns and rows of the scan; compact: number of points and 1
   std::string frame;
   TimeNs stamp = 0;
 };
 
-/// One file format: the points are the same bytes in every one, after its own header.
+/// One file format: the point data is the same in all formats, after the format's own header.
 struct CloudFormat {
   const char* extension;
   bool organized;  ///< keep empty returns, as NaN
   std::string (*header)(const CloudLayout& layout);
 };
 
-/// Appends the points of a scan as point_fields() say, row by row. `T_frame_lidar` by column, or one for all;
-/// empty: points stay in the lidar's frame. Returns how many points were put.
+/// Appends the points of a scan in the layout of point_fields(), row by row. `T_frame_lidar` per column, or one for
+/// all; empty: points stay in the lidar frame. Returns the number of points.
 int put_points(const LabeledScan& scan, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out);
 
-/// FOLDER/VEHICLE_SENSOR/%06d.EXTENSION and an index of them, FOLDER/VEHICLE_SENSOR/EXTENSION_index.csv.
+/// Writes FOLDER/VEHICLE_SENSOR/%06d.EXTENSION and an index of them, FOLDER/VEHICLE_SENSOR/EXTENSION_index.csv.
 std::unique_ptr<Recorder> make_scan_files_recorder(const ScanFilesConfig& config, const CloudFormat& format);
 
 }  // namespace swiftlet::sim

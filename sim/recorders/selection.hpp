@@ -8,14 +8,14 @@
 
 namespace swiftlet::sim {
 
-/// Which vehicles a recorder writes, as flags by VehicleId. No names: all of them.
+/// Vehicles that a recorder writes, as flags by VehicleId. Empty `wanted`: all.
 /// Throws InputError on a name that no vehicle has.
 std::vector<bool> select_vehicles(const std::vector<std::string>& wanted, const std::vector<std::string>& names);
 
-/// Is `word` in the list? An empty list holds every word.
+/// Is `word` in the list? An empty list contains every word.
 bool selects(const std::vector<std::string>& wanted, const std::string& word);
 
-/// True in the first tick at or after every multiple of the period; a rate of 0 takes every tick.
+/// True in the first tick at or after every multiple of the period; a rate of 0 selects every tick.
 class RateGate {
  public:
   explicit RateGate(double rate_hz = 0.0) : period_(rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : 0) {}

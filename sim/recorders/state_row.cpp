@@ -7,7 +7,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// The table of states has rotors of its own, last, and no covariance.
+/// The table of states has its rotor columns last, and no covariance.
 struct StateColumns : Columns {
   using Columns::Columns;
   void array(const char*, const auto&, const char*) {}
