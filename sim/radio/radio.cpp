@@ -25,10 +25,10 @@ void RadioConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-/// A message in the memory of the radio; `pending` receivers still wait for it. Slots are used again.
+/// A message in the radio's memory, needed by `pending` receivers. Slots are reused.
 struct Slot {
   Message message;
-  std::uint32_t sequence = 0;  ///< number of the message among those of its sender
+  std::uint32_t sequence = 0;  ///< sequence number among its sender's messages
   int pending = 0;
 };
 
@@ -46,7 +46,7 @@ struct Arrival {
   int slot = 0;
 };
 
-/// For the heaps of the standard library, whose top is the greatest: the earliest arrival.
+/// Heap order of the standard library, whose top is the greatest element: the earliest arrival.
 bool later(const Arrival& a, const Arrival& b) {
   return std::tie(a.t, a.from, a.sequence) > std::tie(b.t, b.from, b.sequence);
 }
@@ -62,7 +62,7 @@ struct Radio::Impl {
         senders(num_vehicles),
         inboxes(num_vehicles),
         positions(num_vehicles, Vector3::Zero()) {
-    // A stream for each link: another vehicle changes nothing between these two.
+    // One random stream per link, so that another vehicle does not change this link.
     for (const std::string& from : names) {
       for (const std::string& to : names) {
         loss.emplace_back(seed, "radio.loss", from + ">" + to);
@@ -94,8 +94,8 @@ struct Radio::Impl {
   std::vector<int> free_slots;
   std::vector<Sender> senders;
   std::vector<std::vector<Arrival>> inboxes;  ///< heaps, earliest first
-  std::vector<Message> buffers;               ///< storage handed back by recycle()
-  std::vector<Vector3> positions;             ///< of the vehicles in the last tick in which somebody posted
+  std::vector<Message> buffers;               ///< storage returned by recycle()
+  std::vector<Vector3> positions;             ///< vehicle positions in the last tick with a posted message
   TimeNs transmitted_until = -1;
   TimeNs positions_at = -1;
   RadioStatistics statistics;
@@ -110,7 +110,7 @@ int Radio::Impl::store(const Message& message) {
   }
   const int slot = free_slots.back();
   free_slots.pop_back();
-  slots[slot].message = message;  // keeps the capacity of the slot's payload
+  slots[slot].message = message;  // reuses the capacity of the slot's payload
   return slot;
 }
 
@@ -142,7 +142,7 @@ void Radio::Impl::transmit_all_until(TimeNs now) {
   for (VehicleId from = 0; from < num_vehicles; ++from) transmit_until(from, now);
 }
 
-/// Starts every transmission of this sender that can start at or before `now`.
+/// Starts every transmission of this sender that is due at or before `now`.
 void Radio::Impl::transmit_until(VehicleId from, TimeNs now) {
   Sender& sender = senders[from];
   while (!sender.waiting.empty()) {
@@ -171,7 +171,7 @@ void Radio::Impl::transmit(VehicleId from, int slot, TimeNs end) {
   if (slots[slot].pending == 0) release(slot);
 }
 
-/// Decides whether and when the message reaches `to`.
+/// Decides whether the message reaches `to`, and its time of arrival.
 void Radio::Impl::receive(VehicleId to, int slot, TimeNs end) {
   const VehicleId from = slots[slot].message.from;
   const std::uint32_t sequence = slots[slot].sequence;
@@ -215,7 +215,7 @@ Radio::Radio(const RadioConfig& config, std::uint64_t seed, std::vector<std::str
 Radio::~Radio() = default;
 
 void Radio::post(VehicleId from, TimeNs now, std::span<const Message> messages, std::span<const VehicleState> states) {
-  impl_->transmit_all_until(now);  // what started before this tick saw the vehicles where they were then
+  impl_->transmit_all_until(now);  // transmissions that start before this tick use the earlier positions
   if (now != impl_->positions_at) {
     impl_->positions_at = now;
     for (int i = 0; i < impl_->num_vehicles; ++i) impl_->positions[i] = states[i].p_world_m;

@@ -18,7 +18,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What can be recorded: a new format is one line here.
+// All recorders: a new format needs one line here.
 const RecorderType kRecorderTypes[] = {
     {{"tum", "trajectories, truth and estimate, as TUM text files", make_module_config<TumConfig>}, make_tum_recorder},
     {{"csv", "tables of states and sensor samples", make_module_config<CsvConfig>}, make_csv_recorder},
@@ -36,7 +36,7 @@ const RecorderType kRecorderTypes[] = {
 }  // namespace
 
 Registry<RecorderType>& recorder_registry() {
-  sensor_registry();  // recorders ask what its sensors measure
+  sensor_registry();  // registers the sensors, whose sample tables recorders query
   static Registry<RecorderType> table("recorder", kRecorderTypes);
   return table;
 }

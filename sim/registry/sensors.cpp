@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// What exists: adding a sensor is one line here.
+// All sensors: a new sensor needs one line here.
 constexpr SensorType kSensorTypes[] = {
     {{"pose", "pose from outside: motion capture, RTK, or the truth itself", make_module_config<PoseConfig>},
      make_pose_sensor},

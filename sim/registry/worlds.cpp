@@ -25,7 +25,7 @@ constexpr WorldType row(const char* name, const char* doc) {
   return {{name, doc, make_module_config<Config>}, make_from<Config, make>};
 }
 
-// Adding a generator: its .hpp, .cpp and test, and one line here.
+// All generators: a new one needs its .hpp, .cpp and test, and one line here.
 const WorldType kWorldTypes[] = {
     row<FieldConfig, make_field>("field", "open ground with scattered trees"),
     row<ForestConfig, make_forest>("forest",
