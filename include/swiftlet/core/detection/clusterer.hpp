@@ -13,9 +13,9 @@ namespace swiftlet {
 
 /// Joins points by their mutual distance [Vrba 2025, eqs. 13-15]. Two points are in the same cluster exactly if a chain
 /// of points joins them in steps of at most the tolerance.
+///
 /// Clusters are in the order of their first points, members in the order of the points, so results do not depend on the
 /// implementation. Any frame, the same for all arguments.
-/// joins them. Any frame, the same for all arguments.
 class Clusterer {
  public:
   virtual ~Clusterer() = default;

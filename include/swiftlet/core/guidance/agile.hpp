@@ -35,7 +35,6 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
 /// and the points lie in the box. So speed, acceleration and position keep their bounds at every instant, and jerk is
 /// at most 2 a / h. The control points head for random targets in the area, at least `leg_min_m` apart, and can always
 /// brake in time.
-/// always brake in time.
 class AgileSpline {
  public:
   /// Begins at rest at `start`; the area is extended to contain it. Vertical limits may be lower than those of the

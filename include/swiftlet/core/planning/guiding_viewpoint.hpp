@@ -57,7 +57,8 @@ Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double 
 /// connected safe region with the visibility regions.
 /// @param path_local_m    at least one waypoint
 /// @param before_local_m  path that is flown before, during the observer's flight. Viewpoints keep clear of it, too.
-/// The regions on either side of the path are then separate, because the observer may not cross it.
+///                        The regions on either side of the path are then separate, because the observer may not
+///                        cross it.
 /// @param keep_outs       volumes of other vehicles: no viewpoints, but they do not occlude
 GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
                                           std::span<const Vector3> path_local_m, const ViewpointRules& rules,
