@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a batch file may say, on both sides of every bound, and what a cluster is asked for.
+// Contents of a batch file, on both sides of every bound, and the resources requested from a cluster.
 #include "swiftlet/sim/batch/batch_config.hpp"
 
 #include <gmock/gmock.h>
@@ -210,7 +210,7 @@ std::string line_of(const std::string& script, const std::string& option) {
   return script.substr(begin, script.find('\n', begin) - begin);
 }
 
-/// As the page about clusters tells it.
+/// As described on the page about clusters.
 TEST(Slurm, TasksAreAsManyAsTheEpisodesNeed) {
   const BatchFolder folder;
   struct Case {

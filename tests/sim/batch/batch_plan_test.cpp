@@ -210,7 +210,7 @@ TEST(BatchPlan, NothingOfAFileBecomesACommandOfTheJobScript) {
   EXPECT_THROW(make_slurm_scripts(plan, "out\nid", "/bin/swiftlet"), InputError);
 }
 
-// So that a worker is told that it takes too much before Slurm kills the whole task.
+// A worker's own limit has to act before Slurm kills the whole task.
 TEST(BatchPlan, WorkersOfAClusterGetLessMemoryThanSlurmGivesThem) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan("slurm: {memory_per_cpu_mb: 2000}\n");

@@ -78,7 +78,7 @@ class Stranger : public ::testing::Test {
   std::filesystem::path file_ = folder_.path() / "results.sqlite";
 };
 
-/// An inner page of a table all of whose children are one and the same page (SQLite's "Database File Format", 1.6).
+/// An inner page of a table whose children are all the same page (SQLite's "Database File Format", 1.6).
 std::array<unsigned char, 512> page_of_one_child(int child) {
   constexpr int kCells = 50, kCellBytes = 5, kHeadBytes = 12, kPageBytes = 512;
   std::array<unsigned char, kPageBytes> page{};
@@ -137,7 +137,7 @@ TEST_F(Stranger, ATreeThatNamesItsPagesManyTimesIsNotReadForEver) {
   set_page(last, page(root));  // the leaf with the only episode
   for (int number = last - 1; number > last - 6; --number) set_page(number, page_of_one_child(number + 1));
   set_page(root, page_of_one_child(last - 5));
-  // It stands there fifty to the sixth times.
+  // The last page is referenced fifty to the sixth times.
   const auto damaged = HasSubstr("expected results of a batch, found a damaged file");
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.count_by_status(); }), damaged);
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.dump(); }), damaged);

@@ -56,7 +56,7 @@ std::vector<EpisodeRow> rows(const std::filesystem::path& file) {
 }
 std::string dump(const std::filesystem::path& file) { return ResultStore(file, ResultStore::Mode::kRead).dump(); }
 
-/// Each episode's state hash by a simulation in a process of its own (this one must not start threads).
+/// State hash of each episode, from a simulation in a process of its own (this process must not start threads).
 std::map<std::uint64_t, std::string> hashes_alone(const BatchPlan& plan) {
   std::vector<Job> all;
   for (std::uint64_t id = 0; id < plan.num_episodes(); ++id) all.push_back({id, id});

@@ -104,7 +104,7 @@ TEST(Shard, OfAnArrayWhoseBoundsAreNotToldItCountsFromZero) {
       "2/4");
   EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "4"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}), InputError);
   EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "0"}}), InputError);
-  // The same number twice is no array.
+  // Equal least and largest task numbers are no array.
   EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "0"},
                          {"SLURM_ARRAY_TASK_COUNT", "3"},
                          {"SLURM_ARRAY_TASK_MIN", "0"},

@@ -106,7 +106,7 @@ TEST(Sweep, AGridHasItsBound) {
 }
 
 TEST(Sweep, ShufflingIsEquallyLikelyInEveryOrder) {
-  // Of three strata the six orders, over 1200 seeds: 200 each, with a standard deviation of 13.
+  // Six orders of three strata over 1200 seeds: 200 each, with a standard deviation of 13.
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kLatinHypercube;
   sweep.samples = 3;

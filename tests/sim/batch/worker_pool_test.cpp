@@ -155,9 +155,9 @@ TEST(WorkerPool, AWorkerStaysWithItsGroup) {
     ::usleep(2'000);
     return std::to_string(::getpid()) + " " + std::to_string(seen.size());
   };
-  // 8 groups for 2 workers: whoever takes a group does all of it, save the last one, which may be shared.
+  // 8 groups for 2 workers: a group stays with its worker, except the last one, which may be shared.
   const Results results = results_of(jobs(40, 5), work, workers(2));
-  std::map<std::string, int> built;  // by worker
+  std::map<std::string, int> built;  // groups begun, per worker
   for (const auto& [id, result] : results) {
     const std::size_t blank = result.bytes.find(' ');
     int& most = built[result.bytes.substr(0, blank)];
@@ -226,7 +226,7 @@ TEST(WorkerPool, WorkersDieWithTheProcessThatStartedThem) {
   for (const pid_t pid : started) EXPECT_TRUE(dies_within(pid, 5.0));
 }
 
-#if !defined(__SANITIZE_THREAD__)  // which has a thread of its own
+#if !defined(__SANITIZE_THREAD__)  // ThreadSanitizer has a thread of its own
 TEST(WorkerPool, RefusesToForkAProcessWithThreads) {
   std::atomic<bool> over = false;
   std::thread other([&] {

@@ -146,7 +146,7 @@ TEST_F(BoxesTest, OnlyPointsOfVehiclesThatReturnedCount) {
   put(103, 20.0F, 300, 1);  // the carrier itself
   put(104, 20.0F, 300, 3);
   put(105, 20.0F, 300, 3);
-  put(106, 20.0F, 300, 4);  // nobody
+  put(106, 20.0F, 300, 4);  // instance of no vehicle
   put(107, 20.0F, 300, 0);
   const auto found = boxes({20, 0, 10.3}, kFarBehind);
   ASSERT_EQ(found.size(), 2U);
@@ -169,7 +169,7 @@ TEST_F(BoxesTest, TheirPosesAreThoseOfTheBodyAtTheirTime) {
   EXPECT_EQ(box.v_world_mps, v2);
 }
 
-/// A LiDAR of a single direction sees in its own cell of two degrees and in the cells beside it.
+/// A LiDAR of a single beam sees its own cell of two degrees and the cells beside it.
 TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
   const auto visible_at = [&](double azimuth_deg, double elevation_deg,
                               const std::vector<std::pair<double, double>>& beams_deg) {
@@ -187,7 +187,7 @@ TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
     scan.truth.surface_class.assign(beams_deg.size(), 0);
     scan.truth.instance.assign(beams_deg.size(), 0);
     const double a = azimuth_deg * std::numbers::pi / 180.0, e = elevation_deg * std::numbers::pi / 180.0;
-    // So far that it is less than a degree wide.
+    // So distant that it is less than a degree wide.
     const Vector3 direction(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     return boxes(Vector3(0, 0, 10.3) + 45.0 * direction, kFarBehind)[0].visible_fraction;
   };

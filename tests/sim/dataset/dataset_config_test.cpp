@@ -329,7 +329,7 @@ TEST_F(TeamOfFour, APreparedFlightIsItsScenarioOnItsPathsInItsWorld) {
     const auto& path = guidance.as<TimedPathConfig>();
     EXPECT_EQ(vehicle.start.position_m, path.points_m.front());
     EXPECT_GT(path.interval_s, 0.0);
-    // It looks along its path: within a right angle of where it goes first.
+    // The initial heading is within a right angle of the first path direction.
     EXPECT_LE(std::abs(vehicle.start.yaw_deg), 360.0);
   }
   const auto& materials = prepared.world.scene->materials;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a dataset tells about itself: data card, class table, manifest, descriptions of sequences.
+// Descriptions of a dataset: data card, class table, manifest, descriptions of sequences.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -230,7 +230,7 @@ TEST(ClassTable, NumbersClassesWithoutGapsAndTellsTheirShare) {
                                           std::to_string(ground_rgb.y()) + ", " + std::to_string(ground_rgb.x()) + "]"))
       << "blue first";
   EXPECT_THAT(block(table, "split"), ElementsAre("train:", "  - 3", "  - 5", "valid:", "  - 4", "test: []"));
-  // Without points nothing has a share.
+  // Without points all shares are zero.
   EXPECT_THAT(block(class_table(plan_of({}), {}), "content").at(1), HasSubstr(": 0.000000000"));
 }
 

@@ -86,13 +86,13 @@ TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
   const auto world = std::make_shared<const StaticScene>(scene.scene());
   const FreeSpace space(world, {.radius_m = kRadius_m, .height_max_m = 9.0, .indoors = true});
   EXPECT_TRUE(space.is_free(Vector3(0, 0, 3)));
-  EXPECT_TRUE(space.is_free(Vector3(8, 0, 3)));  // before the door
+  EXPECT_TRUE(space.is_free(Vector3(8, 0, 3)));  // in front of the door
   EXPECT_TRUE(space.is_free(Vector3(-9, 9, 3)));
   EXPECT_FALSE(space.is_free(Vector3(0, 0, 7)));  // above the walls
   for (const Vector3& outside : {Vector3(14, 0, 3), Vector3(0, 14, 3), Vector3(-14, -14, 3), Vector3(12, 20, 3)}) {
     EXPECT_FALSE(space.is_free(outside)) << outside.transpose();
     EXPECT_TRUE(find_path(space, {0, 0, 3}, outside).corners_world_m.empty());
-    EXPECT_TRUE(space_of(world).is_free(outside));  // where it is not asked for
+    EXPECT_TRUE(space_of(world).is_free(outside));  // without restriction to the indoor space
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A dataset of half a second: what lies in its directory, and that verification notices what was changed in it.
+// A dataset of half a second: contents of its directory, and detection of changes by verification.
 #include "swiftlet/sim/dataset/generate.hpp"
 
 #include <fcntl.h>
@@ -41,8 +41,8 @@ std::vector<std::vector<double>> rows_of(const fs::path& file) {
   return rows;
 }
 
-/// Two UAVs above a plane, one with a LiDAR of 8 x 32 beams; two flights, of one split each. Named so that it runs
-/// before the others: flights are made by forked processes, and a process with threads cannot be forked.
+/// Two UAVs above a plane, one with a LiDAR of 8 x 32 beams; two flights of one split each. The name makes it run
+/// before the others: flights run in forked processes, and a process with threads cannot fork.
 class SmallDatasetDeathTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -111,7 +111,7 @@ TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlightWithItsSplitAndSeed) {
   }
 }
 
-// What generates comes before what verifies: the latter simulates here, which starts threads.
+// Tests that generate run before tests that verify: the latter simulate here, which starts threads.
 TEST_F(SmallDatasetDeathTest, WhatIsMissingIsFlownAgainAndComesOutTheSame) {
   const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
   fs::remove_all(out / "sequences/01");
@@ -140,7 +140,7 @@ TEST_F(SmallDatasetDeathTest, WhatIsMissingIsFlownAgainAndComesOutTheSame) {
   EXPECT_TRUE(fs::exists(out / "sequences/.kept"));
   EXPECT_FALSE(fs::exists(out / ".lock"));
   fs::remove_all(out / "sequences/.kept");
-  // Descriptions tell the same bytes of the same files.
+  // The manifest lists the same bytes of the same files.
   const auto again = nlohmann::json::parse(text_of(out / "manifest.json"));
   EXPECT_EQ(again.at("sequences"), manifest.at("sequences"));
   EXPECT_EQ(again.at("files"), manifest.at("files"));
@@ -247,7 +247,7 @@ TEST_F(SmallDatasetDeathTest, DescriptionsOfSequencesTellTheirFlights) {
   }
 }
 
-// As KITTI has them: the upper three rows of a matrix. There is no camera, so that nothing lies between the two frames.
+// As in KITTI: the upper three rows of a matrix. There is no camera, so that both frames coincide.
 TEST_F(SmallDatasetDeathTest, PosesAndCalibrationAreWholeMatrices) {
   const fs::path sequence = out / "sequences/00";
   const std::vector<double> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -265,7 +265,7 @@ TEST_F(SmallDatasetDeathTest, PosesAndCalibrationAreWholeMatrices) {
     EXPECT_GT(row[11], 0.5);  // above the ground
     EXPECT_LT(row[11], 8.0);
   }
-  // Told by ground truth: the same places.
+  // Ground truth as localization: the same positions.
   const auto told = rows_of(sequence / "told.tum");
   ASSERT_EQ(told.size(), poses.size());
   for (std::size_t k = 1; k < told.size(); ++k) {
@@ -319,7 +319,7 @@ TEST_F(SmallDatasetDeathTest, EveryFrameCanBeSimulatedAgainAndOneThatDiffersIsTo
   EXPECT_THAT(whole.problems, IsEmpty());
   EXPECT_EQ(whole.resimulated, whole.frames) << "no more than there are";
   EXPECT_THAT(told, ::testing::ElementsAre(0.5, 0.75));
-  // Another byte in one frame, of which the manifest knows.
+  // Changed byte in one frame, together with its hash in the manifest.
   const std::string name = "sequences/01/velodyne/000001.bin";
   std::string bytes = text_of(out / name);
   bytes[3] = static_cast<char>(bytes[3] ^ 1);
@@ -332,7 +332,7 @@ TEST_F(SmallDatasetDeathTest, EveryFrameCanBeSimulatedAgainAndOneThatDiffersIsTo
   const VerifyReport changed = verify_dataset(out, options);
   EXPECT_THAT(changed.problems, ::testing::ElementsAre(name + ": differs when simulated again"));
   EXPECT_EQ(changed.resimulated, changed.frames);
-  // Which frames are drawn depends on the seed alone: of all seeds some find it, some do not, always the same.
+  // The sample of frames depends on the seed alone: some seeds find the change, some do not, always the same ones.
   options.frames = 4;
   std::vector<bool> found;
   for (const std::uint64_t seed : {1U, 2U, 3U, 1U}) {

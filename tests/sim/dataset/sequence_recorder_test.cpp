@@ -60,7 +60,7 @@ class Flight2 {
     info_.vehicle_shapes = {shape, shape};
   }
 
-  /// @return what was recorded in `directory`
+  /// @return statistics of the sequence recorded in `directory`
   SequenceStatistics record(const ContentConfig& content, const fs::path& directory, int rows = 16, int cols = 90) {
     info_.directory = directory;
     scans.clear();
@@ -124,8 +124,8 @@ class Flight2 {
   std::shared_ptr<const StaticScene> world;
   std::vector<std::shared_ptr<const LabeledScan>> scans;
   double flown_m = 0.0;
-  double other_ahead_m = 0.0;  // of where it would fly
-  bool told = false;           // by an outside localization
+  double other_ahead_m = 0.0;  // distance from its planned position
+  bool told = false;           // localized from outside
 
  private:
   std::shared_ptr<LabeledScan> make_scan(const std::shared_ptr<const BeamTable>& beams, int n) const {
@@ -151,7 +151,7 @@ class Flight2 {
       truth.instance.push_back(0);
       truth.part.push_back(0);
     }
-    // So many points on the other vehicle: 0 to 6.
+    // Number of points on the other vehicle: 0 to 6.
     for (int i = 0; i < n % 7; ++i) {
       const auto at = static_cast<std::size_t>(10 + i);
       scan.range_m[at] = 30.0F;
@@ -268,7 +268,7 @@ TEST_F(SequenceRecorderTest, BoxesStandWhereTheOtherWasWhenItsPointsWereSeen) {
       const double mean_s = 0.1 * (10.0 + 0.5 * (points - 1)) / 90.0;
       EXPECT_NEAR(to_seconds(t) - 0.1 * static_cast<double>(n), mean_s, 1e-7);
     }
-    const TimeNs known = std::max(t, Flight2::kTick);  // nothing is known of the time before the first tick
+    const TimeNs known = std::max(t, Flight2::kTick);  // no data before the first tick
     const Vector3 p_world = vector(row, "x_world_m", "y_world_m", "z_world_m"),
                   p_lidar = vector(row, "x_m", "y_m", "z_m");
     EXPECT_LT((flight.world_from_lidar(known) * p_lidar - p_world).norm(), 1e-6);

@@ -66,7 +66,7 @@ class HandMade : public ::testing::Test {
     return options;
   }
 
-  /// With descriptions that fit the files as they are.
+  /// Verification with descriptions that fit the present files.
   VerifyReport verify(const VerifyOptions& options = without_frames()) {
     std::ofstream(root() / "README.md") << "hand-made";
     info.files = list_files(sequence());

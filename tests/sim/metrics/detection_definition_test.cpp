@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detections and tracks judged by the definitions of docs/metrics.md, written out plainly: all that ever was is kept,
-// and of all pairings the best one is taken.
+// Detections and tracks judged by the definitions of docs/metrics.md in plain code: the whole history is kept, and the
+// best of all assignments is found by enumeration.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -46,17 +46,17 @@ struct Look {
   std::vector<int> points;
 };
 
-/// What one observer's detector or tracker has told, in all scans.
+/// Output of one observer's detector or tracker in all scans.
 struct Stage {
   bool tracks = false;
-  std::vector<DetectionScore> scores;  // of targets
+  std::vector<DetectionScore> scores;  // per target
   Mean latency_s, ospa_m;
   int estimates = 0, right = 0, wrong = 0, switches = 0, crossings = 0;
   TimeNs first = -1, last = -1;
-  std::map<std::uint32_t, VehicleId> follows;   // that was told in the last scan, by identity; kNoVehicle: nobody yet
-  int ghosts = 0;                               // that have ended
-  std::map<VehicleId, std::uint32_t> followed;  // by whom, last
-  std::map<VehicleId, TimeNs> seen, found;      // first
+  std::map<std::uint32_t, VehicleId> follows;   // vehicle followed by each track of the last scan; kNoVehicle: none yet
+  int ghosts = 0;                               // ended ghosts
+  std::map<VehicleId, std::uint32_t> followed;  // last track that followed each vehicle
+  std::map<VehicleId, TimeNs> seen, found;      // first time
 };
 
 class PlainJudge {
@@ -153,7 +153,7 @@ class PlainJudge {
     return {T * motion.p_m, T.linear() * motion.v_mps};
   }
 
-  /// Every way of pairing; the one that saves most of the distance up to the limit stays.
+  /// Enumerates assignments; keeps the one that saves the largest sum of distances below the limit.
   void pair(VehicleId j, VehicleId count, VehicleId observer, const std::vector<Guess>& guesses, double saved_m) {
     if (j == count) {
       if (saved_m <= saved_m_) return;
@@ -191,7 +191,7 @@ class PlainJudge {
   std::vector<std::vector<VehicleState>> states_;
   std::vector<std::vector<Pose>> T_estimate_truth_;
   std::vector<char> flying_;
-  std::vector<VehicleId> now_, best_;  // by guess
+  std::vector<VehicleId> now_, best_;  // index per guess
   double saved_m_ = 0.0;
 };
 
@@ -210,7 +210,7 @@ TEST_P(DetectionDefinition, OfARandomRunIsReported) {
   perception[2] = {GetParam() % 2 == 0, true, {}};
   MetricsRun run(kVehicles, config, perception);
   PlainJudge judge(config);
-  std::map<std::pair<VehicleId, bool>, Stage> stages;  // by observer; does it track?
+  std::map<std::pair<VehicleId, bool>, Stage> stages;  // key: observer, and whether it tracks
   std::map<VehicleId, std::vector<Look>> looks;
   std::vector<DetectionScore> told;
   for (std::uint32_t k = 0; k < 500; ++k) {
@@ -265,7 +265,7 @@ TEST_P(DetectionDefinition, OfARandomRunIsReported) {
       action.tracks.clear();
       action.has_detections = perception[at].detects && tells;
       action.has_tracks = tracks;
-      stamps[i] = looks[i].empty() || k % 70 == 6 ? 12'345 : looks[i].back().stamp;  // a scan that nobody knows
+      stamps[i] = looks[i].empty() || k % 70 == 6 ? 12'345 : looks[i].back().stamp;  // an unknown scan
       action.detections_stamp = stamps[i];
       for (std::uint32_t e = 0; e < 5; ++e) {
         const auto u = [&](std::uint32_t m) { return random.uniform(k, 100'000 + 1000 * at + 10 * e + m); };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr TimeNs kScan = 100'000'000;
 
-/// An observer (vehicle 0 unless told otherwise) that detects and tracks the others; a test says what it sees.
+/// An observer (vehicle 0 by default) that detects and tracks the others, with detections set by the tests.
 struct SightRun : MetricsRun {
   explicit SightRun(int num_vehicles, MetricsConfig config = {}, std::size_t looks = 0)
       : MetricsRun(num_vehicles, config, perceived(num_vehicles, looks)), observer(looks) {
@@ -311,7 +311,7 @@ TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {
   EXPECT_EQ(metrics.report().find("track_recall", "uav1"), nullptr);
 }
 
-// Returns on the target tell which scan was found: as many as its number.
+// The number of returns on the target identifies the scan that was found.
 TEST(DetectionMetric, AScanIsRememberedUntilSixtyFourOthersCame) {
   for (const int back : {0, 1, 62, 63, 64, 65}) {
     SightRun run(2);

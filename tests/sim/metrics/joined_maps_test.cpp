@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// An agent that does nothing, but knows how a frame lies in its own.
+/// An inactive agent with a known transform to another vehicle's frame.
 class Joiner : public Agent, public JoinsMaps {
  public:
   const Action& step(const Observation&) override { return action_; }
@@ -26,7 +26,7 @@ Pose turned_at(const Vector3& p_world_m, double yaw_rad) {
   return make_pose(p_world_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
 }
 
-/// Two whose local frames lie somewhere in the world. The first one knows how.
+/// Two vehicles with arbitrary local frames in the world; the first one knows the transform.
 struct JoinedPair : MetricsRun {
   const Pose T_world_local[2] = {turned_at({3, -2, 1}, 0.7), turned_at({-20, 9, 2}, -2.0)};
   Joiner* joiner = nullptr;

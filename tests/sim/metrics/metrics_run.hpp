@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 
 inline constexpr TimeNs kTick = 10'000'000;
 
-/// Feeds metrics with ticks whose states and actions a test sets.
+/// Feeds metrics with ticks whose states and actions are set by a test.
 struct MetricsRun {
   explicit MetricsRun(int num_vehicles, MetricsConfig config = {}, std::vector<Perception> perception = {})
       : states(num_vehicles),

@@ -261,7 +261,7 @@ TEST(Metrics, UpdatesDoNotAllocate) {
   EXPECT_EQ(test::num_allocations(), before);
 }
 
-/// A metric of one's own, with a table that nobody else knows of.
+/// A user-defined metric with a table of its own.
 struct Height {
   static constexpr const char* kName = "height";
   TimeNs t = 0;

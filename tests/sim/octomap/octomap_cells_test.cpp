@@ -66,7 +66,7 @@ TEST_F(CellsOfOctrees, ComeBackWhereverTheyLieAndHoweverTheyArePruned) {
   }
   add(-1, -1, -1, 2);
   add(100, -50, 7, 0);
-  add(3, -9, 4, 1);  // nobody knows
+  add(3, -9, 4, 1);  // unknown state
   add(32767, -32768, 32767, 2);
   const auto cells_of = [&](const std::vector<Eigen::Vector3f>& centers_m) {
     std::vector<std::array<int, 3>> cells;

@@ -108,7 +108,7 @@ TEST(OctomapFile, ThatIsNoneIsRefusedByNameAndReason) {
   flat.replace(flat.find("res 0.1"), 7, "res 0.0");
   EXPECT_NE(refusal("e.ot", flat).find("resolution"), std::string::npos);
   EXPECT_THROW(read_octomap(directory.path() / "missing.bt"), InputError);
-  // Each of these sends the library's readers down a tree without end.
+  // Each of these sends the library's reader into endless recursion.
   const std::string head = whole.substr(0, whole.find("data\n") + 5);
   EXPECT_NE(refusal("f.ot", head + std::string(100, '\xff')).find("deeper"), std::string::npos);
   const std::string binary = octomap_content(some_map(), OctomapFormat::kBt, {});

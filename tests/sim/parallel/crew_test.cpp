@@ -66,7 +66,7 @@ TEST(Crew, HelpersTakePart) {
   const Crew::Duty duty(crew);
   std::mutex mutex;
   std::set<std::thread::id> seen;
-  // Each waits for the other two: a loop of one thread would never end.
+  // Each iteration waits for the other two: a loop on one thread would never end.
   std::atomic<int> here = 0;
   parallel_for(3, 1, [&](int) {
     ++here;
@@ -110,7 +110,7 @@ TEST(Crew, OfSeveralExceptionsThatOfTheFirstIterationIsThrownAndAllOthersAreDone
 }
 
 TEST(Crew, ThreadsEndWithIt) {
-  std::thread([] {}).join();  // with the first one, the thread sanitizer begins one of its own
+  std::thread([] {}).join();  // the thread sanitizer starts a thread of its own together with the first one
   const std::size_t before = other_threads().size();
   {
     Crew crew(4);
@@ -145,12 +145,12 @@ TEST(Crew, ALoopDoesNotWaitForThreadsThatDoNotRun) {
   for (const pid_t helper : helpers) syscall(SYS_tgkill, ::getpid(), helper, SIGUSR1);
   while (g_stopped < 3) std::this_thread::yield();
 
-  int done = 0;  // by this thread alone
+  int done = 0;  // counted by this thread alone
   for (int round = 0; round < 10; ++round) parallel_for(100, 1, [&](int) { ++done; });
   EXPECT_EQ(done, 1000);
 
   g_may_run = true;
-  std::atomic<int> here = 0;  // and who runs again helps again
+  std::atomic<int> here = 0;  // resumed threads help again
   parallel_for(4, 1, [&](int) {
     ++here;
     while (here < 4) std::this_thread::yield();

@@ -75,7 +75,7 @@ TEST(SharingJudge, SharesAgainSoonAfterTheOthersHaveGone) {
   EXPECT_EQ(fly(judge, {100, 150}, 1000, false).shared, 1.0);
 }
 
-// The first spans after a turn still feel what was before: here they are three times as slow.
+// The first spans after a change are still affected by the former mode: here they are three times as slow.
 TEST(SharingJudge, TheSpansRightAfterATurnDoNotCount) {
   SharingJudge judge;
   int shared = 0, since_turn = 0;

@@ -49,7 +49,7 @@ TEST(Downwash, BlowsDownBelowAndNowhereElse) {
   // A cone: farther down it is slower on the axis and wider.
   EXPECT_LT(wake.velocity_world_mps({0, 0, -10}).norm(), wake.velocity_world_mps({0, 0, -3}).norm());
   EXPECT_GT(wake.velocity_world_mps({1.2, 0, -10}).norm(), wake.velocity_world_mps({1.2, 0, -3}).norm());
-  // It turns with the vehicle.
+  // The wake rotates with the vehicle.
   const Wake tilted =
       make_wake(test_quad(), {0, 0, 0}, Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitY()).toRotationMatrix(),
                 20.0, kAirDensity);
@@ -83,7 +83,7 @@ TEST(GroundEffect, FollowsItsCurveAndIsClipped) {
   EXPECT_NEAR(ground_effect_gain(0.2, 0.2, 1.0), 1.0 / 16.0, 1e-12);  // Cheeseman and Bennett, leading term, h = R
   EXPECT_NEAR(ground_effect_gain(0.01, 0.2, 11.36859), 4.0 / 15.0, 1e-12);
   EXPECT_NEAR(ground_effect_gain(-0.1, 0.2, 11.36859), 4.0 / 15.0, 1e-12);
-  // Where gym-pybullet-drones clips: h = R / 4 sqrt(15 c / 4).
+  // Clipping height of gym-pybullet-drones: h = R / 4 sqrt(15 c / 4).
   const double clip_m = 0.25 * 0.2 * std::sqrt(15.0 * 11.36859 / 4.0);
   EXPECT_NEAR(ground_effect_gain(clip_m, 0.2, 11.36859), 4.0 / 15.0, 1e-12);
   EXPECT_LT(ground_effect_gain(1.01 * clip_m, 0.2, 11.36859), 4.0 / 15.0);

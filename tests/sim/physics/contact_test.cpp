@@ -186,7 +186,7 @@ TEST(Crash, ATurningPropellerBreaksHoweverSlowlyItTouches) {
     flight.command(0, command_for(weak, 300.0));
     flight.run(2.0);
     EXPECT_EQ(flight.state().crashed, strict);
-    EXPECT_LT(flight.state().v_world_mps.x(), 0.05);  // the wall stopped it either way
+    EXPECT_LT(flight.state().v_world_mps.x(), 0.05);  // the wall stopped it in both cases
   }
 }
 

@@ -15,7 +15,7 @@ namespace swiftlet::sim {
 
 inline constexpr double kGravity = 9.81;
 
-/// An X500-like quadrotor, all numbers round enough to compute with.
+/// An X500-like quadrotor with round numbers.
 inline Airframe test_quad() {
   Airframe airframe;
   const double side = airframe.arm_length_m / std::numbers::sqrt2;
@@ -26,7 +26,7 @@ inline Airframe test_quad() {
   return airframe;
 }
 
-/// No air, no lag, nothing to touch: gravity and thrust alone.
+/// Gravity and thrust only: no air, no lag, no obstacles.
 inline PhysicsConfig bare_physics() {
   PhysicsConfig config;
   config.motor_lag = config.gyroscopic_torque = config.rotor_drag = config.body_drag = false;

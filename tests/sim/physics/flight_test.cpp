@@ -188,7 +188,7 @@ TEST(Momentum, IsKeptWithoutForces) {
   EXPECT_NEAR((flight.state().p_world_m - Vector3(20, 40, 60)).norm(), 0.0, 1e-9);
   EXPECT_LT((angular_momentum(flight.state(), airframe) - before).norm(), 1e-7 * before.norm());
   EXPECT_NEAR(energy() / energy_before, 1.0, 1e-7);
-  // It did tumble: the middle axis is unstable.
+  // The vehicle tumbled: rotation about the middle axis is unstable.
   EXPECT_GT(std::abs(tilt_rad(flight.state())), 0.1);
 }
 
@@ -234,7 +234,7 @@ TEST(Gyroscope, SpinningRotorsMakeTheBodyPrecess) {
   EXPECT_NEAR(flight.state().omega_body_radps.z(), 0.0, 1e-9);
 }
 
-/// Each effect changes where this flight ends, and nothing else does when it is off.
+/// Each effect changes the end of this flight; switched off, it changes nothing.
 TEST(Switches, ReallySwitch) {
   struct Case {
     const char* name;

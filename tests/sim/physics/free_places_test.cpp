@@ -28,7 +28,7 @@ TEST(FreePlaces, AreInTheAirAndOnWhatOneStandsOn) {
   EXPECT_FALSE(room_at(world, {0, 0, 5}));
   EXPECT_FALSE(room_at(world, {5, 5, legs_m}));
   EXPECT_FALSE(room_at(world, {0, 0, 2 + legs_m}));
-  EXPECT_FALSE(room_at(world, {30, 30, 1}));  // beside the world
+  EXPECT_FALSE(room_at(world, {30, 30, 1}));  // outside the world
 }
 
 TEST(FreePlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
@@ -51,7 +51,7 @@ TEST(FreePlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
   EXPECT_NEAR(below->free_z_m, legs_m, 0.02);
 }
 
-// Under a ceiling just above its upper plate there is room, and none when the plate would be in it.
+// There is room under a ceiling just above its upper plate, but not if the plate intersects it.
 TEST(FreePlaces, TheBodyIsAsHighAsTheAirframeSays) {
   Airframe airframe = test_quad();
   airframe.body_height_m = 0.4;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shape that contacts know of a vehicle, probed with a triangle smaller than a grain, against the solids it is made
-// of.
+// Collision shape of a vehicle, probed with a tiny triangle and compared with its solids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +23,7 @@ double to_segment_m(const Vector3& p_body_m, const Vector3& a, const Vector3& b)
   return (a + s * (b - a) - p_body_m).norm();
 }
 
-/// To the nearest of body, propeller discs, arms and legs.
+/// Distance to the nearest of body, propeller discs, arms and legs.
 double to_hull_m(const Airframe& airframe, const Vector3& p_body_m) {
   double least_m = to_cylinder_m(p_body_m, Vector3::Zero(), airframe.body_radius_m, 0.5 * airframe.body_height_m);
   for (const Rotor& rotor : airframe.rotors) {

@@ -11,7 +11,7 @@
 #define SWIFTLET_COUNTS_ALLOCATIONS 0
 #else
 #define SWIFTLET_COUNTS_ALLOCATIONS 1
-// Every way to memory of this program passes here: the C++ operators, Bullet's and Embree's allocators.
+// Counts all allocations of this program: the C++ operators, Bullet's and Embree's allocators.
 namespace {
 std::atomic<long> num_allocations{0};
 }
@@ -145,7 +145,7 @@ TEST(Clearance, IsExactWhereverTheVehicleGoes) {
     EXPECT_EQ(clearance.nearest_vehicle, kNoVehicle);
     least = std::min(least, clearance.surface_m);
   }
-  EXPECT_NEAR(least, 1.4 - radius, 1e-5);  // it did pass close by
+  EXPECT_NEAR(least, 1.4 - radius, 1e-5);  // the vehicle passed close by
 }
 
 TEST(Clearance, BetweenVehiclesLeavesOutBothRadii) {

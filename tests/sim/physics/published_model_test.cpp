@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Free flight against the model of ctu-mrs/mrs_multirotor_simulator (d0d31e6), written down here as it is told there:
-// revolutions per minute, an allocation matrix, a rotation matrix as state, drag in newton.
+// Free flight against the model of ctu-mrs/mrs_multirotor_simulator (d0d31e6) in its own formulation: revolutions per
+// minute, an allocation matrix, a rotation matrix as state, drag in newton.
 #include <gtest/gtest.h>
 
 #include <cstdio>

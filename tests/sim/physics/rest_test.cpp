@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When a vehicle is taken to stand still, and what rouses it. The ground has no friction, and gravity is a little
-// oblique where something is to be seen: who is not held slides.
+// Conditions for a vehicle at rest, and events that wake it. The ground has no friction, and gravity is slightly
+// oblique in some tests: a vehicle that is not held slides.
 #include <gtest/gtest.h>
 
 #include "tests/sim/physics/flight.hpp"

@@ -77,7 +77,7 @@ TEST(Dryden, EachVehicleHasItsOwnGustsThatOthersDoNotChange) {
   Flight alone(config, {two}, nullptr, gusty());
   Flight both(config, {one, two}, nullptr, gusty());
   Flight other_seed(config, {two}, nullptr, gusty(), 2);
-  EXPECT_GT(alone.world.wind_world_mps(0).norm(), 0.0);  // from the start on
+  EXPECT_GT(alone.world.wind_world_mps(0).norm(), 0.0);  // from the first moment
   alone.run(0.2);
   both.run(0.2);
   other_seed.run(0.2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the world of all vehicles decides for each: its wind, its wake, its ground, and whether it rests or has crashed.
+// Effects of the world on each vehicle: wind, wake, ground, rest and crashes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Above six radii all rotors are judged by the ground below the center, below that each by its own.
+// Above six radii all rotors use the ground below the center, below that each rotor its own.
 TEST(Air, EveryRotorHasItsOwnGroundBelowSixRadii) {
   TestScene builder;
   builder.add_box({0.05F, -9, 0}, {9, 9, 0.05F}, SurfaceClass::kObject);  // a step of 5 cm beside the center
@@ -95,7 +95,7 @@ TEST(Crash, OfABodyIsOneFromItsSpeedOn) {
   }
 }
 
-// The other one's propeller turns, the own do not: both have broken.
+// The other vehicle's propeller turns, the own ones do not: both break.
 TEST(Crash, IntoATurningPropellerOfAnotherBreaksBoth) {
   for (const bool turning : {false, true}) {
     PhysicsConfig config = bare_physics();

@@ -86,7 +86,7 @@ TEST(Plot, DrawsALineFromTheLowerLeftToTheUpperRightOfItsFrame) {
   EXPECT_LT(points[2].second, points[0].second);  // up is up
 }
 
-// In one page the names of all figures share one space, and the first of a name wins.
+// All figures of a page share one namespace, and the first definition of a name wins.
 TEST(Plot, ClippingOfOneFigureDoesNotReachIntoAnotherOnTheSamePage) {
   const std::vector<double> x{0.0, 1.0}, y{0.0, 1.0};
   const auto clip_of = [&](double width_px, double height_px) {
@@ -99,7 +99,7 @@ TEST(Plot, ClippingOfOneFigureDoesNotReachIntoAnotherOnTheSamePage) {
   };
   EXPECT_NE(clip_of(400, 300), clip_of(400, 200));
   EXPECT_NE(clip_of(400, 300), clip_of(300, 300));
-  EXPECT_EQ(clip_of(400, 300), clip_of(400, 300));  // the same rectangle: the same meaning
+  EXPECT_EQ(clip_of(400, 300), clip_of(400, 300));  // equal rectangles have equal names
 }
 
 TEST(Plot, MarkersAtTheEndsOfALineStandWholeInTheFrame) {
@@ -251,7 +251,7 @@ TEST(Plot, EqualAxesGiveAMeterOneLength) {
   const auto points = polyline_of(figure.svg());
   ASSERT_EQ(points.size(), 3u);
   EXPECT_NEAR(points[1].first - points[0].first, points[1].second - points[2].second, 0.21);
-  EXPECT_GT(points[1].first - points[0].first, 150.0);  // as large as the frame of 300 px lets it be
+  EXPECT_GT(points[1].first - points[0].first, 150.0);  // the largest size in a frame of 300 px
 }
 
 TEST(Plot, BoxOfSamplesHasQuartilesAndTukeysWhiskers) {

@@ -169,7 +169,7 @@ TEST(Radio, JitterIsTheAbsoluteValueOfANormal) {
   EXPECT_NEAR(network.radio.statistics().mean_delay_s, delay_s.mean() + 0.005 + 40 * 8 / 1e9, 1e-9);
 }
 
-// What takes no time at all still comes after what was sent before it.
+// A message of zero duration still arrives after earlier ones.
 TEST(Radio, EvenTheShortestMessageTakesANanosecond) {
   RadioConfig config;
   config.rate_kbps = 1e12;
@@ -234,7 +234,7 @@ TEST(Radio, AFullQueueDropsTheOldestThatWaits) {
   Network network(config);
   network.post(0, {message("a", 50), message("b", 50), message("c", 50), message("d", 50)});
   network.ticks(60);
-  // "a" is on the air at once; "b" gives way to "d".
+  // "a" is transmitted at once; "b" is replaced by "d".
   ASSERT_EQ(network.inboxes[1].size(), 3U);
   EXPECT_EQ(network.inboxes[1][0].topic, "a");
   EXPECT_EQ(network.inboxes[1][1].topic, "c");

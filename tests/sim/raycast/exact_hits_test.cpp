@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rule of sim/raycast/exact_hits_internal.hpp against a search through all triangles, and under every instruction
-// set that Embree can be told to use on this processor.
+// The rule of sim/raycast/exact_hits_internal.hpp against a search through all triangles, under every instruction set
+// that Embree supports on this processor.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// Embree as it is told for as long as this lives.
+/// Sets Embree's configuration during its lifetime.
 class EmbreeSetting {
  public:
   explicit EmbreeSetting(const std::string& setting) { ::setenv("SWIFTLET_EMBREE", setting.c_str(), 1); }
@@ -79,7 +79,7 @@ Mesh hard_mesh() {
     }
   }
   add_face({-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // the ground, in the plane of the boxes' bottoms
-  add_face({-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // once more
+  add_face({-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // a duplicate
   const Random random(3, "test.hard_mesh");
   const auto point = [&](std::uint32_t i, double half_m) {
     return Vector3f(static_cast<float>(random.uniform(-half_m, half_m, 0, i)),
@@ -99,7 +99,7 @@ Mesh hard_mesh() {
   return mesh;
 }
 
-// At random, at corners, along edges, at points that are common to several triangles, and along axes.
+// Random rays, at corners, along edges, at points common to several triangles, and along axes.
 std::vector<Ray> hard_rays(const Mesh& mesh) {
   const Random random(5, "test.hard_rays");
   const auto uniform = [&](std::uint32_t i, std::uint32_t k) { return random.uniform(-1.0, 1.0, k, i); };
@@ -141,7 +141,7 @@ std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays
   return out;
 }
 
-// The rule once more, from its words, without a tree.
+// The rule without a tree, from its description.
 Met searched(const TriangleScene& scene, const Ray& ray) {
   Met nearest;
   double nearest_m = kRange_m;
@@ -241,7 +241,7 @@ Mesh meeting_surfaces() {
   return mesh;
 }
 
-// Where the edges of a triangle go through another one: ends of what the two have in common.
+// Points where edges of a triangle pierce another triangle: ends of their intersection.
 void add_crossings(const Mesh& mesh, std::size_t i, std::size_t j, std::vector<Vector3d>& ends) {
   const auto corner = [&](std::size_t t, int k) -> Vector3d {
     return mesh.vertices_mesh_m[mesh.triangles[t][k % 3]].cast<double>();
@@ -258,7 +258,7 @@ void add_crossings(const Mesh& mesh, std::size_t i, std::size_t j, std::vector<V
   }
 }
 
-// At common lines and at edges, up to 3 mm beside them, from 0.3 to 55 m away, also nearly along a surface.
+// At intersection lines and at edges, up to 3 mm beside them, from 0.3 to 55 m away, some nearly parallel to a surface.
 std::vector<Ray> rays_at_meetings(const Mesh& mesh) {
   std::vector<std::pair<Vector3d, Vector3d>> lines;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

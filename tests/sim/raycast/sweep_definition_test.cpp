@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the beams of a sweep meet, against a walk through all triangles and blades, each where it is at that instant.
-// And what a surface must be to be seen at all.
+// Hits of the beams of a sweep, against a search through all triangles and blades at the instant of each beam, and the
+// conditions under which a surface is visible.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,7 +72,7 @@ void meet_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleI
                   const Vector3& from_world_m, const Vector3& way_world, WalkHit& nearest) {
   const Pose T_body_world = state.T_world_body().inverse();
   const Vector3 from_m = T_body_world * from_world_m, way = T_body_world.linear() * way_world;
-  if (from_m.cross(way).norm() > 1.5) return;  // no vehicle is as large
+  if (from_m.cross(way).norm() > 1.5) return;  // no vehicle is that large
   for (const Mesh& mesh : shape.meshes) {
     if (mesh.part == VehiclePart::kSensor && !with_sensors) continue;
     const auto corner = [&](std::uint32_t i) -> Vector3 { return mesh.vertices_mesh_m[i].cast<double>(); };

@@ -198,7 +198,7 @@ TEST(SweepScene, RotorsAreMetWhereABladeIsAtThatInstant) {
       ++num_met;
       EXPECT_NEAR(hits.range_m[i], 5.05, 1e-4);
       EXPECT_EQ(scene.surfaces()[hits.surface[i]].part, VehiclePart::kRotor);
-      // A blade is there: it would still cover the point if it were turned by the tolerance of the interpolation.
+      // A blade is there: it covers the point, within the interpolation tolerance of its angle.
       const double angle = 1000.0 + speed_radps * firings[i].offset_s;
       bool covered = false;
       for (const double turn : {-2e-3, 0.0, 2e-3}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bags read by their published formats, record by record: every index leads to the messages that it tells of.
+// Bags read by their published formats, record by record: every index leads to its messages.
 #include <gtest/gtest.h>
 #include <lz4frame.h>
 #include <zlib.h>
@@ -71,7 +71,7 @@ struct BagRecord {
     EXPECT_EQ(fields.at(name).size(), sizeof(Number)) << name;
     return Taker(fields.at(name)).take<Number>();
   }
-  /// Seconds in the first word, nanoseconds in the second.
+  /// Seconds in the lower half, nanoseconds in the upper half.
   static TimeNs time(std::uint64_t words) {
     return static_cast<TimeNs>(words & 0xFFFFFFFF) * 1'000'000'000 + static_cast<TimeNs>(words >> 32);
   }
@@ -96,7 +96,7 @@ TEST(Rosbag, EveryIndexLeadsToItsMessagesAndEveryCountIsRight) {
   ASSERT_EQ(head.op(), 3);
   EXPECT_EQ(head.number<std::uint32_t>("conn_count"), 3U);
   std::vector<std::string_view> chunks;
-  std::vector<std::map<std::uint32_t, std::uint32_t>> counts;  // of each chunk, by connection
+  std::vector<std::map<std::uint32_t, std::uint32_t>> counts;  // per chunk, by connection
   int indexed = 0, connections = 0, infos = 0;
   while (!all.empty()) {
     const BagRecord record(all);

@@ -207,7 +207,7 @@ TEST(ScanFiles, EveryPointComesBackWithAllThatIsKnownOfItAndTheIndexTellsItsScan
         const Eigen::Quaterniond q(std::stod(row["qw"]), std::stod(row["qx"]), std::stod(row["qy"]),
                                    std::stod(row["qz"]));
         EXPECT_LT((q.toRotationMatrix() - T.linear()).norm(), 1e-9);
-        // At the ticks 5 and 10 the vehicle believed something; the first scan began at 0.
+        // The vehicle has estimates at the ticks 5 and 10; the first scan begins at 0.
         EXPECT_TRUE(std::isfinite(std::stod(row["est_x_m"])));
         EXPECT_TRUE(std::isfinite(std::stod(row["est_qw"])));
       }
@@ -232,7 +232,7 @@ TEST(ScanFiles, WithoutAnEstimateTheIndexHasNoneAndAFrozenScanHasOnePose) {
   view.states = states;
   view.observations = observations;
   view.actions = actions;
-  recorder->write(view);  // nothing scanned
+  recorder->write(view);  // without scans
   view.scans = scans;
   recorder->write(view);
   EXPECT_THAT(recorder->finish(), ElementsAre("scans/uav1_os1"));
@@ -393,7 +393,7 @@ TEST(Tum, HoldsEachPoseOnceAndTheEstimateOfItsOwnTime) {
   const Action* const actions[2] = {&action, nullptr};
   view.actions = actions;
   recorder->write(view);
-  recorder->write(view);  // no newer estimate, though the tick is written again
+  recorder->write(view);  // no newer estimate, although the tick is written again
   EXPECT_THAT(recorder->finish(), ElementsAre("trajectories/uav1.tum", "trajectories/uav1.estimate.tum",
                                               "trajectories/uav-2.tum", "trajectories/uav-2.estimate.tum"));
   const auto lines = split(bytes_of(directory.path() / "trajectories/uav1.tum"), '\n');
@@ -428,11 +428,11 @@ TEST(Csv, RowsHoldWhatTheTickHolds) {
   SyntheticRun run(directory.path());
   CsvConfig config;
   config.topics = {"state", "imu", "tracks", "detections", "scores"};
-  config.rate_hz = 50.0;  // of the state alone
+  config.rate_hz = 50.0;  // for the state only
   config.vehicles = {"uav-2"};
   const auto recorder = recorder_of("csv", config);
   recorder->begin(run.info());
-  std::map<std::string, std::vector<double>> state;  // in the ticks 0, 2 and 4
+  std::map<std::string, std::vector<double>> state;  // at the ticks 0, 2 and 4
   int detections = 0, tracks = 0;
   for (int k = 0; k <= 8; ++k) {
     TickView view = run.tick(k);
@@ -518,7 +518,7 @@ TEST(Csv, EveryTableIsListedOnceAndTheStateHasItsFirstRotor) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
-/// Of the layout the names that its viewers look for, and of each topic whether it is shown.
+/// The layout contains the names required by its viewers, and the visibility of each topic.
 TEST(Mcap, TheLayoutShowsCloudsAndMarkers) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
@@ -549,7 +549,7 @@ TEST(Mcap, TheLayoutShowsCloudsAndMarkers) {
   EXPECT_EQ(bytes.substr(1, 4), "MCAP");
 }
 
-/// The numbers of rmw's policies: history keep last, reliable; volatile unless it is kept for those who come later.
+/// Values of rmw's policies: history keep last, reliable; volatile, or transient local for late subscribers.
 TEST(Mcap, ALatchedTopicIsTransientLocalWithADepthOfOne) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());

@@ -17,7 +17,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// What libpng finds in the file.
+/// Pixels as read by libpng.
 std::vector<std::uint16_t> read_by_libpng(const ByteBuffer& file, int& width, int& height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -57,7 +57,7 @@ std::uint32_t big_endian_at(const ByteBuffer& file, std::size_t at) {
   return value;
 }
 
-/// The rows of the picture as they were compressed; the chunks and all checksums are those of the standards.
+/// Filtered rows of the picture before compression; chunks and all checksums are checked against the standards.
 std::vector<std::uint8_t> filtered_rows(const ByteBuffer& file, int width, int height) {
   std::vector<std::uint8_t> rows(static_cast<std::size_t>(height) * (2 * static_cast<std::size_t>(width) + 1));
   std::string kinds;
@@ -69,7 +69,7 @@ std::vector<std::uint8_t> filtered_rows(const ByteBuffer& file, int width, int h
     kinds += kind + " ";
     if (kind == "IDAT") {
       uLongf size = rows.size();
-      EXPECT_EQ(uncompress(rows.data(), &size, content + 4, length), Z_OK);  // with its checksum
+      EXPECT_EQ(uncompress(rows.data(), &size, content + 4, length), Z_OK);  // also checks the checksum
       EXPECT_EQ(size, rows.size());
     }
     at += 12 + length;
@@ -81,8 +81,7 @@ std::vector<std::uint8_t> filtered_rows(const ByteBuffer& file, int width, int h
   return rows;
 }
 
-/// The fewest bits that a Huffman code can spend on so many symbols; each but the last two costs what is joined above
-/// it. @return and the longest word of that code
+/// Fewest bits of a Huffman code for these counts, by the sums of joined nodes; @return also the longest code word.
 std::pair<std::uint64_t, int> huffman(const std::map<int, std::uint64_t>& counts) {
   using Node = std::pair<std::uint64_t, int>;  // count, longest word below
   std::priority_queue<Node, std::vector<Node>, std::greater<>> open;
@@ -99,8 +98,8 @@ std::pair<std::uint64_t, int> huffman(const std::map<int, std::uint64_t>& counts
   return {bits, open.top().second};
 }
 
-/// RFC 1951, 3.2.5, by counting: eight lengths have a symbol of their own, then four symbols for each number of extra
-/// bits; the last length has its own again.
+/// RFC 1951, 3.2.5, by counting: eight lengths with symbols of their own, then four symbols for each number of extra
+/// bits; the last length has a symbol of its own.
 std::pair<int, int> symbol_and_extra_bits(int length) {
   if (length == 258) return {285, 0};
   int symbol = 257, extra = 0, first = 3;
@@ -111,11 +110,11 @@ std::pair<int, int> symbol_and_extra_bits(int length) {
   }
 }
 
-/// Bytes of the file by closed form: bytes, and runs of 4 to 258 equal ones, in the best code of one block; nullopt
-/// where that code has words of more than 15 bits.
+/// Size of the file in closed form: bytes, and runs of 4 to 258 equal ones, in the best code of one block; nullopt if
+/// that code has words of more than 15 bits.
 std::optional<std::size_t> best_size(const std::vector<std::uint8_t>& bytes) {
   std::map<int, std::uint64_t> counts = {{256, 1}};
-  std::uint64_t bits = 3 + 5 + 5 + 4 + 19 * 3 + (286 + 1) * 4;  // the block's head, and a length for each symbol
+  std::uint64_t bits = 3 + 5 + 5 + 4 + 19 * 3 + (286 + 1) * 4;  // header of the block, and a length for each symbol
   for (std::size_t i = 0; i < bytes.size();) {
     ++counts[bytes[i]];
     const std::uint8_t byte = bytes[i++];
@@ -125,7 +124,7 @@ std::optional<std::size_t> best_size(const std::vector<std::uint8_t>& bytes) {
       if (run < 4) break;
       const auto [symbol, extra] = symbol_and_extra_bits(static_cast<int>(run));
       ++counts[symbol];
-      bits += static_cast<std::uint64_t>(extra) + 1;  // and the distance
+      bits += static_cast<std::uint64_t>(extra) + 1;  // for the distance
       i += run;
     }
   }
@@ -142,7 +141,7 @@ void expect_same(int width, int height, const std::vector<std::uint16_t>& gray) 
   EXPECT_EQ(found_width, width);
   EXPECT_EQ(found_height, height);
   EXPECT_EQ(found, gray);
-  // Each byte less the same half of the pixel to the left, as filter 1 says.
+  // Differences to the same byte of the pixel to the left (filter 1).
   const ByteBuffer& file = encoder.encode(width, height, gray);
   const std::vector<std::uint8_t> rows = filtered_rows(file, width, height);
   const std::optional<std::size_t> size = best_size(rows);
@@ -175,7 +174,7 @@ TEST(GrayPng, IsReadByLibpngPixelForPixel) {
 }
 
 TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
-  // Counts like Fibonacci's numbers make the longest Huffman codes: here 23 bits without a limit.
+  // Fibonacci numbers as counts give the longest Huffman codes: here 23 bits without a limit.
   std::vector<std::uint16_t> gray;
   std::uint16_t value = 0;
   int a = 1, b = 1;
@@ -190,7 +189,7 @@ TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
 }
 
 TEST(GrayPng, HasARunOfEveryLength) {
-  // Rows of one difference that ends after so many bytes; two runs of a length that has no symbol of its own.
+  // Rows of one difference that ends after a given number of bytes; two runs whose length has no symbol of its own.
   for (const int step : {0, 1, 257}) {
     std::vector<std::uint16_t> gray;
     std::uint16_t value = 0;
@@ -200,7 +199,7 @@ TEST(GrayPng, HasARunOfEveryLength) {
     }
     expect_same(static_cast<int>(gray.size()), 1, gray);
   }
-  // What is longer than the longest run is several.
+  // Lengths beyond the longest run need several runs.
   for (const int length : {127, 128, 129, 130, 131, 132, 258, 260, 600}) {
     std::vector<std::uint16_t> gray(static_cast<std::size_t>(length), 0);
     gray.front() = 0x0100;

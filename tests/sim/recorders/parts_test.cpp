@@ -27,7 +27,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-// As the packages of ROS 1 publish them.
+// As published by the packages of ROS 1.
 TEST(RosTypes, HaveTheFingerprintsThatRosKnows) {
   EXPECT_EQ(ros1_fingerprint(kPointCloud2), "1158d486dd51d683ce2f1be655c3c181");
   EXPECT_EQ(ros1_fingerprint(kImu), "6a62c6daae103f4ff57a132d6f95cec2");
@@ -57,7 +57,7 @@ TEST(Md5, IsThatOfTheRfc) {
   EXPECT_EQ(md5("message digest"), "f96b697d7cb7938d525a2f31aaf161d0");
   EXPECT_EQ(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890"),
             "57edf4a22be3c955ac49da2e2107b67a");
-  // By md5sum: around the ends of blocks, and longer than a byte counts in bits.
+  // Reference: md5sum, at the ends of blocks and for a length beyond one byte of bits.
   EXPECT_EQ(md5(std::string(55, 'a')), "ef1772b6dff9a122358552954ad0df65");
   EXPECT_EQ(md5(std::string(56, 'a')), "3b0c8ac703f828b04c6c197006d17218");
   EXPECT_EQ(md5(std::string(63, 'a')), "b06521f39153d618550606be297466d5");
@@ -137,7 +137,8 @@ std::vector<int> ints(std::span<const std::byte> bytes) {
 }
 
 TEST(RosEncoder, AlignsNumbersInCdrButNotInRos1) {
-  // By hand: CDR header, text "a" with its zero, padding to 4, a uint16, padding to 8 after the header, a uint64.
+  // Written by hand: CDR header, text "a" with its zero, padding to 4, a uint16, padding to 8 after the header, a
+  // uint64.
   RosEncoder cdr(RosDialect::kRos2);
   cdr.begin();
   cdr.text("a");
@@ -230,7 +231,7 @@ TEST(Geodesy, EastAndNorthHaveTheEllipsoidsCurvature) {
 }
 
 TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
-  // Two beams that start 27.67 mm off the axis, 10 m long; one of them did not return.
+  // Two beams that start 27.67 mm off the axis, 10 m long; one of them without return.
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
   beams->cols = 2;
@@ -243,7 +244,7 @@ TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
   scan.intensity = scan.reflectivity = {0.5F, 0.0F};
   RosEncoder out(RosDialect::kRos1);
   encode_points(scan, PointsLayout::kOuster, 0.0F, 0, "lidar", out);
-  const auto points = out.bytes().last(2 * 48 + 1);  // and a byte that says that no point is missing
+  const auto points = out.bytes().last(2 * 48 + 1);  // and a byte for is_dense
   const auto uint32_at = [&](std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, points.data() + at, sizeof value);

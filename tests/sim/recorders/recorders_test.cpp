@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the recorders promise beyond their formats, which tests/readers checks with independent readers.
+// Guarantees of the recorders beyond their formats, which tests/readers checks with independent readers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -126,7 +126,7 @@ TEST(Recorders, TimesCountFromTheStartTime) {
     const auto times = times_in(from_zero.path()), moved_times = times_in(from_epoch.path());
     ASSERT_EQ(times.size(), moved_times.size()) << type;
     EXPECT_GT(times.size(), 1U) << type;
-    int durations = 0;  // of sweeps, in the tables of scans
+    int durations = 0;  // number of sweep durations in the tables of scans
     for (std::size_t i = 0; i < times.size(); ++i) {
       if (moved_times[i] == times[i]) {
         ++durations;
@@ -207,7 +207,7 @@ TEST(Csv, EveryRowHasAsManyFieldsAsTheHeader) {
   }
 }
 
-/// What others read these files by: a field that is renamed or moved is a change of the format.
+/// Column names used by other programs: renaming or moving a field changes the format.
 TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
   const std::string covariance = "cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
   const std::string pose = "x_m,y_m,z_m,qx,qy,qz,qw", velocity = "vx_mps,vy_mps,vz_mps";
@@ -320,8 +320,8 @@ TEST(ScanFiles, EveryNthScanIsWritten) {
   for (const std::string& line : index) EXPECT_EQ(num_fields(line), num_fields(index[0]));
 }
 
-/// Runs a straight flight whose estimate is `offset` beside it, and returns the x of a point 5 m ahead of a LiDAR in
-/// the middle of the body, seen half-way through a sweep of 100 ms.
+/// Runs a straight flight with an estimate offset by `offset`, and returns the x of a point 5 m ahead of a LiDAR at the
+/// center of the body, measured half-way through a sweep of 100 ms.
 float x_in_frame(ScanFilesConfig::Frame frame, double offset_m) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
@@ -375,9 +375,10 @@ float x_in_frame(ScanFilesConfig::Frame frame, double offset_m) {
 
 TEST(ScanFiles, FramesAreTheLidarTheTrueWorldAndTheEstimatedWorld) {
   EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kLidar, 0.25), 5.0F);
-  EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorld, 0.25), 5.5F);  // flown 0.5 m when the beam was fired
+  // the vehicle has flown 0.5 m when the beam fires
+  EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorld, 0.25), 5.5F);
   EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorldEstimate, 0.25),
-                  5.75F);  // and believed to be 0.25 m further
+                  5.75F);  // estimated 0.25 m further ahead
 }
 
 TEST(Csv, TwoRecordersOfTheSameFilesAreRefused) {

@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// A scan with gaps, dark and bright returns, whose rows may fire one after the other.
+/// A scan with gaps, dark and bright returns, whose rows may fire in succession.
 Scan scan_of(int rows, int cols, bool rows_in_turn) {
   const Random random(static_cast<std::uint64_t>(rows * 1000 + cols), "test");
   auto beams = std::make_shared<BeamTable>();
@@ -48,7 +48,7 @@ struct Point {
   std::map<std::string, double> fields;
 };
 
-/// The cloud by its own description.
+/// The cloud read by its own description.
 struct Cloud {
   Cloud(const Scan& scan, PointsLayout layout, float step_m, RosDialect dialect = RosDialect::kRos2) {
     RosEncoder out(dialect);
@@ -116,7 +116,7 @@ std::vector<int> in_order_of_time(const Scan& scan) {
   return order;
 }
 
-/// Of one point, whatever the layout.
+/// Expected position of one point in any layout.
 std::map<std::string, double> place_of(const Scan& scan, int i, float step_m) {
   if (!scan.hit(i)) return {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}};
   Eigen::Vector3f p = scan.point_lidar(i);

@@ -13,8 +13,8 @@
 
 namespace swiftlet::sim {
 
-/// What stands in a ROS message, read by nothing but the definition that its bag carries. Fields are named like
-/// "pose.position.x", elements like "transforms[0].child_frame_id"; times have "sec" and "nanosec" in both dialects.
+/// Content of a ROS message, read only by the definition in its bag. Fields are named like "pose.position.x", elements
+/// like "transforms[0].child_frame_id"; times have "sec" and "nanosec" in both dialects.
 class RosReading {
  public:
   RosReading(const std::string& definition, std::span<const std::byte> bytes, RosDialect dialect)
@@ -176,7 +176,7 @@ class KeepingSink : public RosSink {
     const Channel& channel = channels.at(static_cast<std::size_t>(message.channel));
     return {full_definition(channel.type, dialect_), message.bytes, dialect_};
   }
-  /// Those of one topic, in the order in which they came.
+  /// Messages of one topic in order.
   std::vector<RosReading> read_all(const std::string& topic) const {
     std::vector<RosReading> readings;
     for (const Sent& message : sent) {

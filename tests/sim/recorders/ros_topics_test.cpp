@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every message, read back by its own definition, against the tick that it tells of.
+// Every message, read back by its own definition, against its tick.
 #include "sim/recorders/ros_topics.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAreArray;
 
-constexpr const char* kNames[] = {"uav1", "uav_2"};  // as ROS allows them
+constexpr const char* kNames[] = {"uav1", "uav_2"};  // valid ROS names
 const std::vector<std::string> kAllTopics = {"points", "world",      "models",   "truth",     "estimate", "tf",
                                              "clock",  "detections", "tracks",   "relatives", "messages", "events",
                                              "imu",    "odometry",   "gnss",     "altimeter", "compass",  "pose",
@@ -66,7 +66,7 @@ class RosRun {
     topics_.emplace(config, info_, dialect, sink);
   }
 
-  /// Writes the next tick. What was sent before is forgotten.
+  /// Writes the next tick; earlier messages are dropped.
   const TickView& tick() {
     sink.sent.clear();
     view = run_.tick(k_++);
@@ -170,7 +170,7 @@ TEST_P(RosTopicsTest, EachTickSendsWhatItHoldsAndNothingElse) {
       EXPECT_EQ(message.t, view.t) << topic;
       EXPECT_EQ(message.sequence, sequences[topic]++) << topic;
       const RosReading read = run.sink.read(message);
-      // Only ROS 1 counts in its headers.
+      // Only ROS 1 headers have a counter.
       for (const std::string header : {"header", "transforms[0].header", "markers[0].header"}) {
         if (read.has(header + ".seq")) {
           EXPECT_EQ(read.number(header + ".seq"), message.sequence) << topic;
@@ -670,7 +670,7 @@ TEST(RosTopics, ManyDetectionsAndTracksAreNumberedAndAFlatOneHasNoThickness) {
   action.tracks.resize(2);
   action.tracks[0].id = 11;
   action.tracks[1].id = 12;
-  action.tracks[1].covariance(2, 2) = -1e-12;  // what rounding makes of a plane
+  action.tracks[1].covariance(2, 2) = -1e-12;  // a rounding error of a plane
   tick.write(0, &action);
   const RosReading detections = tick.sink.read_all("/a/detections").at(0);
   ASSERT_EQ(detections.count("markers"), 4U);

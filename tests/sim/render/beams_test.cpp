@@ -28,7 +28,7 @@ Eigen::Vector3f direction_of(double azimuth, double elevation) {
 struct Pattern {
   int rows = 16, cols = 90;
   double low_deg = -10.0, high_deg = 20.0;
-  double sweep_deg = 360.0;  // from the first column to behind the last
+  double sweep_deg = 360.0;  // from the first to beyond the last column
   double first_deg = 40.0;
   bool clockwise = true;
   bool highest_first = true;
@@ -122,7 +122,7 @@ TEST(RangeImage, WithoutRoomThereIsOnlyTheBar) {
 
 // ---- Sight.
 
-/// So many leaves one behind the other, and a wall behind the last one.
+/// A number of leaves in a row, and a wall behind the last one.
 BlocksSight leaves_and_wall(int leaves, double wall_behind_m) {
   Scene scene;
   scene.materials.resize(1);

@@ -25,7 +25,7 @@ Figure test_figure() {
           }};
 }
 
-/// Are all tags closed in order, and everything else escaped? Elements and attributes are not looked at.
+/// Checks that all tags are closed in order and all else is escaped; elements and attributes are not checked.
 std::string not_well_formed(std::string_view xml) {
   std::vector<std::string> open;
   while (!xml.empty()) {

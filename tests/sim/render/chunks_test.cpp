@@ -42,7 +42,7 @@ TEST(RenderMesh, SmoothsEdgesUpToFortyTwoDegrees) {
       EXPECT_EQ(v.normal_open[3], 127) << "open to the sky";
       EXPECT_EQ(v.leaf_offset, (std::array<std::int16_t, 4>{}));
       if (std::abs(v.position_m[0]) > 0.01F || !smooth) continue;
-      // On the ridge the mean of both, by their areas as the corners have them.
+      // On the ridge the mean of both normals, weighted by their areas at the corners.
       const double half = 0.5 * turn_deg * M_PI / 180.0;
       EXPECT_NEAR(std::atan2(packed_normal(v).x(), packed_normal(v).z()), half, 0.4 * half);
     }

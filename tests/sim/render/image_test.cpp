@@ -115,7 +115,7 @@ TEST(Video, IsMadeByFfmpegOrRefusedInOneLine) {
   EXPECT_EQ(std::filesystem::file_size(raw), 10U * 66 * 48 * 3);
 }
 
-// In DejaVu Sans 2.37 all figures are 1303 of 2048 units wide and capitals 1493 high: a running clock does not tremble.
+// In DejaVu Sans 2.37 all digits are 1303 of 2048 units wide and capitals 1493 high: a running clock does not jitter.
 TEST(Text, IsAsWideAsTheFontSays) {
   EXPECT_EQ(text_width_px("", 9.0F), 0.0F);
   for (const char* text : {"0", "1", "8"}) EXPECT_NEAR(text_width_px(text, 149.3F), 130.3F, 0.1F) << text;
@@ -223,7 +223,7 @@ TEST(Text, EndsAtItsPlaceOrLiesAroundItAsAligned) {
   }
 }
 
-// Of colors of the wheel each has a strongest and a weakest channel: all six pairs occur.
+// Each color of the wheel has a strongest and a weakest channel: all six pairs occur.
 TEST(Colors, OfManyVehiclesGoAroundTheWheel) {
   std::set<std::pair<int, int>> pairs;
   for (VehicleId vehicle = 10; vehicle < 80; ++vehicle) {

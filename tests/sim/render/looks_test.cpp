@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a viewer sees of small scenes: contrast, size and place of what is drawn, measured in pixels.
+// Visibility of small scenes: contrast, size and position of drawn things, measured in pixels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 const Rgb kLightGray(0.7F, 0.7F, 0.7F);
 
-/// From above, `px_per_m` to a meter, of 96 x 96 pixels, at the middle of the scene.
+/// Top view of the middle of the scene, with 96 x 96 pixels and `px_per_m`.
 View from_above(double px_per_m) { return top_view({0, 0}, 96.0 / px_per_m, -2.0, 8.0, 96, 96); }
 
 BoxWorld floor_world() {
@@ -24,7 +24,7 @@ BoxWorld floor_world() {
   return world;
 }
 
-/// Of the floor and one kind of vehicle, for all who need no more: a renderer takes longer to make than ten pictures.
+/// Shared renderer of the floor and one kind of vehicle; creating one takes longer than ten pictures.
 Renderer& floor_renderer() {
   static BoxWorld* const world = new BoxWorld(floor_world());
   static Renderer* const renderer = new Renderer(world->scene(), std::vector{make_test_shape()});
@@ -51,7 +51,7 @@ TEST(Looks, WhatAWallHidesOfVehiclesAndTrailsShinesThroughFaintly) {
   hidden.trails = false;
   const Image plain = renderer.draw(view, picture, hidden);
   const Eigen::Vector3d vehicle = *view.project({8.0, 1.0, 0.0}), trail = *view.project({8.0, -0.5, 0.0});
-  const auto share = [&](const Eigen::Vector3d& at) {  // of the vehicle's color in what is seen
+  const auto share = [&](const Eigen::Vector3d& at) {  // share of the vehicle's color in the visible color
     const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
     const Rgb from = color_at(plain, x, y), to = vehicle_color(0);
     return (color_at(drawn, x, y) - from).dot(to - from) / (to - from).squaredNorm();
@@ -111,7 +111,7 @@ TEST(Looks, CloudsHaveTheColorsThatTheirStyleNames) {
 }
 
 TEST(Looks, PointsOutsideOfTheViewAreNotShown) {
-  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 90.0, 100, 100);  // a quarter turn both ways
+  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 90.0, 100, 100);  // 90 degrees in both directions
   PictureCloud cloud;
   const std::pair<Eigen::Vector3f, bool> points[] = {
       {{10, 9.9F, 0}, true},   {{10, 10.1F, 0}, false}, {{10, 0, -9.9F}, true}, {{10, 0, -10.1F}, false},
@@ -151,7 +151,7 @@ TEST(Looks, TranslucentOverlaysLieOverOpaqueOnesAndFarOnesUnderNearOnes) {
 
 // ---- Rotors.
 
-// To the pixel: a square of 40 px around the middle, and a plane up to all four borders.
+// Exact to the pixel: a square of 40 px around the middle, and a plane up to all four borders.
 TEST(Looks, PicturesAreNeitherShiftedNorCutAtTheirBorders) {
   BoxWorld world;
   world.add({-30, -30, -1}, {30, 30, 0}, Rgb(0.2F, 0.2F, 0.9F))

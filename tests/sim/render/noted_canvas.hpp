@@ -53,7 +53,7 @@ class NotedCanvas : public Canvas {
   }
 
   std::vector<Box> pictures, rectangles;
-  std::vector<float> alphas, line_widths, ring_widths;  // of rectangles, lines, rings
+  std::vector<float> alphas, line_widths, ring_widths;  // per rectangle, line, ring
   std::vector<Rgb> colors;
   std::vector<std::pair<Eigen::Vector2f, Eigen::Vector2f>> lines;
   std::vector<Eigen::Vector3f> rings;

@@ -18,7 +18,7 @@ Eigen::Vector3f direction(double azimuth, double elevation) {
       .cast<float>();
 }
 
-/// A spinning sensor that turns clockwise, whose rows look aside by turns as an Ouster's do.
+/// A clockwise spinning sensor whose rows are offset alternately in azimuth, as an Ouster's are.
 BeamTable spinning(int rows, int cols) {
   BeamTable beams;
   beams.rows = rows;
@@ -63,7 +63,7 @@ TEST(BeamLookup, FindsTheNearestBeamOfAPatternWithoutRows) {
     const int beam = lookup.beam_at(azimuth, elevation);
     if (beam < 0) continue;
     ++found;
-    // Nobody is much nearer (the search measures on the tangent plane).
+    // No beam is much nearer (the search measures on the tangent plane).
     const Eigen::Vector3f wanted = direction(azimuth, elevation);
     float best = 1e9F;
     for (const Eigen::Vector3f& d : beams.directions_lidar) best = std::min(best, (d - wanted).norm());
@@ -119,7 +119,7 @@ TEST(RangeImage, CanBeMadeOfAnEmptyScan) {
 
 TEST(BeamLookup, OfNoBeamsFindsNone) { EXPECT_EQ(BeamLookup(BeamTable()).beam_at(0.0, 0.0), -1); }
 
-// So that weak and strong returns can be told apart whatever their power.
+// Weak and strong returns must be distinguishable at any power.
 TEST(RangeImage, OfIntensitiesUsesAllShadesFromTheWeakestToTheStrongest) {
   const BeamTable beams = spinning(64, 512);
   for (const float weak : {1e-4F, 0.1F}) {
@@ -128,7 +128,7 @@ TEST(RangeImage, OfIntensitiesUsesAllShadesFromTheWeakestToTheStrongest) {
       scan.range_m[i] = 10.0F;
       scan.intensity[i] = weak * (i % 512 < 256 ? 1.0F : 10.0F);
     }
-    int left_px = 0;  // of the margin
+    int left_px = 0;  // width of the margin
     const Image image = painted(800, 450, Rgb::Zero(), [&](Canvas& canvas) {
       left_px = draw_range_image(canvas, {}, scan, ScanQuantity::kIntensity);
     });

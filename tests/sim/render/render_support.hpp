@@ -67,7 +67,7 @@ inline std::shared_ptr<const VehicleShape> make_test_shape() {
   return shape;
 }
 
-/// What a figure of one painter shows.
+/// Image of a figure with one painter.
 inline Image painted(int width_px, int height_px, const Rgb& page, std::function<void(Canvas&)> paint) {
   return Figure{width_px, height_px, std::move(paint)}.pixels(page);
 }

@@ -192,7 +192,7 @@ TEST(Renderer, BlursSpinningRotorsAndTurnsTheirBlades) {
   const Image still = renderer.draw(view, picture, {});
   picture.states[0].rotor_speed_radps[0] = 400.0;
   const Image spinning = renderer.draw(view, picture, {});
-  // At angle 0 the blades lie along x. Between them a spinning rotor veils the ground.
+  // At angle 0 the blades are along x. Between them a spinning rotor blurs the ground.
   EXPECT_LT(brightness(color_at(still, 150 + 60, 150)), 0.5F * brightness(color_at(still, 150, 150 - 60)));
   EXPECT_GT((color_at(still, 150, 150 - 60) - color_at(spinning, 150, 150 - 60)).cwiseAbs().maxCoeff(), 0.02F);
   picture.states[0].rotor_angle_rad[0] = M_PI / 2 + 40 * M_PI;
@@ -272,7 +272,7 @@ TEST(Renderer, DrawsTheSameWhetherOrNotItKeptTheWorldOfACameraThatStandsStill) {
         EXPECT_EQ(kept.draw(view, picture, style).rgb, fresh.draw(view, picture, style).rgb) << k << quick;
       }
     }
-    // What else decides how the world looks makes it look otherwise.
+    // Other settings of the world's appearance require a new image.
     style.cut_above = true;
     style.cut_height_m = 1.0;
     Renderer fresh(world.scene(), std::vector{shape});

@@ -153,7 +153,7 @@ TEST_F(SnapshotRecorderTest, WritesPaperAsPngAndAsSvgOfTheSizeAsked) {
 }
 
 TEST_F(SnapshotRecorderTest, DrawsNoTrailAndNoMarksOnBoard) {
-  // Flying backwards, uav1 would look along its own trail, as wide as the picture.
+  // In backward flight, uav1 would look along its own trail, as wide as the picture.
   CameraConfig camera = small_camera("onboard", CameraConfig::Type::kOnboard);
   camera.position_m = {0.0, 0.0, 0.6};
   camera.target_m = {-1.0, 0.0, 0.6};
@@ -234,7 +234,7 @@ class PaperTest : public SnapshotRecorderTest {
     camera.times_s = {0.1};
     return camera;
   }
-  /// Of cameras that have different names, from one flight.
+  /// SVGs of cameras with different names, from one flight.
   std::vector<std::string> svgs_of(const std::vector<CameraConfig>& cameras) {
     fly(cameras, 0.1);
     std::vector<std::string> svgs;
@@ -338,7 +338,7 @@ TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
 }
 
 TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
-  // A legend takes its room from the picture, whose size stays.
+  // A legend reduces the picture; the size of the figure stays.
   CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);
   alone.span_m = beside.span_m = 30.0;
   alone.cloud = CloudColors::kNone;

@@ -37,7 +37,7 @@ TEST(WideLines, CoverTheirLengthTimesTheirWidth) {
   EXPECT_NEAR(drawn_px({{-5, -3, 1}, {0, 0, 4}, {5, 3, 1}}, 2.0F), 2.0 * 10.0 * std::hypot(10.0, 6.0), 0.1);
 }
 
-// What a miter adds outside of a corner, it takes away inside.
+// The area that a miter adds outside of a corner is removed inside.
 TEST(WideLines, CornersOfAnyAngleAreMitred) {
   for (const double turn_deg : {-80.0, -45.0, 20.0, 60.0, 90.0}) {
     const double turn_rad = turn_deg * M_PI / 180.0;

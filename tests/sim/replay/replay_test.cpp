@@ -86,7 +86,7 @@ TEST_F(ReplayOfMadeUpRun, HoldsTheTrueStatesAtTheirRate) {
   EXPECT_EQ(blocks.back().about["t_s"], 4.5);
 
   SyntheticRun again(folder_.path());
-  std::map<int, Vector3> truth_world_m;  // of the first vehicle, by tick
+  std::map<int, Vector3> truth_world_m;  // positions of the first vehicle by tick
   for (int k = 1; k <= 450; ++k) truth_world_m[k] = again.tick(k).states[0].p_world_m;
   std::size_t rows = 0;
   for (const ReadBlock& block : blocks) {
@@ -205,7 +205,7 @@ TEST(ReplayScan, ReturnsFromOtherVehiclesAreKeptHoweverFewPointsThereMayBe) {
   std::size_t others = 0;
   for (int i = 0; i < labeled.scan.size(); i += 3) {
     labeled.truth.surface_class[i] = static_cast<std::uint16_t>(SurfaceClass::kVehicle);
-    labeled.truth.instance[i] = i % 2 == 0 ? 1 : 2;  // of the carrier itself, or of the other
+    labeled.truth.instance[i] = i % 2 == 0 ? 1 : 2;  // the vehicle itself, or the other one
     others += labeled.scan.hit(i) && i % 2 == 1 ? 1 : 0;
   }
   ReplayBlock block("{}");
@@ -261,7 +261,7 @@ TEST(ReplayWorld, IsCompleteWhereItIsSmallAndCoarserWhereItIsLarge) {
   EXPECT_GT(coarse[1], 50U);
 }
 
-/// What is written of these overlays of the first vehicle, tick after tick.
+/// Tables written for these overlays of the first vehicle, tick by tick.
 class OverlaysOfOneVehicle : public ::testing::Test {
  protected:
   std::vector<ReadTable> write(const std::vector<Overlay>& overlays, int tick) {
@@ -317,7 +317,7 @@ TEST_F(OverlaysOfOneVehicle, LinesAreWholeAndManyPointsAreThinned) {
 TEST_F(OverlaysOfOneVehicle, WhatIsGoneIsWrittenOnceAsEmptyAndMapsStayUntilTheirNextTime) {
   const Overlay path = row_of("path", Overlay::Kind::kPolyline, 5);
   EXPECT_EQ(named(write({path}, 10), "path").size(), 1U);
-  EXPECT_EQ(named(write({path}, 11), "path").size(), 0U);  // as it was
+  EXPECT_EQ(named(write({path}, 11), "path").size(), 0U);  // unchanged
   const auto gone = named(write({}, 12), "path");
   ASSERT_EQ(gone.size(), 1U);
   EXPECT_EQ(gone[0].rows(), 0U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every table of a replay read back and compared with what it tells of.
+// Every table of a replay read back and compared with its source.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -233,7 +233,7 @@ TEST_F(Overlays, OfOneNameAreNumberedAndThoseThatThePageKnowsOtherwiseAreLeftOut
   EXPECT_EQ(find(tables, "cells#2")->rows(), 3U);
 }
 
-// What belongs together stays together: both ends of a line, the corners of a triangle.
+// Groups stay together: both ends of a line, the corners of a triangle.
 TEST_F(Overlays, OfMoreThanTwelveThousandPositionsAreThinnedInWholeGroups) {
   struct Case {
     Overlay::Kind kind;
@@ -290,7 +290,7 @@ TEST(ReplayWorld, MeshesAndTheirPlacesReadBack) {
     Mesh mesh;
     mesh.material = m % 2;
     mesh.surface_class = classes[m];
-    mesh.vertices_mesh_m.emplace_back(99, 99, 99);  // nobody uses it
+    mesh.vertices_mesh_m.emplace_back(99, 99, 99);  // unused vertex
     add_box(mesh, Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 2, 3.5F + static_cast<float>(m)));
     std::reverse(mesh.triangles.begin(), mesh.triangles.end());
     scene.meshes.push_back(mesh);
@@ -542,7 +542,7 @@ TEST(LiveServer, WaitsForAPageThatIsOpenAndForNoOther) {
   {
     LiveServer nobody;
     nobody.put("last");
-    nobody.finish();  // at once: no page has ever asked
+    nobody.finish();  // at once, before any page request
   }
   LiveServer server;
   const std::string& address = server.address();

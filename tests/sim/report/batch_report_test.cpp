@@ -195,7 +195,7 @@ TEST_F(BatchReport, TheTenWorstEpisodesComeFirstToLast) {
   for (std::size_t at = 0; (at = section.find("<tr><td", at)) != std::string::npos; ++at) {
     episodes.push_back(std::stoi(section.substr(section.find('>', at + 4) + 1)));
   }
-  // 23 was not done. The seed counts 10 m, the wind 1 m, the old variant 0.5 m.
+  // Episode 23 is not done. The seed accounts for 10 m, the wind for 1 m, the old variant for 0.5 m.
   EXPECT_EQ(episodes, (std::vector<int>{22, 10, 11, 20, 21, 8, 9, 18, 19, 6}));
 }
 
@@ -210,7 +210,7 @@ TEST_F(BatchReport, APictureOfPointsNamesEachOfThem) {
   EXPECT_GE(figures, 2);
 }
 
-// Points of one episode each are a cloud that only the totals sum up; points of two are told one by one.
+// Points with one episode each are summed up by the totals only; points with two are listed.
 TEST(BatchReportOfFew, PointsOfTwoEpisodesAreShownOneByOneAndPointsOfOneTogether) {
   for (const std::uint64_t seeds : {1U, 2U}) {
     const TemporaryDirectory folder;
@@ -414,7 +414,7 @@ TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
   };
   EXPECT_EQ(labels(telling_quantities(made_table(2, {"v"}, 4, "", metrics))),
             (std::vector<std::string>{"m7", "m6", "m5", "m4", "m3", "m2"}));
-  // With a single group those that vary most against their mean.
+  // With a single group, the metrics with the largest variation relative to their mean.
   const auto alone = [](std::size_t, std::size_t, std::uint64_t seed) {
     const auto s = static_cast<double>(seed);
     return std::vector<MetricRow>{{"little", "", 100.0 + s, "m", ""},

@@ -53,7 +53,7 @@ TEST(Statistics, QuartilesAreThoseOfTheOrderedSampleAtAnySize) {
   }
 }
 
-/// Spread of the mean by the sums of deviations of each cluster, and Student's t of 0.975 from a table.
+/// Standard error of the mean by the sums of deviations of each cluster, and Student's t of 0.975 from a table.
 TEST(Statistics, ClusteredIntervalsHaveTheirClosedForm) {
   const double t_of_freedom[] = {0.0, 12.706205, 4.302653, 3.182446, 2.776445, 2.570582, 2.446912, 2.364624};
   const Random random(6, "test");

@@ -170,7 +170,7 @@ TEST(Counters, TheSettingOfAnAgentIsNamedByItsPathInTheScenario) {
   EXPECT_THAT(settings, Contains("vehicles[1].agent.detector.map.size_m"));
 }
 
-/// A recorder that asks for more memory than there is.
+/// A recorder that allocates more memory than available.
 class HungryRecorder : public Recorder {
  public:
   void begin(const RunInfo&) override {}

@@ -43,7 +43,7 @@ TEST(Determinism, ThreadsDoNotChangeTheBits) {
     EXPECT_EQ(fly(load_scenario(kMixedTeam), threads), reference_hash()) << threads << " threads";
 }
 
-// From some number of vehicles on, several threads fly them. Two fall onto others, the rest stay clear.
+// Large crowds are flown by several threads. Two vehicles fall onto others, the rest stay clear.
 TEST(Determinism, ThreadsDoNotChangeTheBitsOfACrowd) {
   Scenario scenario = load_scenario("bench_crowd", {{"duration_s", "1.5"}});
   const VehicleConfig model = scenario.vehicles.front();
@@ -108,7 +108,7 @@ class GermanProgram {
  public:
   GermanProgram() {
     for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "cs_CZ.UTF-8"}) {
-      if (std::setlocale(LC_NUMERIC, name) != nullptr) break;  // where one is installed, the C library's too
+      if (std::setlocale(LC_NUMERIC, name) != nullptr) break;  // the C library's locale too, where installed
     }
     before_ = std::locale::global(std::locale(std::locale::classic(), new Numbers));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well vehicles fly in the full simulation, every effect of the physics on: true places against wanted ones.
+// Flight quality in the full simulation with all effects of the physics: true positions against references.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,7 +81,7 @@ TEST_P(EveryVehicle, FliesTheAgileTrajectoriesWithLessThanThirtyCentimetersOfErr
     }
     const double rms_m = std::sqrt(sum_sq / num_ticks);
     EXPECT_LT(rms_m, 0.3) << "trajectory " << seed;
-    // It was as agile as the table says, and went as far as the target there (1782 m in 400 s).
+    // As agile as listed in the table, over the same distance as the target there (1782 m in 400 s).
     EXPECT_GT(fastest_mps, 7.8) << "trajectory " << seed;
     EXPECT_GT(hardest_mps2, 4.2) << "trajectory " << seed;
     EXPECT_GT(way_m, 120.0 * 1782.0 / 400.0 * 0.9) << "trajectory " << seed;

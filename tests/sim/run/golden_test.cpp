@@ -58,8 +58,8 @@ std::vector<GoldenRun> golden_runs() {
   return runs;
 }
 
-/// What the results depend on beside the program: a digest of the C library's functions, which has versions of them for
-/// processors with and without FMA.
+/// Digest of the C library's functions, which affect the results: there are versions for processors with and without
+/// FMA.
 std::string c_library_here() {
   std::uint64_t digest = 14695981039346656037ULL;
   for (int i = 1; i <= 4096; ++i) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What may go wrong while one vehicle guides another: each ends in a message before the flight, or in an event and a
-// safe end.
+// Failures while one vehicle guides another: each ends in a message before the flight, or in an event and a safe end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,8 +38,8 @@ Scenario guided_gap(const Changes& changes) {
 struct Outcome {
   std::set<std::string> guide_says, guided_says;
   bool guide_crashed = false, guided_crashed = false;
-  MissionStatus mission = MissionStatus::kRunning;  // of the guide
-  double over_s = 1e9;                              // when that of the guide ended
+  MissionStatus mission = MissionStatus::kRunning;  // mission of the guide
+  double over_s = 1e9;                              // time at which the guide's mission ended
 };
 
 Outcome fly_with(const Changes& changes) {

@@ -15,13 +15,13 @@ namespace {
 
 struct GuidedFlight {
   RunSummary summary;
-  std::set<std::string> notes;  ///< of the guide
-  int passes = 0;               ///< of the wall, by the guided vehicle
+  std::set<std::string> notes;  ///< notes of the guide
+  int passes = 0;               ///< passages of the guided vehicle through the wall
   bool guide_passed = false;
   double error_in_gap_m = 0.0;  ///< mean, within 1 m of the gap's center
 };
 
-/// Along the way through the gap, from its center.
+/// Coordinate along the path through the gap, from its center.
 double along_gap_m(const Vector3& p_world_m) {
   constexpr double kYaw = 25.0 * 3.14159265358979323846 / 180.0;
   return p_world_m.x() * std::cos(kYaw) + p_world_m.y() * std::sin(kYaw);
@@ -71,7 +71,7 @@ constexpr const char* kLidarAndImu =
     "{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.15]}}, "
     "{type: imu, name: imu, model: imu_adis16448}";
 
-/// Outcome of a flight whose guide localizes itself in a way of its own.
+/// Outcome of a flight with another localization of the guide.
 void expect_two_passes(const std::string& localization, const std::string& more_sensors) {
   const GuidedFlight flight = fly({{"duration_s", "60"},
                                    {"vehicles[primary].sensors", std::string("[") + kLidarAndImu + more_sensors + "]"},

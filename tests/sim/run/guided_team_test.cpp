@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One UAV guides three in the full simulation: who is who is found out by how they move, and they take turns.
+// One UAV guides three in the full simulation: they are identified by their motion, and take turns.
 #include <gtest/gtest.h>
 
 #include <algorithm>

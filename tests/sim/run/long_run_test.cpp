@@ -19,7 +19,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Everything that keeps something: a small LiDAR, all other sensors, an estimator, gusts, contacts, a mission.
+// Everything with memory: a small LiDAR, all other sensors, an estimator, gusts, contacts, a mission.
 constexpr const char* kScenario = R"(
 duration_s: 10000
 world: {type: hall}
@@ -71,7 +71,7 @@ TEST(LongRun, NeedsNoMoreMemoryAfterTwoMinutesThanAfterTenSeconds) {
   [[maybe_unused]] const long resident = resident_bytes();
   fly_until(simulation, 120.0);
   EXPECT_EQ(test::num_live_bytes() - live, 0) << "bytes more";
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what was given back
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these keep freed memory
   EXPECT_LT(resident_bytes() - resident, 1'000'000) << "bytes more, not all by operator new";
 #endif
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scans of the simulator, given to an odometry that knows nothing of it: does it drift on them as on real ones?
+// Scans of the simulator in an independent odometry: does it drift as on real scans?
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A sensor whose kind of sample no part of Swiftlet knows.
+// A sensor whose kind of sample is unknown to all parts of Swiftlet.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ struct GasSample {
   static constexpr const char* kName = "gas";
   TimeNs t = 0;
   double concentration_ppm = 0.0;
-  Matrix6 unseen = Matrix6::Zero();  // of which a table shows only a part
+  Matrix6 unseen = Matrix6::Zero();  // shown only in part by a table
 
   static void visit(auto& s, auto& v) {
     v.time("t_s", s.t, "[s] when it was drawn in");

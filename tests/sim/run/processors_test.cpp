@@ -82,7 +82,7 @@ TEST(Memory, IsNotMoreThanSlurmGives) {
     const Variable cpu("SLURM_MEM_PER_CPU", "50"), cpus("SLURM_CPUS_ON_NODE", "3");
     EXPECT_EQ(available_memory_bytes(), 150.0 * 1024 * 1024);
   }
-  const Variable whole_node("SLURM_MEM_PER_NODE", "0");  // Slurm's word for all of it
+  const Variable whole_node("SLURM_MEM_PER_NODE", "0");  // 0 stands for the whole memory
   EXPECT_EQ(available_memory_bytes(), all);
 }
 

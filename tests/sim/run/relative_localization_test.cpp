@@ -34,7 +34,7 @@ struct Figures {
   }
 };
 
-/// Hovers, and sends the vehicle that it localizes from corner to corner, told in that one's own body frame.
+/// Hovers, and sends the vehicle that it localizes from corner to corner, in that vehicle's body frame.
 class SquareGuide : public Guidance {
  public:
   static constexpr double kSilentFrom_s = 12.0, kSilentTo_s = 18.0;
@@ -119,7 +119,7 @@ TEST(RelativeLocalization, FindsAVehicleFiveMetersAwayToFiveCentimeters) {
   EXPECT_LT(Figures::mean(figures.nees), 6.0);
 }
 
-// It knows nothing but its odometry, and its guide is silent for six seconds.
+// The guided vehicle has only its odometry, and its guide is silent for six seconds.
 TEST(RelativeLocalization, AGuidedVehicleReachesThePlacesThatItsGuideMeansAndHoversWhileTheLinkIsLost) {
   add_square_guide();
   const Scenario scenario = scenario_of({{"vehicles[0].agent.guidance", "{type: square_guide}"},

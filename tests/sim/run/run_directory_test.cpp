@@ -26,7 +26,7 @@ class RunDirectoryTest : public testing::Test {
     for (const auto& entry : fs::directory_iterator(root_)) found.insert(entry.path());
     return found;
   }
-  /// As a run of the name "a" leaves it when it is killed.
+  /// State of the directory after a run of the name "a" was killed.
   fs::path directory_of_a_killed_run() const {
     const std::set<fs::path> before = names();
     const pid_t child = ::fork();

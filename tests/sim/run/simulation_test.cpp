@@ -118,7 +118,7 @@ TEST(Simulation, ARunOfDummiesLastsAsLongAsItShouldAndSaysThatTheyHaveNoMission)
   EXPECT_EQ(alone.view().events[0].note, "the agent is none: it has no mission");
   EXPECT_NEAR(fly(alone).simulated_s, 1.5, 1e-9);
 
-  // Beside others it waits for nobody: their missions end the run.
+  // The run does not wait for the dummy: the missions of the others end it.
   Simulation beside(scenario_of("duration_s: 60\nworld: {type: empty}\nmetrics: {stop_on_crash: false}\nvehicles:\n" +
                                 dummy + vehicle("uav1", "[0, 0, 5]", "{type: waypoints, waypoints_m: [[1, 0, 5]]}")));
   EXPECT_LT(fly(beside).simulated_s, 20.0);
@@ -276,7 +276,7 @@ TEST(Simulation, ACaptureIsAnEventAndTheInterceptorBelievesInItWithinASecond) {
 }
 
 TEST(Simulation, ARunEndsOnTheTrueCaptureThoughTheInterceptorDoesNotKnow) {
-  // Flies its net over the intruder and knows nothing of captures.
+  // Flies its net over the intruder without knowledge of captures.
   guidance_registry().add({{"drag_net", "of this test", make_module_config<HoverConfig>},
                            make_hover,
                            [](const ModuleConfig&, AgentNeeds& needs) {
@@ -298,7 +298,7 @@ TEST(Simulation, VehiclesThatStartInsideEachOtherAreRefused) {
   EXPECT_THROW(Simulation{scenario}, InputError);
 }
 
-// One X500, whose legs are 0.2 m long, in a world; the message of the refusal, or nothing.
+// One X500, whose legs are 0.2 m long, in a world; returns the error message, or an empty string.
 std::string refusal(const std::string& world, const std::string& start, const std::string& more = {}) {
   try {
     Simulation simulation(scenario_of("world: {type: " + world + "}\n" + more +
@@ -327,7 +327,7 @@ TEST(Simulation, AStartInAnObstacleIsRefused) {
   EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]"), HasSubstr("found wall in its place"));
   EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]", "physics: {contacts: false}\n"), "")
       << "a ghost has room anywhere";
-  // Where no key gives the start, the vehicle's place is told.
+  // Without a key for the start, the message names the vehicle's position.
   EXPECT_THAT(refusal("field", "yaw_deg: 90", "wind: {mean_mps: [0, 0, 0]}\n"), "");
 }
 
@@ -406,10 +406,10 @@ TEST(Simulation, StagesOfAgentsTakeTheTimeOfTheAgentsTogetherAndTimingThemChange
   double sum_s = 0.0;
   for (const auto& [stage, time_s] : timed.agent_stage_s()) {
     sum_s += time_s;
-    const bool none = stage == "detection" || stage == "tracking";  // which neither vehicle has
+    const bool none = stage == "detection" || stage == "tracking";  // neither vehicle has one
     EXPECT_EQ(time_s > 0.0, !none) << stage << ": " << time_s << " s";
   }
-  // With one thread, the clock of the stage "agents" runs whenever that of an agent does.
+  // With one thread, the clock of the stage "agents" includes that of each agent.
   const double agents_s = seconds_of("agents", timed.summary().stage_wall_s);
   EXPECT_LT(sum_s, agents_s);
   EXPECT_GT(sum_s, 0.5 * agents_s);

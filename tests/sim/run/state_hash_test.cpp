@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The state hash covers every field of a vehicle's true state, of what it was given to know, and of what it did.
+// The state hash covers every field of a vehicle's true state, its observations and its actions.
 #include "sim/run/state_hash.hpp"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,7 @@ class Nudge {
     if constexpr (std::is_arithmetic_v<T>) {
       number(value);
     } else if constexpr (std::is_same_v<T, Pose>) {
-      for (int i = 0; i < 4; ++i)
-        numbers(value.data() + 4 * i, 3);  // column by column, without the row that says nothing
+      for (int i = 0; i < 4; ++i) numbers(value.data() + 4 * i, 3);  // column by column, without the constant row
     } else if constexpr (requires { value.coeffs(); }) {
       numbers(value.coeffs().data(), 4);
     } else if constexpr (requires { value.colwise(); }) {
@@ -61,7 +60,7 @@ class Nudge {
   int n_;
 };
 
-/// How many of the values of a kind of data change the hash of what holds it, and how many there are.
+/// Number of values of a kind of data that change the hash of its holder, and number of all values.
 template <class Kind, class HashOfHolder>
 std::pair<int, int> values_that_count(const HashOfHolder& hash_of_holder) {
   const std::uint64_t before = hash_of_holder(Kind{});
@@ -177,7 +176,7 @@ std::uint64_t hash_of_kind(const Kind& value) {
 TEST(StateHash, AFieldThatIsAddedChangesIt) { EXPECT_NE(hash_of_kind(TwoFields{}), hash_of_kind(ThreeFields{})); }
 
 TEST(StateHash, IsTheSameForSmallAndLargePieces) {
-  // What does not fit into the hasher's buffer is streamed: the value must not depend on where it was cut.
+  // Data larger than the hasher's buffer are streamed: the value must not depend on the cuts.
   for (const std::size_t size : {100U, 511U, 512U, 513U, 5000U}) {
     Hasher whole, pieces;
     const std::vector<double> values(size, 0.1);

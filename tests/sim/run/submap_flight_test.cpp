@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A vehicle that knows where it is by SLAM and plans through the map of its submaps.
+// A vehicle that localizes itself by SLAM and plans through the map of its submaps.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -45,7 +45,7 @@ TEST(SubmapFlight, ClosesItsLoopAndFliesOnThroughTheMapThatMovedWithoutTouchingA
       << simulation.view().actions[0]->mission_note;
   EXPECT_GE(corrections, 1U) << "a loop was closed";
   EXPECT_GT(summary.metrics.find("path_length_m", "uav1")->value, 90.0);
-  // The walls of the building are where they are, in the world as the vehicle knows it: x = 7 m and y = 4.5 m.
+  // The walls of the building are at their places in the estimated world: x = 7 m and y = 4.5 m.
   const MapVoxels map = map_of(simulation);
   const StateEstimate& e = simulation.view().actions[0]->estimate;
   int on_wall = 0, inside = 0;
@@ -62,7 +62,7 @@ TEST(SubmapFlight, ClosesItsLoopAndFliesOnThroughTheMapThatMovedWithoutTouchingA
   EXPECT_LT(inside, on_wall / 10);
 }
 
-/// To and fro beside the building, so that the graph moves the map within seconds.
+/// Back and forth beside the building, so that the graph moves the map within seconds.
 Scenario soon_closed(double duration_s, ConfigChanges changes = {}) {
   changes.emplace_back("vehicles[0].agent.localization.global.closure_gap_m", "6");
   changes.emplace_back("vehicles[0].agent.guidance.goals_m", "[[-4.5, -10, 3], [-12.5, -10, 3]]");

@@ -130,7 +130,7 @@ TEST(Document, SelectorsOfElementsAreThoseInOnePairOfBrackets) {
     EXPECT_EQ("\"" + node.entries[0].key + "\"", plain);
     EXPECT_EQ(node.entries[0].value.kind, Node::Kind::kScalar) << plain;
   }
-  // On a list of the same map it is a change.
+  // For a list of the same map it is a change.
   const Node changed = parsed("a: [1, 2]\n\"a[1]\": 5");
   EXPECT_EQ(changed.find("a")->items[1].text, "5");
   EXPECT_EQ(changed.entries.size(), 1U);

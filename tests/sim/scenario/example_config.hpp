@@ -159,7 +159,7 @@ class MemoryFiles final : public ConfigFiles {
   Map files_;
 };
 
-/// What the corpus of the fuzz target may name.
+/// Files that the corpus of the fuzz target may name.
 inline MemoryFiles example_files() {
   return MemoryFiles({
       {"/in/calm.yaml", "title: calm\nboats:\n  - {name: first, rate_hz: 5}\n  - {name: second, crew: [pilot]}\n"},

@@ -27,9 +27,9 @@ LidarMeasurement measurement_of(const LidarConfig& lidar) {
   return {lidar.noise, lidar.detection, lidar.range_max_m, false};
 }
 
-/// A standard deviation that somebody stated, to half of the last digit that is told.
+/// A published standard deviation, with a tolerance of half of its last digit.
 struct Stated {
-  double place;  ///< range [m], or signal as the maker counts it
+  double place;  ///< range [m], or signal in the maker's units
   double sigma_mm, tolerance_mm;
 };
 const std::vector<Stated> kRecordedOs1 = {{4, 8, 0.5}, {8, 10, 0.5}, {15, 12, 0.5}, {30, 14, 0.5}};
@@ -156,7 +156,7 @@ double scatter_mm(const std::string& name, double range_m) {
 }
 
 TEST(LidarNoiseFit, WallsOfTypicalReflectivityScatterAsRecordedOnesDo) {
-  // Bands are told in whole millimeters.
+  // Bands are given in whole millimeters.
   constexpr double kHalfDigit_mm = 0.5;
   const auto in_band = [&](const char* name, double range_m, double least_mm, double most_mm) {
     const double measured_mm = scatter_mm(name, range_m);

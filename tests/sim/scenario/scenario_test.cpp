@@ -144,7 +144,7 @@ TEST(LidarPresets, OustersHaveTheMakersTableOfEveryRow) {
   ASSERT_EQ(wide.azimuths_deg.size(), 128U);
   ASSERT_EQ(narrow.elevations_deg.size(), 128U);
   ASSERT_EQ(narrow.azimuths_deg.size(), 128U);
-  // Offsets of the OS0 vary by row: their means over its four columns of lasers, and the rows at the horizon.
+  // Offsets of the OS0 vary by row: means over its four columns of lasers, and the rows at the horizon.
   for (const auto& [first, mean_deg] : {std::pair{0, 9.15}, {1, 3.05}, {2, -3.05}, {3, -9.15}}) {
     double sum_deg = 0.0;
     for (std::size_t row = first; row < 128; row += 4) sum_deg += wide.azimuths_deg[row];

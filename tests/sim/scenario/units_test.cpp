@@ -12,7 +12,7 @@ namespace {
 struct SameAmount {
   const char* key;     // ends with the unit of its value
   const char* symbol;  // another unit
-  double value;        // of one of these
+  double value;        // size of one such unit, in the unit of the key
 };
 
 // The definitions of the units, as books print them.

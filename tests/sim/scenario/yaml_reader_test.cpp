@@ -249,7 +249,7 @@ TEST(MergeKeys, GiveTheKeysThatAreMissingAndEarlierMapsWin) {
   EXPECT_EQ(fleet.boats[3].rate_hz, 20.0);
   EXPECT_EQ(fleet.boats[3].noise.sigma_range_m, NoiseConfig().sigma_range_m) << "maps within are not merged";
   EXPECT_EQ(fleet.boats[4].speed_mps, 3.0);
-  // An anchor of a map holds what was merged into it, and a merged list takes changes to its elements.
+  // An anchor includes what was merged into its map, and elements of a merged list can be changed.
   EXPECT_EQ(read_fleet("boats: [&a {rate_hz: 3}, &b {<<: *a, name: b}, {<<: *b, name: c}]").boats[2].rate_hz, 3.0);
   EXPECT_EQ(read_fleet("{<<: {tags: [a, b]}, \"tags[1]\": c}").tags, (std::vector<std::string>{"a", "c"}));
 }
@@ -369,7 +369,7 @@ TEST(Overlay, ElementsWhoseNamesBeginAlikeCanBeChangedTogether) {
   EXPECT_EQ(fleet.boats[0].rate_hz, 7.0);
   EXPECT_EQ(fleet.boats[1].rate_hz, 3.0);
   EXPECT_EQ(fleet.boats[2].rate_hz, 7.0);
-  EXPECT_NE(fleet.boats[3].rate_hz, 7.0);  // it only ends so
+  EXPECT_NE(fleet.boats[3].rate_hz, 7.0);  // only the end of the name matches
   EXPECT_EQ(fleet.boats[2].tilt_deg, 2.0);
   EXPECT_NE(fleet.boats[0].tilt_deg, 2.0);
   EXPECT_THAT(fleet_error("base: calm.yaml\nboats[green*]: {rate_hz: 7}\n"),

@@ -16,7 +16,7 @@ TEST(SensorAllocations, NoneInATickAfterWarmUp) {
   std::vector<std::unique_ptr<Sensor>> sensors;
   for (const ModuleType& type : sensor_module_types()) {
     const Module module(sensor_module_types(), type.name);
-    if (std::string_view(type.name) != "lidar") {  // whose scans others hold
+    if (std::string_view(type.name) != "lidar") {  // scans are held by their readers
       sensors.push_back(make_sensor(module, sensor_setup(type.name, 1, 3, world)));
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many beams return from a forest, and from where in it.
+// Share of beams that return from a forest, and where in it they return.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ void print(const char* what, const Returns& r) {
               r.num_triangles, r.build_s, r.scan_ms);
 }
 
-// Of a recorded flight through a forest 82 % of the beams returned.
+// 82 % of the beams returned on a recorded flight through a forest.
 TEST(ForestReturns, AsManyBeamsReturnAsInARealForestAndNotAsOnATable) {
   ForestConfig alone;
   alone.surroundings_m = 0.0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kLidarSeed = 7;
 
-// A wall ahead, whose incidence is the angle of the beam. Where it is steep, its cosine says little in single
+// A wall ahead, whose incidence is the angle of the beam. At steep incidence the cosine has little accuracy in single
 // precision.
 TEST(Lidar, IncidenceHasSinglePrecision) {
   TestScene world;

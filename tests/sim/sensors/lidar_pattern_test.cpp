@@ -143,7 +143,7 @@ TEST(LidarPattern, Mid360GoesOnWhereItStoppedAndDoesNotRepeat) {
       same += std::acos(std::min(1.0F, a.dot(b))) * kDegPerRad < 5.0 ? 1 : 0;
     }
   }
-  EXPECT_LT(same, 200);  // of 20000 shots: a frame is turned by about 85 deg against the one before
+  EXPECT_LT(same, 200);  // 20000 shots per frame; successive frames are rotated by about 85 deg
 
   // Ever more of the sphere is seen: cells of 1 deg in the field of view that some shot of the first n frames met.
   std::set<std::pair<int, int>> cells;

@@ -19,7 +19,7 @@ namespace {
 
 using Scans = std::vector<std::shared_ptr<const LabeledScan>>;
 
-/// A LiDAR in a small world; the shapes of the vehicles are points unless told otherwise.
+/// A LiDAR in a small world; the shapes of the vehicles are points by default.
 struct Rig {
   TestScene world;
   LidarConfig config;
@@ -171,7 +171,7 @@ TEST(Lidar, ASphereIsHitByAsManyBeamsAsItsSolidAngleHolds) {
     EXPECT_NEAR(scan.range_m[i], expected, 2e-3);
   }
   EXPECT_NEAR(num_hits, num_expected, 0.01 * num_expected);
-  // And in closed form: solid angle over solid angle of a beam at the horizon.
+  // In closed form: solid angle over the solid angle of a beam at the horizon.
   const double solid_angle = 2.0 * std::numbers::pi * (1.0 - cos_half);
   const double beam = (20.0 / 255 / kDegPerRad) * (2.0 * std::numbers::pi / 4096);
   EXPECT_NEAR(num_hits, solid_angle / beam, 0.02 * num_hits);
@@ -281,7 +281,7 @@ TEST(Lidar, TruthPosesPutTheReturnsOfAMovingSensorOnTheWall) {
                  off_z = std::abs(std::abs(p.z()) - 10);
     ASSERT_LT(std::min({off_x, off_y, off_z}), 1e-3) << p.transpose();
   }
-  // And the poses themselves are those of the motion.
+  // The poses are those of the motion too.
   const double t = 0.2 + s.scan.beams->column_offset_s[700];
   const Pose expected = rig.motions[0](t).T_world_body() * rig.config.mount.T_body_lidar();
   EXPECT_LT((s.truth.T_world_lidar[700].matrix() - expected.matrix()).norm(), 2e-4);
@@ -623,7 +623,7 @@ TEST(Lidar, TheErrorOfWhitePosesIsOneForTheWholeSweep) {
   EXPECT_GT((errors[0] - errors[1]).norm(), 1e-6);
 }
 
-// No higher than it must be, and nothing of the vehicle, whose rotors turn, rises above the cone of the lowest beams.
+// As low as possible, with no part of the vehicle or its turning rotors above the cone of the lowest beams.
 TEST(LidarMount, ClearOfTheHullStandsJustHighEnoughThatNoBeamMeetsIt) {
   const auto shape = quadrotor_shape();
   for (const double down_deg : {15.0, 30.0, 45.0}) {
@@ -711,7 +711,7 @@ TEST(Lidar, AHeldScanIsNotOverwritten) {
   EXPECT_EQ(held->beams->directions_lidar, directions);
 }
 
-/// A LiDAR whose sweeps are traced part by part, last part first, before they are asked for.
+/// A LiDAR whose sweeps are traced in parts, the last part first, before they are requested.
 class InParts final : public Sensor {
  public:
   explicit InParts(std::unique_ptr<Sensor> lidar) : Sensor({}), lidar_(std::move(lidar)) {}

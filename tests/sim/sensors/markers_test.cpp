@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Retro-reflective markers of a vehicle as another one's LiDAR sees them.
+// Retro-reflective markers of a vehicle in the scans of another one's LiDAR.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct MarkerReturns {
   int scans_with_marker = 0;
 };
 
-/// What an OS0-128 sees of the vehicle at a distance, in `num_scans` sweeps while it turns and sways.
+/// Returns of an OS0-128 from the vehicle at a distance, in `num_scans` sweeps while it turns and sways.
 MarkerReturns look(double distance_m, const MarkersConfig& markers, int num_scans) {
   SensorSetup setup = sensor_setup("lidar", 1, 2);
   setup.scene = std::make_shared<const Scene>(TestScene().scene());

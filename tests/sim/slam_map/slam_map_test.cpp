@@ -120,7 +120,7 @@ TEST(SlamMapFile, WhatIsNoMapIsRefused) {
             std::string::npos);
 }
 
-/// As version 2 has it: title, version, size, checksum; then numbers as they stand in memory.
+/// Version 2: title, version, size, checksum; then numbers as in memory.
 class Bytes {
  public:
   template <class Number>
@@ -183,7 +183,7 @@ TEST(SlamMapFile, IsReadByteForByteAsItsVersionSays) {
   EXPECT_EQ(slam_map_content(map), file_of(none));
 }
 
-// With the right checksum, so that it is not damage but nonsense.
+// With a correct checksum: the content is invalid, not damaged.
 TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
   const auto relative = [](int from, int to) {
     Bytes bytes;
@@ -227,7 +227,7 @@ TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
     EXPECT_NE(position(before, after), "");
 }
 
-// Before memory is taken for them.
+// The check comes before the allocation.
 TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
   for (const Count count : {Count{1} << 60, Count{1000}}) {
     Bytes poses;
@@ -280,7 +280,7 @@ class Stranger : public Agent {
 
 class SlamMapRecords : public ::testing::Test {
  protected:
-  /// Of four vehicles: a and c keep a map, b could, d is of another kind.
+  /// Four vehicles: a and c keep a map, b could, d is of another kind.
   std::vector<std::filesystem::path> record(const std::vector<std::string>& vehicles, bool any = true) {
     SlamMapConfig config;
     config.vehicles = vehicles;
@@ -333,7 +333,7 @@ Scenario campus(const std::string& file, const ConfigChanges& changes) {
 
 constexpr const char* kGlobal = "vehicles[0].agent.localization.global";
 
-/// What half a lap around the building leaves.
+/// Map of half a lap around the building.
 std::filesystem::path map_of_the_campus() {
   Scenario scenario =
       campus("campus_slam.yaml", {{"vehicles[0].agent.mapping", "none"}, {std::string(kGlobal) + ".enabled", "true"}});
@@ -346,7 +346,7 @@ std::filesystem::path map_of_the_campus() {
   return temporary("campus");
 }
 
-// A building looks alike from some places. There it keeps looking, and never takes another place for its own.
+// A building looks alike from some positions. There the search continues and never accepts another place.
 TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOneFromMostPlaces) {
   const std::string map = map_of_the_campus().string();
   const std::pair<const char*, const char*> starts[] = {{"[9.0, -10.0, 3.5]", "130"},

@@ -95,7 +95,7 @@ TEST_F(WorldFiles, ExportedObjComesBackWithItsTrianglesAndLabels) {
   EXPECT_TRUE(back.bounds_m.isApprox(scene.bounds_m, 1e-5));
   std::set<Label> expected = labels_of(scene);
   expected.erase({SurfaceClass::kGround, 0});
-  expected.insert({SurfaceClass::kGround, 1});  // what has no number gets the next one
+  expected.insert({SurfaceClass::kGround, 1});  // an unnumbered object gets the next number
   EXPECT_EQ(labels_of(back), expected);
 }
 
@@ -296,7 +296,7 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
   EXPECT_THROW(import_mesh(write("g.obj", "v 0 0 0\nv nan 0 0\nv 0 inf 1\nf 1 2 3\n")), InputError);
 }
 
-// What lies behind the end of the file is not taken for the length of a face.
+// Data beyond the end of the file are not read as the length of a face.
 TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
   const std::string head =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -306,7 +306,7 @@ TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
               HasSubstr("truncated: it ends before 'vertex_indices' of face 1"));
 }
 
-// With another format, text would be taken for the length of a list: gigabytes for a file of 800 bytes.
+// With another format, text would be read as the length of a list: gigabytes for a file of 800 bytes.
 TEST_F(WorldFiles, APlyHeaderHasOneFormatOfVersionOne) {
   const auto with_formats = [](const std::string& lines) {
     return "ply\n" + lines +
@@ -663,14 +663,14 @@ TEST(PointClouds, LzfCopiesAndRunsFollowTheFormat) {
                                           "z"
                                           "\x20\x05",
                                           4),
-                              out));  // before the beginning
+                              out));  // before the beginning of the output
   EXPECT_FALSE(decompress_lzf(std::string("\xe0", 1), out));
   out.assign(5, '\0');
   EXPECT_FALSE(decompress_lzf(std::string("\x00"
                                           "z"
                                           "\xe0\x14\x00",
                                           5),
-                              out));  // more than was promised
+                              out));  // more than declared
 }
 
 TEST_F(WorldFiles, PlyCloudsAreReadInEitherByteOrder) {

@@ -47,7 +47,8 @@ TEST(Forest, UndergrowthHasItsDensityEverywhere) {
   expect_uniform(ys, -30.0, 30.0);
 }
 
-// What could reach into a clearing is left out: with half of the way to the next ring, its own radius and a snag.
+// Excluded are trunks that could reach into a clearing: half of the distance to the next ring, the trunk's radius and a
+// snag are added.
 TEST(Forest, FallenTrunksKeepOffClearings) {
   ForestConfig config = bare_ground(60.0);
   config.fallen_per_ha = 3000.0;

@@ -177,7 +177,7 @@ TEST(Forest, SurroundingsLeaveThePlaceAsItIs) {
     EXPECT_EQ(surrounded.meshes[surrounded.instances[i].mesh].vertices_mesh_m,
               alone.meshes[alone.instances[i].mesh].vertices_mesh_m);
   }
-  // Where one flies and looks is the place; trees beyond it have no number.
+  // The bounds are those of the flight area; trees beyond have no number.
   EXPECT_EQ(surrounded.bounds_m.min().head<2>(), alone.bounds_m.min().head<2>());
   EXPECT_EQ(surrounded.bounds_m.max().head<2>(), alone.bounds_m.max().head<2>());
   for (std::size_t i = alone.instances.size(); i < surrounded.instances.size(); ++i) {
@@ -237,7 +237,7 @@ TEST(Forest, HasTheTriangleCountOfAboutAMillionByDefault) {
   EXPECT_LE(triangles, 1500000U);
 }
 
-// Beer-Lambert: of rays through the crown, a part exp(-G LAD s) passes, s being the way inside and G = 1/2.
+// Beer-Lambert: a share exp(-G LAD s) of rays passes the crown, with the path length s inside and G = 1/2.
 class CrownGaps : public testing::TestWithParam<Species> {};
 
 TEST_P(CrownGaps, RaysPassWithTheProbabilityThatTheLeafAreaSets) {
@@ -419,7 +419,7 @@ TEST(Relief, GroundCoversItsRectangleAndTheSurroundingsARingAroundIt) {
   }
 }
 
-// So that the eye sees no seam: a row of triangles is at most a third wider than the one before it.
+// Avoids a visible seam: a row of triangles is at most a third wider than the one before it.
 TEST(Relief, TrianglesOfTheSurroundingsGrowOutwardLittleByLittle) {
   const Relief hills({.amplitude_m = 2.0}, 1);
   const Mesh around = make_ground_around(hills, false, {-10.0, -10.0}, {10.0, 10.0}, 1.0, 60.0);

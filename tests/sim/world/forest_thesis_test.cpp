@@ -72,7 +72,7 @@ TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
   const Scene scene = make_forest_thesis({}, 5);
   const WorldObject tree = objects_of(scene, SurfaceClass::kTrunk)[17];
   const double radius_m = 0.5 * attribute(tree, "dbh_m");
-  // From 1.4 m before the axis: no other tree reaches in between (3 m apart, at most 0.7 m thick).
+  // From 1.4 m in front of the axis: no other tree is in between (3 m apart, at most 0.7 m thick).
   const auto trunk =
       test::trace(scene, tree.position_world_m + Eigen::Vector3d(-1.4, 0.001, 1.3), Eigen::Vector3d::UnitX());
   ASSERT_TRUE(trunk);
@@ -80,7 +80,7 @@ TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
   EXPECT_EQ(trunk->instance, tree.instance);
   EXPECT_NEAR(trunk->range_m, 1.4 - radius_m, 0.012 * radius_m + 1e-4);  // 24 sides: within 1.2 % of the circle
 
-  // From above: the highest of the spheres over that point.
+  // From above: the highest sphere at that point.
   const Eigen::Vector3d eye_m = tree.position_world_m + Eigen::Vector3d(0.3, 0.2, 30.0);
   double top_m = 0.0;
   for (const WorldObject& other : objects_of(scene, SurfaceClass::kTrunk)) {

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using test::free_width_m;
 using test::objects_of;
 
-// No triangle's corner or edge middle lies in the box.
+// No corner and no midpoint of an edge of a triangle is in the box.
 void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high) {
   const Eigen::AlignedBox3d box(low, high);
   for (const Instance& instance : scene.instances) {

@@ -85,7 +85,7 @@ TEST(MeshBuilder, HeightfieldCoversItsRectangleOnceWithoutHoles) {
   constexpr int kColumns = 5, kRows = 4;
   std::vector<float> heights;
   for (int i = 0; i < kColumns * kRows; ++i) heights.push_back(static_cast<float>(i % 7));
-  add_box(mesh, Vector3f(-9, -9, -9), Vector3f(-8, -8, -8));  // it is appended to what was there
+  add_box(mesh, Vector3f(-9, -9, -9), Vector3f(-8, -8, -8));  // existing content, to which the mesh is appended
   const std::size_t first = mesh.triangles.size();
   add_heightfield(mesh, {1, 2}, {0.5F, 0.25F}, kColumns, kRows, heights);
   ASSERT_EQ(mesh.triangles.size() - first, 2U * (kColumns - 1) * (kRows - 1));
@@ -113,7 +113,7 @@ TEST(MeshBuilder, TubesFollowTheirLineWithoutTwisting) {
   const std::vector<float> radii = {0.3F, 0.25F, 0.2F, 0.05F};
   for (const int sides : {3, 7, 12}) {
     Mesh mesh;
-    add_box(mesh, Vector3f(8, 8, 8), Vector3f(9, 9, 9));  // it is appended to what was there
+    add_box(mesh, Vector3f(8, 8, 8), Vector3f(9, 9, 9));  // existing content, to which the mesh is appended
     const std::size_t first = mesh.vertices_mesh_m.size();
     add_tube(mesh, line, radii, sides, Caps::kBoth);
     EXPECT_TRUE(is_closed(mesh));

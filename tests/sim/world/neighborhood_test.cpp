@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// A swarm in a box of 30 m whose vehicles go their random ways.
+/// A swarm in a box of 30 m on random paths.
 struct Swarm {
   explicit Swarm(int count) : states(count), radii_m(count) {
     for (int i = 0; i < count; ++i) {
@@ -111,7 +111,7 @@ TEST(Neighborhood, CandidatesAreThoseUpToTwoMetersFartherThanTheNearest) {
   EXPECT_EQ(std::vector<VehicleId>(around.begin(), around.end()), (std::vector<VehicleId>{1, 2, 4}));
 }
 
-// Until somebody has moved by a quarter of that, nobody is looked for anew.
+// The list is rebuilt only after a vehicle has moved by a quarter of that.
 TEST(Neighborhood, LooksAgainWhenAVehicleHasMovedByHalfAMeter) {
   Neighborhood neighborhood(std::vector<double>(3, 0.0));
   std::vector<VehicleState> states(3);

@@ -138,7 +138,7 @@ TEST(Campus, EveryFacadeHasWindowsAndIsSymmetric) {
   }
 }
 
-// From the wall outward: lawn, kerb, path as wide as set, kerb, lawn.
+// From the wall outward: lawn, kerb, path of the configured width, kerb, lawn.
 TEST(Campus, ThePathLeadsAroundTheBuildingAtItsDistance) {
   const CampusConfig config = bare_ground_campus();
   const Scene scene = make_campus(config, 1);

@@ -75,7 +75,7 @@ TEST(Wall, ItsVolumeIsThatOfTheWholeLessItsOpenings) {
   EXPECT_NEAR(signed_volume_m3(pierced), (30.0 - 1.0 * 2.0 - 2.0 * 1.5 - 1.0 * 3.0) * 0.2, 1e-4);
 }
 
-/// Does the mesh hold the point? By the volumes of what lies around it: winding numbers.
+/// Winding number of the mesh around a point: nonzero inside.
 double winding_at(const Mesh& mesh, const Eigen::Vector3d& p_m) {
   double sum = 0.0;
   for (const auto& triangle : mesh.triangles) {

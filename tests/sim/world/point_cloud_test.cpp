@@ -98,7 +98,7 @@ std::string some_text(std::uint32_t number, std::size_t size) {
   for (std::uint32_t i = 0; text.size() < size; ++i) {
     if (random.uniform(0.0, 1.0, i, 0) < 0.6 || text.size() < 10) {
       text += static_cast<char>(random.uniform(0.0, 256.0, i, 1));
-    } else {  // something that was there
+    } else {  // a copy of earlier text
       const auto back = 1 + static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(text.size()), i, 2));
       const auto length = static_cast<std::size_t>(random.uniform(1.0, 330.0, i, 3));
       for (std::size_t k = 0; k < length; ++k) text += text[text.size() - std::min(back, text.size())];
@@ -183,7 +183,7 @@ TEST_F(CloudFiles, PcdOfWordsHasNumbersAsPeopleWriteThem) {
   const Points expected = {{1.5, -2, 3e3}, {4, 5, 6}};
   EXPECT_EQ(pcd(head + "POINTS 2\nDATA ascii\n+1.5 7 8 -2 3e3\r\n\t4 7 8 5\n 6"), expected);
   EXPECT_EQ(pcd(head + "WIDTH 1\nHEIGHT 2\nDATA ascii\n1.5 7 8 -2 3e3\n4 7 8 5 6\n"), expected);
-  // What is not finite is left out, and so is what no number can hold.
+  // Points with values that are not finite, or out of range, are left out.
   EXPECT_EQ(pcd(head + "POINTS 4\nDATA ascii\n1.5 7 8 -2 3e3\nnan 7 8 5 6\n1 7 8 inf 2\n1 7 8 2 1e999\n").size(), 1U);
   EXPECT_EQ(pcd(head + "POINTS 0\nDATA ascii\n").size(), 0U);
   EXPECT_EQ(pcd(head + "WIDTH 7\nHEIGHT 0\nDATA ascii\n").size(), 0U);
@@ -263,7 +263,7 @@ TEST_F(CloudFiles, CompressedPcdLiesFieldByField) {
   for (int i = 0; i < 50; ++i) {
     expected.emplace_back(0.5 * i, -i, 2.25);
     put(x, static_cast<float>(0.5 * i));
-    put(x, -7.0F);  // of two values the first counts
+    put(x, -7.0F);  // the first of two values counts
     tag += "ababab";
     put(y, static_cast<float>(-i));
     put(z, 2.25);
@@ -295,7 +295,7 @@ TEST_F(CloudFiles, BinaryPcdMayHaveBytesBehindItsPointsAndNoneMissing) {
               HasSubstr("expected 2 points of 12 bytes, found 23 bytes"));
 }
 
-// Each name of a type with values at the ends of its range.
+// Each type name, with values at the ends of its range.
 TEST_F(CloudFiles, PlyKnowsEveryNameOfATypeInBothByteOrders) {
   struct Type {
     const char* name;
@@ -441,7 +441,7 @@ std::string refused(const std::string& content) {
   return "";
 }
 
-/// A binary file of two vertices, an element that nobody knows between them and two faces of 3 and 200 corners.
+/// A binary file of two vertices, an unknown element between them and two faces of 3 and 200 corners.
 class PlyMeshOf : public ::testing::TestWithParam<std::string> {
  protected:
   template <class Value>
@@ -544,7 +544,7 @@ TEST_F(CloudFiles, NamesOfExportedThingsGiveTheirClassAndNumber) {
     SurfaceClass surface_class;
     std::uint16_t number;
   };
-  // What no name tells is a wall, numbered from 1.
+  // An unknown name is a wall, numbered from 1.
   const Case cases[] = {{"trunk_12_345", SurfaceClass::kTrunk, 12},
                         {"trunk_7", SurfaceClass::kTrunk, 7},
                         {"fallen_trunk_3_1", SurfaceClass::kFallenTrunk, 3},

@@ -119,7 +119,7 @@ TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
       for (const Material& material : scene.materials) {
         EXPECT_TRUE(material.reflectivity > 0.0F && material.reflectivity <= 1.0F) << material.name;
       }
-      // Class and instance tell objects apart, and objects of one kind have the same attributes.
+      // Class and instance identify objects, and objects of one kind have the same attributes.
       std::set<std::pair<SurfaceClass, std::uint16_t>> labels;
       std::map<std::string, std::vector<std::string>> keys;
       for (const WorldObject& object : scene.objects) {
@@ -139,7 +139,7 @@ TEST(Worlds, AnUnknownTypeIsAnError) {
   EXPECT_THROW(make_world(module, 1), std::invalid_argument);
 }
 
-// How long a million takes is measured by `swiftlet bench`; here, that it grows with their number and not faster.
+// The time for a million is measured by `swiftlet bench`; this test checks that it grows linearly.
 TEST(Worlds, AMillionTrianglesTakeNoLongerEachThanAFewDo) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take their time";

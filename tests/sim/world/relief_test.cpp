@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWavelength_m = 16.0;
 
-/// What an octave alone adds, in -1..1: the difference of two reliefs, each divided by its sum of weights.
+/// Contribution of one octave, in -1..1: the difference of two reliefs, each divided by its sum of weights.
 double octave_at(int octave, double x_m, double y_m, double amplitude_m = 3.0) {
   const auto sum_of = [&](int octaves) {
     if (octaves == 0) return 0.0;
@@ -31,7 +31,7 @@ TEST(Relief, IsASumOfOctavesOfHalfTheWavelengthAndHalfTheHeightEach) {
       for (int row = -10; row < 10; ++row) lattice.push_back(octave_at(octave, cell_m * column, cell_m * row));
     }
     test::expect_uniform(lattice, -1.0, 1.0);
-    // Between its lattice: the blend 6 t^5 - 15 t^4 + 10 t^3 along both axes.
+    // Between lattice points: the blend 6 t^5 - 15 t^4 + 10 t^3 along both axes.
     const Random random(3, "test.relief");
     for (std::uint32_t i = 0; i < 40; ++i) {
       const double x = random.uniform(-9.0, 9.0, i, 0), y = random.uniform(-9.0, 9.0, i, 1);

@@ -73,7 +73,7 @@ Scene scene_of(const std::vector<std::pair<Mesh, int>>& meshes_and_uses) {
   return scene;
 }
 
-/// So many triangles of half a square meter, far from each other.
+/// A number of triangles of half a square meter, far from each other.
 Mesh leaves(int count, SurfaceClass surface_class) {
   Mesh mesh;
   mesh.surface_class = surface_class;
@@ -94,7 +94,7 @@ TEST(ThinnedScene, KeepsAnEvenShareOfTheLeavesAndLetsThemGrowAboutTheirMiddles) 
     std::size_t most;
     double share;
   };
-  // Not less than 2 in 100; leaves get three times as large at most.
+  // At least 2 of 100; leaves grow by a factor of three at most.
   for (const auto& [most, share] : {Case{500, 0.5}, {250, 0.25}, {100, 0.1}, {20, 0.02}, {5, 0.02}}) {
     const Scene scene = scene_of({{mesh, 1}});
     const Mesh thin = thinned_scene(scene, most).meshes[0];
@@ -105,7 +105,7 @@ TEST(ThinnedScene, KeepsAnEvenShareOfTheLeavesAndLetsThemGrowAboutTheirMiddles) 
     for (const auto& t : thin.triangles) {
       const Eigen::Vector3f middle =
           (thin.vertices_mesh_m[t[0]] + thin.vertices_mesh_m[t[1]] + thin.vertices_mesh_m[t[2]]) / 3.0F;
-      const double number = (middle.x() - 1.0 / 3.0) / 3.0;  // of the leaf
+      const double number = (middle.x() - 1.0 / 3.0) / 3.0;  // number of the leaf
       EXPECT_NEAR(number, std::round(number), 1e-3);
       EXPECT_NEAR(middle.y(), 4.0F / 3.0F, 1e-4F);
       if (before >= 0.0) {
@@ -116,7 +116,7 @@ TEST(ThinnedScene, KeepsAnEvenShareOfTheLeavesAndLetsThemGrowAboutTheirMiddles) 
   }
 }
 
-/// By brute force: every corner moves to the first one of its cell.
+/// Brute force: every corner moves to the first one of its cell.
 std::vector<std::array<std::uint32_t, 3>> coarse(const Mesh& mesh, float edge_m) {
   const auto cell_of = [&](std::uint32_t i) {
     return Eigen::Vector3i((mesh.vertices_mesh_m[i] / edge_m).array().floor().cast<int>());

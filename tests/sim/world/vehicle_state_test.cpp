@@ -79,7 +79,7 @@ TEST(VehicleState, VelocitiesAndTimesBetweenAreOnTheLineBetween) {
   EXPECT_EQ(interpolate(a, b, 2'000).v_world_mps, a.v_world_mps);
 }
 
-// A list of all that was pushed, searched from its end.
+// Reference: a list of all pushed states, searched from its end.
 TEST(StateHistory, AnswersAsAListOfTheLatestStatesDoes) {
   for (const int capacity : {0, 2, 3, 7}) {
     for (const int pushed : {1, 2, 5, 20}) {

@@ -110,7 +110,7 @@ inline double free_width_m(const Scene& scene, const Eigen::Vector3d& point, con
   return ahead && behind ? ahead->range_m + behind->range_m : std::numeric_limits<double>::infinity();
 }
 
-/// Bounding box in the world of everything of a class, one for each number of an instance.
+/// World bounding box of each instance number of a class.
 inline std::map<std::uint16_t, Eigen::AlignedBox3d> bounds_of_each(const Scene& scene, SurfaceClass surface_class) {
   std::map<std::uint16_t, Eigen::AlignedBox3d> bounds;
   for (const Instance& instance : scene.instances) {
@@ -122,7 +122,7 @@ inline std::map<std::uint16_t, Eigen::AlignedBox3d> bounds_of_each(const Scene& 
   return bounds;
 }
 
-/// The same box around all of them.
+/// Bounding box of all instances of a class.
 inline Eigen::AlignedBox3d bounds_of(const Scene& scene, SurfaceClass surface_class) {
   Eigen::AlignedBox3d all;
   for (const auto& [instance, bounds] : bounds_of_each(scene, surface_class)) all.extend(bounds);
@@ -131,7 +131,7 @@ inline Eigen::AlignedBox3d bounds_of(const Scene& scene, SurfaceClass surface_cl
 
 using Piece = std::vector<Eigen::Vector3d>;
 
-/// What hangs together in a mesh: the corners of each piece, as they come, the pieces in the order of their first.
+/// Connected pieces of a mesh with their corners in order, sorted by their first corner.
 inline std::vector<Piece> pieces_in(const Mesh& mesh, const Eigen::Affine3f& T = Eigen::Affine3f::Identity()) {
   std::map<std::uint32_t, Piece> pieces;
   const std::vector<std::uint32_t> piece_of = pieces_of(mesh);
@@ -148,7 +148,7 @@ inline Eigen::AlignedBox3d box_around(const Piece& piece) {
   return box;
 }
 
-/// The same boxes in any order.
+/// Checks that the boxes are equal, in any order.
 inline void expect_boxes(std::vector<Eigen::AlignedBox3d> found, const std::vector<Eigen::AlignedBox3d>& expected,
                          double most_m = 1e-4) {
   EXPECT_EQ(found.size(), expected.size());
@@ -185,7 +185,7 @@ inline void expect_uniform(std::vector<double> values, double low, double high, 
   EXPECT_NEAR(sum_of_squares, 1.0 / 3.0, 5.0 * std::sqrt(4.0 / 45.0 / n));
 }
 
-/// So many of n by chance.
+/// Checks a count out of n against a probability.
 inline void expect_share(double count, double n, double probability) {
   EXPECT_NEAR(count, probability * n, 5.0 * std::sqrt(n * probability * (1.0 - probability)) + 1e-9);
 }
