@@ -7,16 +7,16 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kSmoothing_s = 1.2;  // of follow cameras
-constexpr double kMargin = 1.25;      // free space around what must be seen
-constexpr double kTurning_s = 0.7;    // of follow cameras that go round something
+constexpr double kSmoothing_s = 1.2;  // time constant of target and distance of follow cameras
+constexpr double kMargin = 1.25;      // enlargement of the framed region
+constexpr double kTurning_s = 0.7;    // time constant of a follow camera's direction
 constexpr TimeNs kJudgeEvery = 200'000'000;
 constexpr TimeNs kFreeLongEnough = 2'000'000'000;
-constexpr double kSeenEnough = 0.6;     // share at which a follow camera stays
-constexpr double kSeenWell = 0.8;       // share at which it goes there
-constexpr std::size_t kMostJudged = 8;  // vehicles: of large teams the first
+constexpr double kSeenEnough = 0.6;     // share of unblocked sight lines at which a follow camera keeps its direction
+constexpr double kSeenWell = 0.8;       // share at which it accepts a new direction
+constexpr std::size_t kMostJudged = 8;  // sight lines are tested to at most this many vehicles of a team
 constexpr double kHighest_rad = 80.0 * M_PI / 180.0;
-// Diameter of the largest vehicle of a follow camera without a place, as a share of the height of the picture.
+// For a follow camera without configured position: diameter of the largest vehicle as a share of the picture's height.
 constexpr double kVehicleShare = 0.18;
 const Eigen::Vector3d kFollowFrom = Eigen::Vector3d(-7.0, -7.0, 2.1).normalized();
 
@@ -122,14 +122,14 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
   }
   goal_ = stand_ = configured_;
   if (bounds_m_.isEmpty()) bounds_m_ = Eigen::AlignedBox3d(Eigen::Vector3d(-10, -10, 0), Eigen::Vector3d(10, 10, 5));
-  // Both zero: the type decides.
+  // Both zero: chosen by the type.
   if (config_.position_m != config_.target_m) return;
   if (config_.type == CameraConfig::Type::kOnboard || config_.type == CameraConfig::Type::kDepth) {
     const double front = vehicle_ >= 0 && vehicle_ < static_cast<int>(radii_m_.size()) ? 0.5 * radii_m_[vehicle_] : 0.1;
     config_.position_m = {front, 0.0, 0.05};
     config_.target_m = {front + 1.0, 0.0, -0.05};
   }
-  if (config_.type == CameraConfig::Type::kFixed) {  // the whole world, from its south-western corner
+  if (config_.type == CameraConfig::Type::kFixed) {  // the whole world, viewed from its south-western corner
     const double size = bounds_m_.diagonal().norm();
     config_.target_m = bounds_m_.center();
     config_.position_m = bounds_m_.center() + 0.6 * size * Eigen::Vector3d(-0.75, -0.9, 0.7).normalized() /
@@ -265,7 +265,7 @@ void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
   stand_.reach += turn * (goal_.reach - stand_.reach);
   const double needed = distance_for(target_world_m_, stand_, states);
   distance_m_ = started_ ? distance_m_ + blend * (needed - distance_m_) : needed;
-  distance_m_ = std::max(distance_m_, needed);  // inertia never loses a vehicle
+  distance_m_ = std::max(distance_m_, needed);  // inertia must not move a vehicle out of the picture
   updated_ = t;
   started_ = true;
 }
@@ -282,7 +282,7 @@ View Cameraman::follow(const PictureScene& picture) const {
   Cameraman now = *this;
   if (!started_ || updated_ < picture.t) now.update(picture.t, picture.states);
   const Eigen::Vector3d direction = now.stand_.direction_world();
-  // The picture may have become narrower since.
+  // The picture may have become narrower since the last update.
   const double distance_m = std::max(now.distance_m_, distance_for_all(now.target_world_m_, direction, picture.states));
   return perspective_view(now.target_world_m_ + distance_m * direction, now.target_world_m_, config_.fov_deg, width_px_,
                           height_px_);

@@ -19,7 +19,7 @@ std::string hex_of(const Rgb& color) {
 
 plot::PointPx point_of(const Eigen::Vector2f& p) { return {p.x(), p.y()}; }
 
-/// Colors every pixel by its distance from a shape: `distance_px(center of the pixel)`.
+/// Colors pixels by their distance from a shape: `distance_px(center of the pixel)`.
 void stroke(Image& image, const Eigen::AlignedBox2f& around_px, float width_px, const Rgb& color,
             const std::function<float(const Eigen::Vector2f&)>& distance_px) {
   const float reach = 0.5F * width_px + 1.0F;

@@ -19,8 +19,8 @@ struct Box {
   float bottom() const { return top + height; }
 };
 
-/// A sheet to lay pictures, lines and text on. Coordinates in pixels, y down, of any fraction. A layout for one kind
-/// fits on all kinds.
+/// A surface for pictures, lines and text. Coordinates in pixels, y down, with fractions. Layouts are equal on all
+/// kinds.
 class Canvas {
  public:
   Canvas(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
@@ -31,17 +31,17 @@ class Canvas {
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
 
-  /// Its pixels become those of the canvas, from the upper left corner at (left, top).
+  /// Copies the pixels of an image, with its upper left corner at (left, top).
   virtual void picture(int left, int top, const Image& image) = 0;
   virtual void rectangle(const Box& box, const Rgb& color, float alpha = 1.0F) = 0;
-  /// From a_px to b_px, with round ends.
+  /// Line from a_px to b_px, with round ends.
   virtual void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) = 0;
-  /// @param radius_px  of the middle of the stroke
+  /// @param radius_px  radius of the center line of the stroke
   virtual void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) = 0;
   void disc(const PixelPoint& center_px, float radius_px, const Rgb& color) {
     ring(center_px, 0.5F * radius_px, radius_px, color);
   }
-  /// One line, its baseline at the left (center, right) end `at_px`.
+  /// One line of text, with its baseline's left (center, right) end at `at_px`.
   virtual void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) = 0;
 
  private:
@@ -49,7 +49,7 @@ class Canvas {
   int height_px_ = 0;
 };
 
-/// Draws into an image, which stays the caller's.
+/// Draws into an image owned by the caller.
 class PixelCanvas : public Canvas {
  public:
   explicit PixelCanvas(Image& image) : Canvas(image.width, image.height), image_(image) {}
@@ -64,11 +64,11 @@ class PixelCanvas : public Canvas {
   Image& image_;
 };
 
-/// Writes an SVG file: text stays text, pictures are embedded as PNG.
+/// Writes an SVG file: text remains text, pictures are embedded as PNG.
 class SvgCanvas : public Canvas {
  public:
-  /// @param dpi    pixels per 25.4 mm: the size of the file as printed
-  /// @param title  what readers of the screen tell
+  /// @param dpi    pixels per 25.4 mm, for the printed size of the file
+  /// @param title  title for screen readers
   SvgCanvas(int width_px, int height_px, double dpi, std::string_view title);
 
   void picture(int left, int top, const Image& image) override;
@@ -76,20 +76,20 @@ class SvgCanvas : public Canvas {
   void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) override;
   void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) override;
   void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) override;
-  /// The whole file; the canvas is empty then.
+  /// Returns the whole file and empties the canvas.
   std::string finish() { return svg_.finish(); }
 
  private:
   plot::SvgWriter svg_;
 };
 
-/// What is drawn in the same way on every kind of canvas.
+/// A drawing that can be rendered on every kind of canvas.
 struct Figure {
   int width_px = 0;
   int height_px = 0;
   std::function<void(Canvas&)> paint;
 
-  /// @param page  color of what nothing covers
+  /// @param page  background color
   Image pixels(const Rgb& page) const;
   std::string svg(double dpi, std::string_view title) const;
 };

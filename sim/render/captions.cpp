@@ -13,17 +13,17 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kMostNames = 24;   // more would cover the picture
-constexpr float kSidebarText = 0.85F;    // of the text on the picture
-constexpr float kWidestMeaning = 14.0F;  // times the text: longer ones are broken into lines
-constexpr float kSampleWidth = 2.2F;     // times the text
-constexpr float kMeaningLeft = 3.9F;     // times the text, from the left of the margin
-constexpr float kBarWidth = 1.3F;        // times the text
-constexpr float kTickLeft = 0.9F;        // times the text, from the bar
-constexpr float kClosestTicks = 2.2F;    // times the text
+constexpr std::size_t kMostNames = 24;   // limit of vehicle names, to keep the picture visible
+constexpr float kSidebarText = 0.85F;    // font size relative to that of the picture
+constexpr float kWidestMeaning = 14.0F;  // in font sizes: longer texts are broken into lines
+constexpr float kSampleWidth = 2.2F;     // in font sizes
+constexpr float kMeaningLeft = 3.9F;     // in font sizes, from the left of the margin
+constexpr float kBarWidth = 1.3F;        // in font sizes
+constexpr float kTickLeft = 0.9F;        // in font sizes, from the bar
+constexpr float kClosestTicks = 2.2F;    // in font sizes
 constexpr double kPointsPerInch = 72.0;
 
-/// Breaks at blanks, so that no line but a single long word is wider.
+/// Breaks at blanks, so that only single long words exceed the width.
 std::vector<std::string> broken(std::string_view text, float text_px, float widest_px) {
   std::vector<std::string> lines;
   while (!text.empty()) {
@@ -83,14 +83,14 @@ void draw_sample(Canvas& canvas, const Box& box, const LegendEntry& entry) {
   }
 }
 
-/// Area that two boxes share.
+/// Intersection area of two boxes.
 float overlap_px(const Box& a, const Box& b) {
   const float width = std::min(a.right(), b.right()) - std::max(a.left, b.left);
   const float height = std::min(a.bottom(), b.bottom()) - std::max(a.top, b.top);
   return std::max(0.0F, width) * std::max(0.0F, height);
 }
 
-/// Where a label of this size stands: around a vehicle, where it covers the least of the obstacles and stays in the
+/// Position of a label of this size beside a vehicle that covers the least area of obstacles and stays within the
 /// picture.
 Box place_label(const Eigen::Vector2f& vehicle, float reach_px, const Eigen::Vector2f& size,
                 std::span<const Box> obstacles, const Box& picture) {
@@ -104,7 +104,7 @@ Box place_label(const Eigen::Vector2f& vehicle, float reach_px, const Eigen::Vec
       const Box box{corner.x(), corner.y(), size.x(), size.y()};
       float covered = size.x() * size.y() - overlap_px(box, picture);
       for (const Box& obstacle : obstacles) covered += overlap_px(box, obstacle);
-      if (covered < least - 1.0F) {  // less by a pixel and more
+      if (covered < least - 1.0F) {  // better by more than a pixel
         least = covered;
         best = box;
       }
@@ -182,7 +182,7 @@ void draw_axes(Canvas& canvas, const Look& look, const View& view) {
   struct Axis {
     const char* name;
     Rgb color;
-    Eigen::Vector3f camera;  // direction: right, up, towards who looks
+    Eigen::Vector3f camera;  // direction in the camera frame: right, up, towards the camera
   };
   std::vector<Axis> axes;
   const Rgb colors[] = {{0.86F, 0.18F, 0.16F}, {0.10F, 0.60F, 0.22F}, {0.16F, 0.38F, 0.90F}};
@@ -193,7 +193,7 @@ void draw_axes(Canvas& canvas, const Look& look, const View& view) {
   std::stable_sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.camera.z() < b.camera.z(); });
   for (const Axis& axis : axes) {
     const Eigen::Vector2f along(axis.camera.x(), -axis.camera.y());
-    if (along.norm() < 0.1F) continue;  // straight at who looks
+    if (along.norm() < 0.1F) continue;  // axis along the viewing direction
     const Eigen::Vector2f tip = origin + length * along;
     canvas.line(origin, tip, 0.32F * h, look.page);
     canvas.line(origin, tip, 0.18F * h, axis.color);
@@ -214,7 +214,7 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
   };
   std::vector<Named> to_name;
   const auto width = static_cast<float>(view.width_px), height = static_cast<float>(view.height_px);
-  // Scale bar, axes and caption.
+  // Areas of scale bar, axes and caption.
   std::vector<Box> obstacles = {{0.0F, height - 6.6F * h, 0.2F * width + 3.0F * h, 6.6F * h},
                                 {width - 9.0F * h, height - 11.0F * h, 9.0F * h, 11.0F * h},
                                 {0.0F, height - 2.8F * h, width, 2.8F * h}};
@@ -239,7 +239,7 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
   }
   for (const Named& one : to_name) {
     const std::string& name = marks.names[one.vehicle];
-    const Eigen::Vector2f size(text_width_px(name, h) + h, 2.0F * h);  // half a capital of room all around
+    const Eigen::Vector2f size(text_width_px(name, h) + h, 2.0F * h);  // with a margin of half a capital letter
     const Box box = place_label(one.center, one.reach_px, size, obstacles, {0.0F, 0.0F, width, height});
     obstacles.push_back(box);
     TextStyle style = look.text(0.9F, Align::kCenter);
@@ -297,7 +297,7 @@ SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margi
   const float h = layout.text_px = kSidebarText * look.text_px;
   layout.line_px = 1.6F * h;
   layout.text_left_px = margin.left + kMeaningLeft * h;
-  const float least_bar = sidebar.bar ? 11.0F * h : 0.0F;  // with its unit
+  const float least_bar = sidebar.bar ? 11.0F * h : 0.0F;  // including its unit
   float top = margin.top + h;
   const std::vector<LegendEntry> rows = rows_of(sidebar.entries);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -307,7 +307,7 @@ SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margi
     row.swatch = {margin.left + h, top, kSampleWidth * h, 1.2F * h};
     row.first_baseline_px = top + 1.1F * h;
     const float height = layout.line_px * static_cast<float>(std::max<std::size_t>(1, row.lines.size()));
-    const float for_the_rest = i + 1 < rows.size() ? layout.line_px : 0.0F;  // a line that counts them
+    const float for_the_rest = i + 1 < rows.size() ? layout.line_px : 0.0F;  // a line with the number of remaining rows
     if (top + height + for_the_rest + least_bar > margin.bottom() - 0.6F * h) {
       layout.left_out = rows.size() - i;
       break;
@@ -359,7 +359,7 @@ void draw_sidebar(Canvas& canvas, const Look& look, const Sidebar& sidebar, int 
   canvas.text({layout.bar.left, layout.unit_baseline_px}, bar.unit, style);
   const int steps = std::clamp(static_cast<int>(layout.bar.height), 16, 128);
   const float step_px = layout.bar.height / static_cast<float>(steps);
-  for (int i = 0; i < steps; ++i) {  // each reaches a little under the next, so that no seam shows
+  for (int i = 0; i < steps; ++i) {  // steps overlap slightly, which hides seams
     const float s = 1.0F - (static_cast<float>(i) + 0.5F) / static_cast<float>(steps);
     const float step_top = layout.bar.top + static_cast<float>(i) * step_px;
     canvas.rectangle(

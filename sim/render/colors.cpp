@@ -17,7 +17,7 @@ constexpr float kLeastContrast = 4.5F;  // luminance ratio of text to its halo (
 
 Rgb rgb_of(const Bytes& bytes) { return Rgb(bytes[0], bytes[1], bytes[2]) / 255.0F; }
 
-// Evenly spaced anchors, linear between them.
+// Linear interpolation between evenly spaced colors.
 Rgb between(std::span<const Bytes> anchors, float s) {
   const float position = std::clamp(s, 0.0F, 1.0F) * static_cast<float>(anchors.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(position), anchors.size() - 2);
@@ -43,7 +43,7 @@ Rgb height_color(float s) { return turbo_like(0.14F + 0.72F * std::clamp(s, 0.0F
 Rgb vehicle_color(VehicleId vehicle) {
   const auto index = static_cast<std::size_t>(std::max(vehicle, 0));
   if (index < std::size(kVehicles)) return rgb_of(kVehicles[index]);
-  // Further ones: hues by the golden ratio.
+  // Further colors: hues at multiples of the golden ratio.
   const double hue = 6.0 * std::fmod(0.618033988749895 * static_cast<double>(index), 1.0);
   Rgb color;
   for (int c = 0; c < 3; ++c) {

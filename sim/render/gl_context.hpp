@@ -3,19 +3,19 @@
 
 namespace swiftlet::sim {
 
-/// An OpenGL 4.5 core context in software, without window or display. Everything is drawn into framebuffer objects, and
-/// every function comes from proc_address(). cmake/Pictures.cmake compiles gl_context_osmesa.cpp or gl_context_egl.cpp.
+/// An OpenGL 4.5 core context in software, without window or display. Drawing goes into framebuffer objects, and every
+/// function comes from proc_address(). cmake/Pictures.cmake compiles gl_context_osmesa.cpp or gl_context_egl.cpp.
 class GlContext {
  public:
-  /// The new context is the one of the calling thread. Throws std::runtime_error where this machine has none.
+  /// Makes the new context current in the calling thread. Throws std::runtime_error where this machine has none.
   GlContext();
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;
 
-  /// Makes it the context of the calling thread. It must not be the context of another thread.
+  /// Makes it current in the calling thread. It must not be current in another thread.
   void make_current();
-  /// Leaves the calling thread without a context, so that any thread may be the next.
+  /// Releases it from the calling thread, so that another thread can use it.
   void release();
 
   using Function = void (*)();
@@ -23,7 +23,7 @@ class GlContext {
 
  private:
   void* context_ = nullptr;
-  alignas(16) unsigned char buffer_[4 * 16 * 16] = {};  // OSMesa wants a default framebuffer; nothing is drawn there
+  alignas(16) unsigned char buffer_[4 * 16 * 16] = {};  // required by OSMesa as default framebuffer; unused
 };
 
 }  // namespace swiftlet::sim

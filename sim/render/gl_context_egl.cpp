@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#define EGL_NO_PLATFORM_SPECIFIC_TYPES  // needs no header of a window system
+#define EGL_NO_PLATFORM_SPECIFIC_TYPES  // avoids headers of a window system
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
@@ -26,7 +26,7 @@ Function egl_function(const char* name) {
   return function;
 }
 
-/// Mesa's rasterizer on the processor: pictures are the same with and without a GPU.
+/// Mesa's software rasterizer: pictures are equal with and without a GPU.
 EGLDeviceEXT software_device() {
   const auto query_devices = egl_function<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
   const auto query_string = egl_function<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
@@ -42,7 +42,7 @@ EGLDeviceEXT software_device() {
   fail();
 }
 
-/// One for all contexts, until the process ends.
+/// Shared by all contexts until the process ends.
 EGLDisplay software_display() {
   static const EGLDisplay display = [] {
     const EGLDisplay opened = eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, software_device(), nullptr);
@@ -72,7 +72,7 @@ GlContext::~GlContext() {
 }
 
 void GlContext::make_current() {
-  eglBindAPI(EGL_OPENGL_API);  // EGL keeps the API for each thread
+  eglBindAPI(EGL_OPENGL_API);  // EGL keeps the current API per thread
   if (eglMakeCurrent(software_display(), EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_FALSE) fail();
 }
 

@@ -72,14 +72,14 @@ namespace swiftlet::sim {
   X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                 \
   X(PFNGLVIEWPORTPROC, Viewport)
 
-/// The functions of OpenGL that pictures need: gl.Enable(GL_DEPTH_TEST). Never linked, always asked from the context.
+/// The OpenGL functions used: gl.Enable(GL_DEPTH_TEST). Loaded from the context instead of linked.
 struct GlFunctions {
 #define SWIFTLET_GL_DECLARE(type, name) type name = nullptr;
   SWIFTLET_GL_FUNCTIONS(SWIFTLET_GL_DECLARE)
 #undef SWIFTLET_GL_DECLARE
 };
 
-/// Asks the current context for all of them; throws std::runtime_error when one is missing.
+/// Loads all of them from the current context; throws std::runtime_error when one is missing.
 GlFunctions load_gl_functions();
 
 }  // namespace swiftlet::sim

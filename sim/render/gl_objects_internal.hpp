@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-// Small owners-by-convention of GL objects: all of them live until their context is destroyed.
+// Handles of GL objects without destructors: the objects live until their context is destroyed.
 
 class Program {
  public:
@@ -18,7 +18,7 @@ class Program {
   Program(const GlFunctions& gl, const char* name, std::string_view vertex_source, std::string_view fragment_source);
 
   void use() const { gl_->UseProgram(id_); }
-  // For the program in use.
+  // For the program in use:
   void set(const char* name, float value) const { gl_->Uniform1f(location(name), value); }
   void set(const char* name, int value) const { gl_->Uniform1i(location(name), value); }
   void set(const char* name, const Eigen::Vector2f& value) const {
@@ -54,21 +54,21 @@ struct TargetFormat {
   GLenum color = 0;  ///< such as GL_RGBA8; 0: none
   GLenum depth = 0;  ///< such as GL_DEPTH_COMPONENT32F; 0: none
   int samples = 1;
-  bool two_colors = false;  ///< a second color of the same format
-  bool compare = false;     ///< the depth is sampled as a shadow map: less or equal passes, bilinear, outside is lit
+  bool two_colors = false;  ///< a second color texture of the same format
+  bool compare = false;     ///< depth is sampled as a shadow map: less or equal passes, bilinear, lit outside
 };
 
 Target make_target(const GlFunctions& gl, int width, int height, const TargetFormat& format);
 void delete_target(const GlFunctions& gl, Target& target);
 
-/// A vertex array object with one buffer of its own.
+/// A vertex array object with its own buffer.
 struct VertexBuffer {
   GLuint array = 0;
   GLuint buffer = 0;
 };
 VertexBuffer make_vertex_buffer(const GlFunctions& gl);
 GLuint make_buffer(const GlFunctions& gl, GLenum target, const void* data, std::size_t bytes);
-/// Attribute `index` of the bound array and buffer: `count` floats at `offset`.
+/// Sets attribute `index` of the bound array and buffer: `count` floats at `offset`.
 void float_attribute(const GlFunctions& gl, GLuint index, int count, std::size_t stride, std::size_t offset,
                      GLuint divisor = 0);
 

@@ -18,7 +18,7 @@ struct SolidInstance {
   Eigen::Vector4f color;
 };
 
-/// Edge 1, as loose triangles.
+/// Cube with edge 1, as separate triangles.
 std::vector<SolidVertex> unit_cube() {
   std::vector<SolidVertex> vertices;
   for (int axis = 0; axis < 3; ++axis) {
@@ -44,7 +44,7 @@ std::vector<SolidVertex> unit_cube() {
   return vertices;
 }
 
-/// Radius 1, as loose triangles.
+/// Sphere with radius 1, as separate triangles.
 std::vector<SolidVertex> unit_sphere() {
   constexpr int kSlices = 16;
   constexpr int kStacks = 10;
@@ -86,7 +86,7 @@ MarkPainter::MarkPainter(const GlFunctions& gl)
   clip_ = make_vertex_buffer(gl_);
   float_attribute(gl_, 0, 4, sizeof(ClipVertex), offsetof(ClipVertex, clip));
   float_attribute(gl_, 1, 4, sizeof(ClipVertex), offsetof(ClipVertex, color));
-  // Triangles are solids of size 1 at the origin without normals.
+  // Triangles are drawn as solids of size 1 at the origin without normals.
   triangles_ = make_vertex_buffer(gl_);
   float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, p_world_m));
   float_attribute(gl_, 3, 4, sizeof(PointVertex), offsetof(PointVertex, color));
@@ -141,7 +141,7 @@ void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eig
   const UnitSolid& unit = solid == Solid::kCube ? cube_ : sphere_;
   gl_.BindVertexArray(unit.array);
   stream(gl_, solid_instances_, std::span<const SolidInstance>(instances));
-  gl_.Enable(GL_CULL_FACE);  // their backs are hidden, or seen twice
+  gl_.Enable(GL_CULL_FACE);  // back faces are hidden, or would be blended twice
   gl_.DrawArraysInstanced(GL_TRIANGLES, 0, unit.num_vertices, static_cast<GLsizei>(instances.size()));
   gl_.Disable(GL_CULL_FACE);
 }

@@ -15,14 +15,14 @@ struct PointVertex {
   Eigen::Vector4f color;  ///< sRGB and opacity
 };
 
-/// Smaller the farther away, but not below `least_px`.
+/// Point size that decreases with distance, but not below `least_px`.
 struct PointSize {
   float diameter_m = 0.0F;
   float least_px = 2.2F;
 };
 
-/// What lies over the world without being of it: points, wide lines, cubes, spheres, triangles.
-/// Blending and depth test are set by the caller.
+/// Draws marks over the world: points, wide lines, cubes, spheres, triangles.
+/// The caller sets blending and depth test.
 class MarkPainter {
  public:
   enum class Solid { kCube, kSphere };
@@ -30,7 +30,7 @@ class MarkPainter {
   explicit MarkPainter(const GlFunctions& gl);
 
   void draw_points(const View& view, std::span<const PointVertex> points, const PointSize& size, float cut_m);
-  /// Center and size of each solid come as (x, y, z, size).
+  /// `center_size_m` contains center and size of each solid as (x, y, z, size).
   void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
                    std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world, float cut_m);
   void draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_world_m,

@@ -42,7 +42,7 @@ void extend_trail(std::vector<Eigen::Vector3f>& trail_world_m, const Eigen::Vect
   if (!trail_world_m.empty() && (trail_world_m.back() - p_world_m).norm() < kTrailStep_m) return;
   trail_world_m.push_back(p_world_m);
   if (trail_world_m.size() < kTrailMaxPoints) return;
-  // Keep the newer half as it is and every other point of the older half.
+  // Keeps the newer half unchanged and every other point of the older half.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < trail_world_m.size(); ++i) {
     if (i < trail_world_m.size() / 2 && i % 2 == 1) continue;

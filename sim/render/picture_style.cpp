@@ -25,7 +25,7 @@ HeightScale height_scale_of(std::span<const PictureCloud> clouds) {
     for (const Eigen::Vector3f& p : cloud.points_world_m) heights.push_back(p.z());
   }
   if (heights.empty()) return {};
-  // Few stray points shall not stretch the scale.
+  // Quantiles, so that outliers do not stretch the scale.
   const auto quantile = [&](double q) {
     const auto nth = heights.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(heights.size() - 1));
     std::nth_element(heights.begin(), nth, heights.end());

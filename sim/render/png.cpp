@@ -26,8 +26,8 @@ struct Form {
   int compression = 1;  // fast
 };
 
-/// libpng reports errors by a callback that must not return; an exception passes its C frames only if they were
-/// built for it, hence setjmp here, with nothing to destroy between it and the jump.
+/// libpng reports errors by a callback that must not return. Exceptions may not pass its C frames unless they are built
+/// for that, hence setjmp here, with no destructors between it and the jump.
 bool encode(std::string& file, const Form& form, png_bytepp rows) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
@@ -56,7 +56,7 @@ bool encode(std::string& file, const Form& form, const void* data) {
   const std::size_t row_bytes =
       static_cast<std::size_t>(form.width) * (form.color_type == PNG_COLOR_TYPE_RGB ? 3 : 1) * form.bits / 8;
   std::vector<png_bytep> rows(static_cast<std::size_t>(form.height));
-  auto* bytes = static_cast<png_bytep>(const_cast<void*>(data));  // libpng only reads
+  auto* bytes = static_cast<png_bytep>(const_cast<void*>(data));  // libpng only reads it
   for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = bytes + y * row_bytes;
 
   return encode(file, form, rows.data());

@@ -26,12 +26,12 @@ float quantile(std::vector<float>& values, double q) {
   return *nth;
 }
 
-/// From a scan's numbers to shades.
+/// Mapping from a scan's values to colors.
 struct Shading {
   ColorBar bar;
   const std::vector<float>* values = nullptr;
   bool decibel = false;
-  Rgb nothing = Rgb::Zero();  // where no echo came back
+  Rgb nothing = Rgb::Zero();  // for beams without return
 
   Rgb color(const Scan& scan, int beam) const {
     if (!scan.hit(beam)) return nothing;
@@ -66,7 +66,7 @@ Shading shading_of(const Scan& scan, ScanQuantity quantity, double max_range_m, 
     low = 10.0 * std::log10(std::max(1e-9F, quantile(hits, 0.02)));
     high = std::max(low + 3.0, 10.0 * std::log10(std::max(1e-9F, quantile(hits, 0.99))));
   }
-  // Decibels against a white wall at 10 m.
+  // Decibels relative to a white wall at 10 m.
   shading.bar = {[](float s) { return Rgb::Constant(0.12F + 0.88F * std::clamp(s, 0.0F, 1.0F)); }, low, high,
                  "power [dB]"};
   return shading;
@@ -94,7 +94,7 @@ void BeamLookup::organize(const BeamTable& beams) {
   if (pitch_rad_ == 0.0) return;
   std::vector<Row> rows;
   for (int row = 0; row < beams.rows; ++row) {
-    // A row keeps its elevation and turns evenly.
+    // A row has constant elevation and even azimuth steps.
     const double elevation = elevation_of(direction(row, 0));
     const double azimuth = azimuth_of(direction(row, 0));
     for (const int col : {1, cols_ / 3, 2 * cols_ / 3, cols_ - 1}) {
@@ -121,7 +121,7 @@ void BeamLookup::scatter(const BeamTable& beams) {
   for (std::size_t i = 0; i < n; ++i) {
     angles_rad_[i] = {wrap(azimuth_of(beams.directions_lidar[i])), elevation_of(beams.directions_lidar[i])};
   }
-  // About one beam in a cell.
+  // About one beam per cell.
   const double height = elevation_max_rad_ - elevation_min_rad_ + 1e-3;
   cell_rad_ = std::max(0.1 * kRadPerDeg, 1.3 * std::sqrt(kTwoPi * height / static_cast<double>(n)));
   cells_wide_ = std::max(1, static_cast<int>(kTwoPi / cell_rad_));
@@ -192,11 +192,11 @@ int draw_range_image(Canvas& canvas, const Look& look, const Scan& scan, ScanQua
   draw_sidebar(canvas, look, sidebar, area_width);
   const float h = look.text_px;
 
-  // As many strips as make it largest, between a margin on top and the caption.
+  // The number of strips that makes the image largest, between a margin on top and the caption.
   const double height_rad = lookup.elevation_max_rad() - lookup.elevation_min_rad();
   const int gap = static_cast<int>(2.4F * h);
   const int free_height = canvas.height_px() - static_cast<int>((look.captions ? 3.0F : 1.0F) * h);
-  const int margin = static_cast<int>(3.2F * h);  // half of a label
+  const int margin = static_cast<int>(3.2F * h);  // half the width of a label
   const int free_width = area_width - 2 * margin;
   int strips = 1;
   double pixels_per_rad = 0.0;
@@ -208,7 +208,7 @@ int draw_range_image(Canvas& canvas, const Look& look, const Scan& scan, ScanQua
       strips = n;
     }
   }
-  if (pixels_per_rad <= 0.0) return area_width;  // no room but for the bar
+  if (pixels_per_rad <= 0.0) return area_width;  // only the bar fits
 
   const int strip_width = static_cast<int>(kTwoPi / strips * pixels_per_rad);
   const int strip_height = std::max(1, static_cast<int>(height_rad * pixels_per_rad));

@@ -8,14 +8,13 @@
 
 namespace swiftlet::sim {
 
-/// Which beam of a scan looks in a direction: unwraps any pattern onto the sphere of the sensor. For spinning sensors
-/// the staggering of the rows is undone (each row by its own azimuths); patterns without rows fall back on the
-/// nearest beam.
+/// Finds the beam of a scan for a direction: unwraps any pattern onto the sensor's sphere. For spinning sensors the
+/// staggering of rows is undone (each row by its own azimuths); for patterns without rows, the nearest beam is used.
 class BeamLookup {
  public:
   explicit BeamLookup(const BeamTable& beams);
 
-  /// Beam that looks nearest to (azimuth, elevation) [rad], azimuth counter-clockwise from the sensor's x axis;
+  /// Beam nearest to (azimuth, elevation) [rad], azimuth counter-clockwise from the sensor's x axis;
   /// -1 when none is near.
   int beam_at(double azimuth_rad, double elevation_rad) const;
 
@@ -27,7 +26,7 @@ class BeamLookup {
   struct Row {
     int row = 0;
     double elevation_rad = 0.0;
-    double azimuth_first_rad = 0.0;  // of column 0
+    double azimuth_first_rad = 0.0;  // azimuth of column 0
   };
   void organize(const BeamTable& beams);
   void scatter(const BeamTable& beams);
@@ -35,24 +34,24 @@ class BeamLookup {
   int nearest(double azimuth_rad, double elevation_rad) const;
 
   int cols_ = 0;
-  std::vector<Row> rows_;   // highest first; empty: no rows
-  double pitch_rad_ = 0.0;  // from column to column, signed
+  std::vector<Row> rows_;   // highest first; empty: pattern without rows
+  double pitch_rad_ = 0.0;  // angle between columns, signed
   // Without rows: beams sorted into cells of azimuth and elevation.
   double cell_rad_ = 0.0;
   int cells_wide_ = 0;
   int cells_high_ = 0;
-  std::vector<int> first_in_cell_;  // (cells + 1), into beams_in_cells_
+  std::vector<int> first_in_cell_;  // (cells + 1), indices into beams_in_cells_
   std::vector<int> beams_in_cells_;
-  std::vector<Eigen::Vector2d> angles_rad_;  // by beam: azimuth, elevation
+  std::vector<Eigen::Vector2d> angles_rad_;  // azimuth and elevation, indexed by beam
   double elevation_min_rad_ = 0.0;
   double elevation_max_rad_ = 0.0;
 };
 
 enum class ScanQuantity { kRange, kIntensity };
 
-/// The scan over the whole canvas, with a color bar beside it: strips of azimuth, the sensor's x axis in the middle of
+/// Draws a scan over the whole canvas, with a color bar: strips of azimuth, with the sensor's x axis in the middle of
 /// the first.
-/// @param max_range_m  end of the color scale of ranges; 0: from the scan
+/// @param max_range_m  end of the color scale of ranges; 0: fitted to the scan
 /// @return  width left of the color bar [px]
 int draw_range_image(Canvas& canvas, const Look& look, const Scan& scan, ScanQuantity quantity,
                      double max_range_m = 0.0);

@@ -14,9 +14,9 @@ using Triangle = std::array<std::uint32_t, 3>;
 using Vector3f = Eigen::Vector3f;
 
 constexpr std::size_t kChunkTriangles = 4096;
-constexpr float kCosCrease = 0.74F;        // 42 deg: flatter edges are shaded smoothly
-constexpr std::size_t kLeafTriangles = 4;  // loose pieces up to this size are leaves
-constexpr float kCrownSize_m = 25.0F;      // leaves spread wider than this are no single crown
+constexpr float kCosCrease = 0.74F;        // cosine of 42 deg: flatter edges are shaded smoothly
+constexpr std::size_t kLeafTriangles = 4;  // largest size of a connected piece that is a leaf
+constexpr float kCrownSize_m = 25.0F;      // larger extents of leaves are not a single crown
 
 Vector3f scaled_normal(const Mesh& mesh, const Triangle& t) {
   const Vector3f& a = mesh.vertices_mesh_m[t[0]];
@@ -32,7 +32,7 @@ std::array<std::int8_t, 4> pack_normal(const Vector3f& normal, float openness) {
   return {to_byte(n.x()), to_byte(n.y()), to_byte(n.z()), to_byte(openness)};
 }
 
-/// Number of the first vertex at the same place, for every vertex.
+/// For every vertex, the number of the first vertex at the same position.
 std::vector<std::uint32_t> weld(const std::vector<Vector3f>& vertices) {
   struct Hash {
     std::size_t operator()(const std::array<std::uint32_t, 3>& key) const {
@@ -54,9 +54,9 @@ std::vector<std::uint32_t> weld(const std::vector<Vector3f>& vertices) {
   return welded;
 }
 
-/// Groups of triangles that stay together (a leaf, or one triangle), as lists of triangle numbers.
+/// Groups of triangles that are not separated (a leaf, or one triangle), as lists of triangle numbers.
 struct Groups {
-  std::vector<std::uint32_t> first;  // (num_groups + 1), into triangles
+  std::vector<std::uint32_t> first;  // (num_groups + 1), indices into triangles
   std::vector<std::uint32_t> triangles;
   std::size_t size() const { return first.size() - 1; }
 };
@@ -78,7 +78,7 @@ Groups connected_groups(const Mesh& mesh, const std::vector<std::uint32_t>& piec
   return groups;
 }
 
-/// Length of each group: the diagonal of its bounds.
+/// Length of each group: the diagonal of its bounding box.
 std::vector<float> lengths_of(const Mesh& mesh, const Groups& groups) {
   std::vector<float> lengths_m(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -106,7 +106,7 @@ Groups single_triangles(std::size_t n) {
   return groups;
 }
 
-/// Splits groups at the median of the longest axis until each part is small; appends the parts in order.
+/// Splits groups recursively at the median of the longest axis until each part is small; appends the parts in order.
 void split(std::vector<std::uint32_t>& groups, std::size_t begin, std::size_t end, std::size_t limit,
            const std::vector<Vector3f>& centers, std::vector<std::pair<std::size_t, std::size_t>>& parts) {
   if (end - begin <= limit) {
@@ -126,7 +126,7 @@ void split(std::vector<std::uint32_t>& groups, std::size_t begin, std::size_t en
   split(groups, middle, end, limit, centers, parts);
 }
 
-/// Deterministic shuffle, the same for every mesh of this size.
+/// Deterministic shuffle, equal for equal lengths.
 void shuffle(std::vector<std::uint32_t>& values, std::size_t begin, std::size_t end) {
   std::uint64_t state = 0x9E3779B97F4A7C15ULL;
   for (std::size_t i = end; i > begin + 1; --i) {
@@ -135,7 +135,7 @@ void shuffle(std::vector<std::uint32_t>& values, std::size_t begin, std::size_t 
   }
 }
 
-/// Leaves: lit by the shape of the crown they belong to, darker inside.
+/// Leaf vertices: shaded by the shape of their crown, darker inside.
 void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out) {
   Eigen::AlignedBox3f crown;
   for (const Vector3f& p : mesh.vertices_mesh_m) crown.extend(p);
@@ -146,7 +146,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
   out.vertices.reserve(mesh.vertices_mesh_m.size());
   std::vector<std::uint32_t> renumbered(mesh.vertices_mesh_m.size());
   for (std::size_t g = 0; g < leaves.size(); ++g) {
-    // The middle of the leaf and the mean of its normals, upper side up.
+    // Center of the leaf and the mean of its normals, oriented upwards.
     Vector3f middle = Vector3f::Zero();
     Vector3f normal = Vector3f::Zero();
     const std::uint32_t begin = leaves.first[g];
@@ -185,7 +185,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
   }
 }
 
-/// Anything else: at every corner the mean normal of the triangles around that are not beyond a crease.
+/// Vertices of other surfaces: the normal at a corner is the mean over adjacent triangles that are not beyond a crease.
 void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& welded, RenderMesh& out) {
   const std::size_t num_vertices = mesh.vertices_mesh_m.size();
   std::vector<Vector3f> face_normals(mesh.triangles.size());
@@ -201,7 +201,7 @@ void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& wel
     for (const std::uint32_t v : mesh.triangles[f]) faces_at[cursor[welded[v]]++] = f;
   }
 
-  // Vertices already made at a place form a chain.
+  // Vertices created at one position form a linked list.
   constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   std::vector<std::uint32_t> newest(num_vertices, kNone);
   std::vector<std::uint32_t> next;
@@ -246,7 +246,7 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
       const std::size_t size = groups.first[g + 1] - groups.first[g];
       if (size <= kLeafTriangles) in_leaves += size;
     }
-    if (4 * in_leaves >= 3 * mesh.triangles.size()) out.leaf_size_m = 1.0F;  // measured below
+    if (4 * in_leaves >= 3 * mesh.triangles.size()) out.leaf_size_m = 1.0F;  // placeholder, computed below
   }
   const bool leafy = out.leaf_size_m > 0.0F;
   if (leafy) {
@@ -264,7 +264,7 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
     out.branch_thickness_m = static_cast<float>(area_of(mesh) / (M_PI * std::max(length_m, 1e-6)));
   }
 
-  // Compact chunks, whole groups each.
+  // Compact chunks of whole groups.
   std::vector<Vector3f> centers(groups.size());
   std::vector<std::uint32_t> order(groups.size());
   std::iota(order.begin(), order.end(), 0U);

@@ -21,17 +21,17 @@ namespace {
 
 constexpr int kSamples = 4;
 constexpr int kMostShadowTexels = 4096;
-constexpr float kShadowTexel_m = 0.045F;  // where the world is small enough
+constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
 constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
 constexpr std::size_t kSightsSeen = 4;
 constexpr std::size_t kSurfacesKept = 2;
-constexpr std::int64_t kMostSamplesKept = 16'000'000;  // of a picture: 12 bytes each
+constexpr std::int64_t kMostSamplesKept = 16'000'000;  // samples of one picture, of 12 bytes each
 constexpr int kMostWatched = 16;                       // length of u_watched
 constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
-// Over a world that is cut, so that stumps throw short shadows.
+// For a cut world, so that stumps have short shadows.
 const Eigen::Vector3f kHighSun = Eigen::Vector3f(-0.20F, 0.09F, 0.97F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
@@ -63,7 +63,7 @@ Eigen::Matrix4f clip_of_sun(const Eigen::Vector3f& sun, const Eigen::AlignedBox3
   return fit * clip;
 }
 
-/// From clip coordinates to those of a texture.
+/// Transform from clip to texture coordinates.
 Eigen::Matrix4f texture_of_clip() {
   Eigen::Matrix4f m = Eigen::Matrix4f::Identity();
   m(0, 0) = m(1, 1) = m(0, 3) = m(1, 3) = 0.5F;
@@ -91,7 +91,7 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
       if (by == CloudColors::kHeight) color = height_color((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
       if (by == CloudColors::kVehicle) color = vehicle_color(cloud.vehicle);
       if (by == CloudColors::kLabel && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
-      // The eye judges ratios of reflectivity.
+      // Square root, since perception follows ratios of reflectivity.
       if (by == CloudColors::kIntensity && i < cloud.intensity.size())
         color = viridis_like(std::sqrt(std::max(0.0F, cloud.intensity[i])));
       points.push_back({p, with_alpha(color, 1.0F)});
@@ -100,7 +100,7 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
   return points;
 }
 
-/// The context is the calling thread's for one picture: another thread may draw the next.
+/// Makes the context current in the calling thread for one picture: another thread may draw the next.
 class CurrentContext {
  public:
   explicit CurrentContext(GlContext& context) : context_(context) { context_.make_current(); }
@@ -136,12 +136,12 @@ struct Renderer::Impl {
   std::vector<float> vehicle_radii_m;
   GLuint empty_array = 0;
   float haze_per_m = 0.001F;
-  int samples = 0;                        // a pixel of `sampled`
-  Target sampled;                         // where pictures are drawn
-  Target resolved;                        // one sample a pixel
-  Target openness;                        // ambient occlusion, half as many pixels a side
-  Target softened;                        // the same without its pattern
-  std::map<float, Shadow> world_shadows;  // by height of the cut: the world and the sun stand still
+  int samples = 0;                        // per pixel of `sampled`
+  Target sampled;                         // drawing target
+  Target resolved;                        // one sample per pixel
+  Target openness;                        // ambient occlusion, at half resolution
+  Target softened;                        // ambient occlusion without its noise pattern
+  std::map<float, Shadow> world_shadows;  // by height of the cut; world and sun are static
   Shadow vehicle_shadow;
 
   Impl(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> shapes)
@@ -155,7 +155,7 @@ struct Renderer::Impl {
     context.release();
   }
 
-  /// What decides how the world without vehicles looks.
+  /// All inputs that determine the view of the world without vehicles.
   struct Sight {
     Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
     int width_px = 0, height_px = 0, samples = 0;
@@ -167,8 +167,8 @@ struct Renderer::Impl {
     Sight sight;
     Target surfaces;
   };
-  std::vector<Sight> seen;         // the last ones, latest last
-  std::vector<KeptSurfaces> kept;  // of cameras that stand still, latest last
+  std::vector<Sight> seen;         // recent ones, latest last
+  std::vector<KeptSurfaces> kept;  // surfaces of static cameras, latest last
 
   void prepare_targets(const View& view, int wanted_samples);
   void copy(const Target& from, const Target& to) const;
@@ -204,7 +204,7 @@ Eigen::Vector3f axis_of(const View& view, int axis) {
   return view.T_camera_world.block<1, 3>(axis, 0).transpose().cast<float>();
 }
 
-/// How a pixel and its depth in the buffer become a point.
+/// Sets the uniforms that convert a pixel and its buffered depth into a point.
 void set_depth_uniforms(const Program& program, const View& view) {
   const Eigen::Matrix4d camera_clip = view.clip_camera.inverse();
   const Eigen::Vector4d depth_m(-camera_clip(2, 2), -camera_clip(2, 3), camera_clip(3, 2), camera_clip(3, 3));
@@ -330,7 +330,7 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-/// A camera that stands still sees the same world again: then its surfaces are kept from picture to picture.
+/// Draws the static world. For a static camera, its surfaces are reused from picture to picture.
 void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) {
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   const Sight sight{view.clip_world(), view.width_px, view.height_px, samples,
@@ -343,7 +343,7 @@ void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, con
     return;
   }
   world.draw(mesh_program, select(view, style, clip_world));
-  if (sight.watching) return;  // leaves come and go
+  if (sight.watching) return;  // omitted leaves change between pictures
   if (std::int64_t{samples} * view.width_px * view.height_px > kMostSamplesKept) return;
   const bool again = std::find(seen.begin(), seen.end(), sight) != seen.end();
   if (!again) {
@@ -376,7 +376,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
 
-  // Vehicles: first faintly what is hidden by the world (it shines through in color only), then what is seen.
+  // Vehicles: first the parts occluded by the world (faintly, in color only), then the visible parts.
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl.DrawBuffers(1, kBoth);
   gl.Enable(GL_BLEND);
@@ -398,7 +398,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-/// Colors, normals and depth. From several samples a pixel to one, colors and normals are averaged.
+/// Copies colors, normals and depth. From several samples per pixel to one, colors and normals are averaged.
 void Renderer::Impl::copy(const Target& from, const Target& to) const {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer);
@@ -410,7 +410,7 @@ void Renderer::Impl::copy(const Target& from, const Target& to) const {
   gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
-/// So edges stay smooth.
+/// Averages samples, which smooths edges.
 void Renderer::Impl::resolve_surfaces() { copy(sampled, resolved); }
 
 void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
@@ -445,7 +445,7 @@ void Renderer::Impl::find_occlusion(const View& view) {
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/// Fills the picture, keeping the depth of each sample for what is drawn over it.
+/// Shades the picture; keeps the depth of each sample for later marks.
 void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   const Shadow& shadow = world_shadows.at(cut_of(style));
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
@@ -503,7 +503,7 @@ void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   const bool opaque = is_opaque(overlay);
-  if (!opaque) {  // far ones first
+  if (!opaque) {  // sorted from far to near
     const Eigen::Vector3f back = view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return back.dot(overlay.positions[corners * a]) < back.dot(overlay.positions[corners * b]);
@@ -578,7 +578,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
 
   gl.Enable(GL_BLEND);
   gl.DepthMask(GL_FALSE);
-  // Opaque overlays first, so that translucent ones lie over them.
+  // Opaque overlays first, so that translucent ones are blended over them.
   for (const bool opaque : {true, false}) {
     for (const Overlay& overlay : picture.overlays) {
       if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque) draw_overlay(view, overlay, style);
@@ -590,7 +590,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
     std::vector<ClipVertex> outline;
     std::vector<ClipVertex> ribbon;
     append_trails(view, picture, style.line_scale, outline, ribbon);
-    gl.DepthFunc(GL_LESS);  // hidden parts, faintly
+    gl.DepthFunc(GL_LESS);  // occluded parts, faintly
     marks.draw_clip(ribbon, 0.4F);
     gl.DepthFunc(GL_GEQUAL);
     marks.draw_clip(outline, 1.0F);
@@ -602,7 +602,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Disable(GL_BLEND);
 }
 
-/// From the one sample a pixel to the picture.
+/// Smooths edges of the picture with one sample per pixel.
 void Renderer::Impl::smooth_edges() {
   gl.BindFramebuffer(GL_FRAMEBUFFER, resolved.framebuffer);
   gl.DrawBuffer(GL_COLOR_ATTACHMENT0);

@@ -13,11 +13,11 @@
 
 namespace swiftlet::sim {
 
-/// Draws pictures of one world and its vehicles in software. The world is uploaded once. The same inputs give the same
-/// pixels on one machine. One thread at a time, not always the same.
+/// Draws pictures of one world and its vehicles in software. The world is uploaded once. Equal inputs give equal pixels
+/// on one machine. May be used by different threads, but only one at a time.
 class Renderer {
  public:
-  /// Throws std::runtime_error when there is no OpenGL context to be had.
+  /// Throws std::runtime_error when no OpenGL context is available.
   Renderer(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> vehicle_shapes);
   ~Renderer();
 

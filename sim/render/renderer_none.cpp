@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/renderer.hpp"
 
-// A program without OpenGL (SWIFTLET_PICTURES=OFF). Cameras are refused before a flight, see require_pictures().
+// For a program without OpenGL (SWIFTLET_PICTURES=OFF). Cameras are rejected before a flight, see require_pictures().
 namespace swiftlet::sim {
 
 std::string_view picture_library() { return ""; }

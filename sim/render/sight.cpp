@@ -6,8 +6,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kMostLeaves = 64;     // along one line of sight; more are taken for a wall
-constexpr double kBehind_m = 0.01;  // a leaf
+constexpr int kMostLeaves = 64;     // along one line of sight; more leaves block the sight
+constexpr double kBehind_m = 0.01;  // step beyond a leaf
 
 bool is_leaf(SurfaceClass surface_class) {
   return surface_class == SurfaceClass::kVegetation || surface_class == SurfaceClass::kUndergrowth;

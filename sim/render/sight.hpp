@@ -8,8 +8,8 @@
 
 namespace swiftlet::sim {
 
-/// What blocks the sight of a follow camera: every surface but leaves, which its pictures leave out where they are in
-/// the way. Empty without a world.
+/// Occlusion test of a follow camera: every surface blocks except leaves, which its pictures omit where they would hide
+/// the vehicle. Empty without a world.
 BlocksSight sight_in(std::shared_ptr<const StaticScene> world);
 
 }  // namespace swiftlet::sim

@@ -25,32 +25,32 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's color
-constexpr int kLeastWidth_px = 32;           // of a picture beside its legend
-constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
+constexpr float kAreaOpacity = 0.3F;         // of areas drawn in the vehicle's color
+constexpr int kLeastWidth_px = 32;           // of a picture without its legend
+constexpr TimeNs kHistoryStep = 20'000'000;  // sampling interval for trails and follow cameras
 
 bool of_all_vehicles(const CameraConfig& camera) {
   return camera.vehicle.empty() &&
          (camera.type == CameraConfig::Type::kFollow || camera.type == CameraConfig::Type::kTop);
 }
 
-/// One camera at work.
+/// State of one camera.
 struct Station {
   CameraConfig config;
   VehicleId vehicle = kNoVehicle;
   Look look;
-  std::vector<float> radii_m;  // of the vehicles as it draws them
+  std::vector<float> radii_m;  // radii of the vehicles as drawn
   Cameraman cameraman;
-  int sidebar_px = 0;  // grows only: the frames of a video keep their place
+  int sidebar_px = 0;  // never shrinks, so that frames of a video keep their layout
 };
 
-/// What the colors of a cloud mean.
+/// Adds the meaning of a cloud's colors to the sidebar.
 void explain_cloud(std::span<const PictureCloud> shown, CloudColors by, std::span<const std::string> names,
                    const std::optional<HeightScale>& heights, Sidebar& sidebar) {
   if (shown.empty()) return;
   if (by == CloudColors::kHeight && heights) sidebar.bar = {height_color, heights->low_m, heights->high_m, "z [m]"};
   if (by == CloudColors::kIntensity) {
-    // The eye judges ratios of reflectivity: so do the colors.
+    // Square root, since perception follows ratios of reflectivity; the cloud's colors do the same.
     sidebar.bar = {[](float s) { return viridis_like(std::sqrt(std::max(0.0F, s))); }, 0.0, 1.0, "reflectivity [-]"};
   }
   if (by == CloudColors::kLabel) {
@@ -75,7 +75,8 @@ class SnapshotRecorder : public Recorder {
       : cameras_(std::move(cameras)), video_frames_per_s_(video_frames_per_s) {}
 
   void begin(const RunInfo& info) override;
-  void write_start(const TickView&) override {}  // agents have drawn nothing: a picture of t = 0 is the first tick's
+  // Without overlays of agents: a picture of t = 0 is taken in the first tick
+  void write_start(const TickView&) override {}
   void write(const TickView& tick) override;
   std::vector<std::filesystem::path> finish() override;
 
@@ -275,7 +276,7 @@ Figure SnapshotRecorder::take_of_scan(const Station& station) const {
           }};
 }
 
-/// As many pixels as were asked for, with the scale beside them.
+/// The requested number of pixels, with the color scale at the side.
 Figure SnapshotRecorder::take_of_depth(Station& station, const std::filesystem::path& stem) {
   PictureStyle style = style_of(station.config);
   style.hidden_vehicle = station.vehicle;
@@ -311,7 +312,7 @@ Figure SnapshotRecorder::take_of_world(Station& station) {
     }
   }
 
-  // What stands beside the picture decides how wide it is.
+  // The sidebar determines the width of the picture.
   const Eigen::Vector2i size = camera.size_px();
   Sidebar sidebar;
   for (const Overlay& overlay : picture_.overlays) {

@@ -16,13 +16,13 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kHaloWidth = 0.24F;  // reach of the halo beyond the letters, as a share of the height of a capital
+constexpr float kHaloWidth = 0.24F;  // extent of the halo beyond the letters, as a share of a capital's height
 
 void check(FT_Error error, const char* what) {
   if (error != 0) throw std::runtime_error("cannot " + std::string(what) + ": FreeType error " + std::to_string(error));
 }
 
-/// The embedded font. FreeType serves one thread at a time.
+/// The embedded font. FreeType must be called by one thread at a time.
 struct Font {
   std::mutex mutex;
   FT_Library library = nullptr;
@@ -44,7 +44,7 @@ struct Font {
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
 
-  /// From the next letter's place to the one after it, in sizes of the font.
+  /// Advance from one letter to the next, in font sizes.
   float advance_em(char32_t letter) {
     check(FT_Load_Char(face, letter, FT_LOAD_NO_SCALE), "load a letter");
     return static_cast<float>(face->glyph->advance.x) / static_cast<float>(face->units_per_EM);
@@ -58,7 +58,7 @@ Font& font() {
 
 FT_F26Dot6 to_26_6(float px) { return std::lround(64.0F * px); }
 
-/// Code points of UTF-8. A byte that begins none counts as itself.
+/// Code points of UTF-8. A byte that does not begin one is taken as a code point.
 std::u32string letters_of(std::string_view text) {
   std::u32string letters;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -72,7 +72,7 @@ std::u32string letters_of(std::string_view text) {
   return letters;
 }
 
-/// How much of each pixel of a rectangle is covered, 0..255.
+/// Coverage of each pixel of a rectangle, 0..255.
 struct Coverage {
   int left = 0, top = 0, width = 0, height = 0;
   std::vector<std::uint8_t> share;
@@ -121,7 +121,7 @@ void draw_text(Image& image, float x, float y, std::string_view text, const Text
   const std::lock_guard lock(font().mutex);
   const FT_Face face = font().face;
   check(FT_Set_Char_Size(face, 0, to_26_6(size_px), 72, 72),
-        "scale the font");  // 72 points are 72 pixels
+        "scale the font");  // at 72 dpi a point is a pixel
   FT_Stroker_Set(font().stroker, to_26_6(halo_px), FT_STROKER_LINECAP_ROUND, FT_STROKER_LINEJOIN_ROUND, 0);
   for (const char32_t letter : letters_of(text)) {
     check(FT_Load_Char(face, letter, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP), "load a letter");

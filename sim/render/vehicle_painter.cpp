@@ -9,10 +9,10 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDiscSpeed_radps = 30.0;  // a rotor slower than this shows no disc
+constexpr double kDiscSpeed_radps = 30.0;  // at lower speeds only the blades are drawn
 constexpr int kDiscSegments = 40;
 
-/// Blades as thin tapered slabs: wide at a third of the radius, narrow at hub and tip.
+/// Blades as thin tapered slabs: widest at a third of the radius, narrow at hub and tip.
 Mesh blades_of(const VehicleShape::RotorShape& rotor) {
   Mesh mesh;
   const float half_thickness = 0.06F * rotor.chord_m;
@@ -22,7 +22,7 @@ Mesh blades_of(const VehicleShape::RotorShape& rotor) {
     const auto base = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
     for (const auto& [radius, chord] : kStations) {
       for (const float side : {-0.5F, 0.5F}) {
-        // The leading edge is higher: pitch, by the sense of rotation.
+        // The leading edge is raised by the blade's pitch, according to the sense of rotation.
         const float tilt = 0.12F * side * chord * rotor.chord_m * rotor.direction;
         for (const float z : {-half_thickness, half_thickness}) {
           mesh.vertices_mesh_m.push_back(
@@ -150,7 +150,7 @@ void VehiclePainter::append_discs(const View& view, std::span<const VehicleState
     for (int i = 0; i < kDiscSegments; ++i) {
       const double a = 2.0 * M_PI * i / kDiscSegments;
       const double b = 2.0 * M_PI * (i + 1) / kDiscSegments;
-      // Faint inside, a brighter rim where the blades' tips are.
+      // Faint inside, with a brighter rim at the blade tips.
       constexpr float kRings[][2] = {{0.0F, 0.22F}, {0.8F, 0.22F}, {1.0F, 0.42F}};
       for (int ring = 0; ring < 2; ++ring) {
         const auto& [r0, alpha0] = kRings[ring];

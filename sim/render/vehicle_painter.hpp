@@ -13,16 +13,16 @@
 
 namespace swiftlet::sim {
 
-/// The vehicles on the graphics side: bodies in their own colors, blades at their true angles.
+/// GPU representation of the vehicles: bodies in their colors, blades at their true angles.
 class VehiclePainter {
  public:
   VehiclePainter(const GlFunctions& gl, std::span<const std::shared_ptr<const VehicleShape>> shapes);
 
-  /// Draws bodies and blades with the program in use (mesh, depth or ghost), whose uniforms are set.
+  /// Draws bodies and blades with the current program (mesh, depth or ghost), whose uniforms must be set.
   void draw(std::span<const VehicleState> states, double scale, VehicleId hidden) const;
-  /// The same for one vehicle.
+  /// As draw(), for one vehicle.
   void draw_one(std::size_t vehicle, const VehicleState& state, double scale) const;
-  /// Translucent discs of spinning rotors, as triangles for the blending pass, far ones first.
+  /// Appends translucent discs of spinning rotors, as triangles for the blending pass, from far to near.
   void append_discs(const View& view, std::span<const VehicleState> states, double scale, VehicleId hidden,
                     std::vector<ClipVertex>& out) const;
 
@@ -30,7 +30,7 @@ class VehiclePainter {
   struct Part {
     GLsizei first_index = 0;
     GLsizei num_indices = 0;
-    Eigen::Vector4f color;  // linear, and the SurfaceKind
+    Eigen::Vector4f color;  // linear color, and the SurfaceKind
   };
   struct PlacedRotor {
     VehicleShape::RotorShape shape;

@@ -38,16 +38,16 @@ VideoWriter::VideoWriter(std::filesystem::path path, int width, int height, doub
   std::vector<std::string> arguments = {"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt",
                                         "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
                                         "-framerate", fmt::format("{:f}", frames_per_s), "-i", "pipe:0",
-                                        // H.264 players want even sizes and 4:2:0.
+                                        // H.264 players require even sizes and 4:2:0.
                                         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset",
                                         "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
-                                        // Neither an option nor a protocol, whatever the name.
+                                        // Prevents ffmpeg from reading the name as an option or protocol.
                                         "file:" + std::filesystem::absolute(file_.partial()).string()};
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
 
-  // A socket instead of a pipe: a write to an ended ffmpeg gives an error, not a signal.
+  // A socket instead of a pipe: writing to a finished ffmpeg gives an error instead of a signal.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw std::runtime_error(path_.string() + ": cannot start ffmpeg: " + std::strerror(errno));

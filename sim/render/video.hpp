@@ -8,12 +8,12 @@
 
 namespace swiftlet::sim {
 
-/// Feeds pictures to the ffmpeg program, which makes an H.264 file of them (.mp4), complete when finish() returns.
+/// Sends pictures to the ffmpeg program, which encodes an H.264 file (.mp4), complete when finish() returns.
 class VideoWriter {
  public:
   /// Throws std::runtime_error when ffmpeg is not installed.
   VideoWriter(std::filesystem::path path, int width, int height, double frames_per_s);
-  /// Without finish(): stops ffmpeg and leaves no file.
+  /// Without finish(): stops ffmpeg and deletes the file.
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;

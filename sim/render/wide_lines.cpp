@@ -15,9 +15,9 @@ struct Corner {
   Eigen::Vector4f color;
 };
 
-/// A run of points in front of the camera becomes a ribbon.
+/// Converts consecutive points in front of the camera into a ribbon.
 void append_ribbon(const View& view, const std::vector<Corner>& run, float width_px, std::vector<ClipVertex>& out) {
-  // Points that fall on the same pixel have no direction.
+  // Coincident points in pixels have no direction.
   std::vector<Corner> corners;
   for (const Corner& corner : run) {
     if (corners.empty() || (corner.pixel - corners.back().pixel).norm() > 0.25F) corners.push_back(corner);
@@ -41,7 +41,7 @@ void append_ribbon(const View& view, const std::vector<Corner>& run, float width
     const Eigen::Vector2f before = side_of(direction(i > 0 ? i - 1 : 0));
     const Eigen::Vector2f after = side_of(direction(i + 1 < corners.size() ? i : i - 1));
     Eigen::Vector2f miter = before + after;
-    if (miter.norm() < 0.2F) {  // turns back: two rungs
+    if (miter.norm() < 0.2F) {  // sharp reversal: two rungs
       rungs.emplace_back(emit(corners[i], half * before), emit(corners[i], -half * before));
       rungs.emplace_back(emit(corners[i], half * after), emit(corners[i], -half * after));
       continue;

@@ -9,9 +9,9 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kLeafPixels = 7.0F;  // leaves smaller than this are thinned out
+constexpr float kLeafPixels = 7.0F;  // smaller leaves are thinned out
 constexpr float kFewestLeaves = 0.1F;
-constexpr float kBranchPixels = 1.5F;  // and so are branches thinner than this
+constexpr float kBranchPixels = 1.5F;  // thinner branches are thinned out
 constexpr float kFewestBranches = 0.15F;
 
 SurfaceKind kind_of(const Mesh& mesh) {
@@ -26,7 +26,7 @@ SurfaceKind kind_of(const Mesh& mesh) {
   }
 }
 
-/// No two trees have quite the same color.
+/// Varies the color of each tree.
 Rgb vary(const Rgb& srgb, const Instance& instance, SurfaceKind kind) {
   if (instance.instance == 0 || kind == SurfaceKind::kGround) return srgb;
   const std::uint32_t h = (instance.instance * 0x9E3779B9U) ^ (instance.instance * 0x85EBCA77U >> 11);
@@ -36,15 +36,15 @@ Rgb vary(const Rgb& srgb, const Instance& instance, SurfaceKind kind) {
   return ((1.0F + amount * 0.13F * signed_unit(21)) * srgb.cwiseProduct(tint)).cwiseMin(1.0F);
 }
 
-/// Rounded up to a step of a ladder, so that a moving camera seldom changes it.
+/// Rounds up to discrete levels, so that a moving camera seldom changes them.
 float on_ladder(float share) { return std::min(1.0F, std::exp2(std::ceil(2.0F * std::log2(share)) / 2.0F)); }
 
-/// Share of the leaves that is drawn at a projected leaf size.
+/// Share of leaves drawn at a projected leaf size.
 float share_of_leaves(float leaf_px) {
   return leaf_px >= kLeafPixels ? 1.0F : on_ladder(std::max(kFewestLeaves, std::pow(leaf_px / kLeafPixels, 1.5F)));
 }
 
-/// Share of the branches that is drawn at a projected thickness.
+/// Share of branches drawn at a projected thickness.
 float share_of_branches(float thickness_px) {
   return thickness_px >= kBranchPixels ? 1.0F : on_ladder(std::max(kFewestBranches, thickness_px / kBranchPixels));
 }
@@ -63,7 +63,7 @@ void mesh_attributes(const GlFunctions& gl) {
 }
 
 WorldPainter::WorldPainter(const GlFunctions& gl, const Scene& scene) : gl_(gl) {
-  // Instances by mesh, in the scene's order.
+  // Instances grouped by mesh, in the scene's order.
   std::vector<std::vector<const Instance*>> instances_of(scene.meshes.size());
   for (const Instance& instance : scene.instances) instances_of[instance.mesh].push_back(&instance);
 
@@ -123,7 +123,7 @@ std::vector<WorldPainter::Batch> WorldPainter::select(const DrawSelection& selec
       }
     }
   }
-  // Near ones first: what they hide is not shaded. Ties keep their order.
+  // From near to far, so that hidden surfaces are not shaded. Ties keep their order.
   std::stable_sort(batches.begin(), batches.end(),
                    [](const Batch& a, const Batch& b) { return a.nearest_m < b.nearest_m; });
   return batches;

@@ -9,16 +9,16 @@
 
 namespace swiftlet::sim {
 
-/// How the shader treats a surface.
+/// Shading model of a surface.
 enum class SurfaceKind { kPlain = 0, kGround = 1, kPlant = 2, kShiny = 3 };
 
-/// Attributes of the mesh shader that are the same for a whole instance.
+/// Attributes of the mesh shader that are constant per instance.
 struct InstanceAttributes {
   Eigen::Matrix<float, 3, 4, Eigen::RowMajor> T_world_mesh;
-  Eigen::Vector4f color;  ///< linear, and the SurfaceKind
+  Eigen::Vector4f color;  ///< linear color, and the SurfaceKind
 };
 
-/// Describes RenderVertex to the bound vertex array and buffer.
+/// Declares the attributes of RenderVertex for the bound vertex array and buffer.
 void mesh_attributes(const GlFunctions& gl);
 
 struct DrawSelection {
@@ -31,14 +31,14 @@ struct DrawSelection {
   float cut_m = 1e9F;
 };
 
-/// The static world on the graphics side: uploaded once, drawn in chunks that are culled one by one.
+/// GPU representation of the static world: uploaded once, drawn in chunks that are culled individually.
 class WorldPainter {
  public:
   WorldPainter(const GlFunctions& gl, const Scene& scene);
 
-  /// Draws with the program in use (mesh, depth or ghost), whose uniforms but the leaves' are set.
+  /// Draws with the current program (mesh, depth or ghost), whose uniforms, except those of leaves, must be set.
   void draw(const Program& program, const DrawSelection& selection) const;
-  /// Bounds of what casts shadows: everything but the ground.
+  /// Bounds of shadow casters: everything except the ground.
   const Eigen::AlignedBox3f& casters_m() const { return casters_m_; }
 
  private:
