@@ -28,7 +28,7 @@ void append_digits(std::string& body, std::uint32_t value) {
 void append_column(std::string& body, const std::vector<std::int32_t>& values) {
   std::int32_t last = 0;
   for (const std::int32_t value : values) {
-    const std::int32_t difference = value - last;  // of 30 bits each: no overflow
+    const std::int32_t difference = value - last;  // values have 30 bits, so no overflow
     append_digits(body, (static_cast<std::uint32_t>(difference) << 1) ^ static_cast<std::uint32_t>(difference >> 31));
     last = value;
   }

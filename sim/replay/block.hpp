@@ -9,18 +9,18 @@
 
 namespace swiftlet::sim {
 
-/// Values of a column are told as whole multiples of `step`.
+/// Values of a column are stored as integer multiples of `step`.
 struct ReplayColumn {
   std::string name;
   double step = 1.0;
 };
 
-/// A table of numbers. What is not a number is missing; what is too large for its step becomes the largest there is.
+/// A table of numbers. NaN is stored as missing; values too large for the step are clamped.
 class ReplayTable {
  public:
   static constexpr std::int32_t kMissing = -(1 << 29);
 
-  /// @param about  a JSON object that tells what the table is
+  /// @param about  a JSON object that describes the table
   ReplayTable(std::string about, std::vector<ReplayColumn> columns);
 
   void add(std::span<const double> row);
@@ -36,14 +36,14 @@ class ReplayTable {
  private:
   std::string about_;
   std::vector<ReplayColumn> columns_;
-  std::vector<std::vector<std::int32_t>> values_;  // by column
+  std::vector<std::vector<std::int32_t>> values_;  // indexed by column
 };
 
-/// What the page decodes at a time: a length (uint32), that many bytes of JSON, and the columns of all tables. A column
-/// is the differences of its values, zigzag-coded, in base-128 digits, the lowest first.
+/// Unit of decoding by the page: a length (uint32), that many bytes of JSON, and the columns of all tables. A column
+/// contains the differences of its values, zigzag-coded, in base-128 digits, the lowest first.
 class ReplayBlock {
  public:
-  /// @param about  a JSON object; its "kind" tells the page what to do with the block
+  /// @param about  a JSON object; its "kind" determines how the page uses the block
   explicit ReplayBlock(std::string about) : about_(std::move(about)) {}
 
   void add(const ReplayTable& table);
@@ -56,7 +56,7 @@ class ReplayBlock {
   std::string body_;
 };
 
-/// As gzip writes it, without name and time: the same bytes give the same bytes.
+/// gzip format without name and time: equal input gives equal bytes.
 std::string gzip(std::string_view bytes);
 
 }  // namespace swiftlet::sim

@@ -66,7 +66,7 @@ bool wait_for(int connection, short what, Clock::time_point deadline) {
   return left.count() > 0 && poll(&waiting, 1, static_cast<int>(left.count())) > 0;
 }
 
-/// Up to the empty line; nothing when it is too long, too slow, or none.
+/// Reads up to the empty line; empty result when the request is too long, too slow, or missing.
 std::string read_request(int connection) {
   const Clock::time_point deadline = Clock::now() + kPatience;
   std::string request;
@@ -95,10 +95,11 @@ struct LiveServer::Impl {
   int listener = -1;
   std::string host, token, address;
   std::mutex mutex;
-  std::vector<std::string> blocks;  // under the mutex, as what follows
+  std::vector<std::string> blocks;  // guarded by the mutex, like the following members
   bool last_is_there = false, last_is_taken = false;
-  std::size_t num_asked = 0;                           // blocks, up to the furthest one that was asked for
-  Clock::time_point asked = Clock::time_point::min();  // last time for any block; after the end, for a further one
+  std::size_t num_asked = 0;  // one more than the highest block number requested so far
+  // Last request for any block; after the end, for one not requested before
+  Clock::time_point asked = Clock::time_point::min();
   std::atomic<bool> stop = false;
   std::thread thread;
 
@@ -117,7 +118,7 @@ struct LiveServer::Impl {
   std::string answer_to(std::string_view request) {
     const std::string_view line = request.substr(0, request.find("\r\n"));
     if (!line.starts_with("GET ")) return answer("405 Method Not Allowed", "text/plain", "this can only be read\n");
-    // A page of somebody else that gives this address another name is turned away.
+    // Rejects pages of other origins that resolve another host name to this address.
     if (request.find("\r\nHost: " + host + "\r\n") == std::string_view::npos)
       return answer("403 Forbidden", "text/plain", "unknown host\n");
     const std::string_view rest = line.substr(4);
@@ -181,7 +182,7 @@ void LiveServer::put(std::string packed) {
 void LiveServer::finish() {
   const auto is_over = [this] {
     const std::lock_guard lock(impl_->mutex);
-    if (!std::exchange(impl_->last_is_there, true)) impl_->num_asked = 0;  // a page that was loaded again catches up
+    if (!std::exchange(impl_->last_is_there, true)) impl_->num_asked = 0;  // a reloaded page requests all blocks again
     return impl_->last_is_taken || impl_->asked == Clock::time_point::min() || Clock::now() - impl_->asked > kSilence;
   };
   while (!is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));

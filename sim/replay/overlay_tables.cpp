@@ -11,10 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kSmall = 1200;  // more positions than this are large
-constexpr std::size_t kMost = 12000;  // more than this are thinned
+constexpr std::size_t kSmall = 1200;  // larger overlays are written only with the maps
+constexpr std::size_t kMost = 12000;  // larger overlays are thinned
 
-// The page draws tracks and detections of the tables of that name.
+// The page draws tracks and detections from the tables of that name.
 bool is_drawn_otherwise(const std::string& name) { return name.starts_with("tracks") || name == "detections"; }
 
 const char* kind_of(Overlay::Kind kind) {
@@ -22,7 +22,7 @@ const char* kind_of(Overlay::Kind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
-/// Positions that belong together.
+/// Number of positions per primitive.
 std::size_t group_of(Overlay::Kind kind) {
   return kind == Overlay::Kind::kLines ? 2 : kind == Overlay::Kind::kTriangles ? 3 : 1;
 }
@@ -54,7 +54,7 @@ void OverlayTables::write(const TickView& tick) {
   for (std::size_t v = 0; v < tick.actions.size(); ++v) {
     if (tick.actions[v] == nullptr) continue;
     const auto vehicle = static_cast<VehicleId>(v);
-    // Overlays of one name are parts of one picture; the page tells them apart by their number.
+    // Several overlays of one name get numbered names, which the page draws as one.
     std::map<std::string, int> parts;
     for (const Overlay& overlay : tick.actions[v]->overlays) {
       if (is_drawn_otherwise(overlay.name)) continue;
@@ -66,7 +66,7 @@ void OverlayTables::write(const TickView& tick) {
     std::vector<MapVoxels> maps;
     tick.agents[v]->append_maps(maps);
     for (const MapVoxels& map : maps) {
-      // The detector's voxels are overlays already.
+      // The detector's voxels are already overlays.
       if (map.name != "detector") take(overlay_of(map, tick.actions[v]->estimate.T_world_local), vehicle, tick.t);
     }
   }
@@ -89,7 +89,7 @@ void OverlayTables::take(const Overlay& overlay, VehicleId vehicle, TimeNs t) {
   const bool can_thin = overlay.kind != Overlay::Kind::kPolyline;
   const std::size_t every = can_thin ? (count + kMost - 1) / kMost : 1;
 
-  // Few overlays have more than a handful of colors: positions tell the number of theirs.
+  // Few overlays have more than a handful of colors: positions refer to them by index.
   Json palette = Json::array();
   std::map<std::array<float, 4>, std::size_t> numbers;
   const auto number_of = [&](const Eigen::Vector4f& color) {

@@ -11,12 +11,12 @@
 
 namespace swiftlet::sim {
 
-/// What agents want drawn, and their maps, as tables. Each holds until the next of the same name and vehicle. What did
-/// not change is not written again; what is gone is written as an empty one. Large ones come at a period of their
-/// own.
+/// Overlays of agents, and their maps, as tables. Each is valid until the next one of the same name and vehicle.
+/// Unchanged overlays are not written again; a removed one is written as an empty table. Large ones are written at a
+/// separate period.
 class OverlayTables {
  public:
-  /// @param map_period  of what is large; 0: never
+  /// @param map_period  period of maps and large overlays; 0: never
   explicit OverlayTables(TimeNs map_period) : map_period_(map_period) {}
 
   void write(const TickView& tick);

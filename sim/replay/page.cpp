@@ -14,7 +14,7 @@ namespace {
 
 using Script = std::pair<std::string_view, std::string_view>;  // text and its digest
 
-/// In the order in which the page runs them.
+/// In the order of execution.
 std::array<Script, 11> scripts() {
   using namespace embedded;
   return {{{names_js, names_js_sha256},
@@ -30,7 +30,7 @@ std::array<Script, 11> scripts() {
            {app_js, app_js_sha256}}};
 }
 
-/// As a policy names a digest: 'sha256-...'.
+/// Digest in the format of a content security policy: 'sha256-...'.
 std::string source_of(std::string_view hexadecimal) {
   const auto digit = [&](std::size_t i) {
     const char c = hexadecimal[i];

@@ -4,19 +4,18 @@
 #include <string>
 #include <string_view>
 
-/// The page around the blocks. Nothing that comes from a scenario ever stands in it as markup: names travel in the
-/// blocks, and the page shows them as text.
+/// The HTML page around the blocks. It contains no text of a scenario as markup: names are stored in the blocks, and
+/// the page shows them as text.
 namespace swiftlet::sim {
 
-/// Where a page gets its blocks from: its own text, or whoever serves it.
+/// Source of the blocks: the page's own text, or a server.
 enum class PageUse { kFile, kLive };
 
-/// Everything before the first block. Its policy lets the browser run the page's own scripts, by their digests, and
-/// nothing else.
+/// Everything before the first block. Its content security policy allows only the page's own scripts, by their digests.
 std::string page_head(PageUse use = PageUse::kFile);
-/// One block as a text that no script can be.
+/// One block, encoded so that it cannot contain markup.
 std::string page_block(std::string_view packed);
-/// Everything behind the last block.
+/// Everything after the last block.
 std::string page_tail();
 
 }  // namespace swiftlet::sim

@@ -24,11 +24,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr TimeNs kChunk = 2'000'000'000, kLiveChunk = 200'000'000;
-constexpr TimeNs kRadioBin = 200'000'000;   // messages of a pair of vehicles are counted over this
-constexpr std::size_t kFirstPoints = 2500;  // of a scan, before it is known what they cost
+constexpr TimeNs kRadioBin = 200'000'000;   // interval for counting messages of a pair of vehicles
+constexpr std::size_t kFirstPoints = 2500;  // of a scan, before their size is measured
 constexpr std::size_t kFewestPoints = 200, kMostPoints = 60000;
 
-/// Names may come from files in any encoding: what is not UTF-8 is replaced rather than refused.
+/// Names may come from files in any encoding: invalid UTF-8 is replaced.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json bytes_of(const Rgb& color) {
@@ -37,7 +37,7 @@ Json bytes_of(const Rgb& color) {
   return bytes;
 }
 
-/// The colors of the renderer, so that a page and a picture of the same run agree.
+/// The renderer's colors, so that page and pictures of a run agree.
 Json palette(std::size_t vehicles) {
   constexpr int kSteps = 32;
   Json out;
@@ -58,7 +58,7 @@ Json palette(std::size_t vehicles) {
   return out;
 }
 
-/// True at the first instant at or after every multiple of a period; 0: never.
+/// True at the first instant at or after every multiple of a period; period 0: never.
 class Gate {
  public:
   explicit Gate(TimeNs period = 0) : period_(period) {}
@@ -75,7 +75,7 @@ class Gate {
 
 TimeNs period_of(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : 0; }
 
-/// How many points a scan may have so that all of them take what was asked for; learned from chunk to chunk.
+/// Number of points per scan that keeps the requested data rate; updated after each chunk.
 class PointBudget {
  public:
   PointBudget(double kBps, TimeNs chunk) : bytes_per_chunk_(1e3 * kBps * to_seconds(chunk)) {}
@@ -99,7 +99,7 @@ class PointBudget {
   std::size_t points_per_scan_ = kFirstPoints, points_ = 0, scans_ = 0;
 };
 
-/// Where blocks go, packed and in order.
+/// Destination of the packed blocks, in order.
 class BlockSink {
  public:
   virtual ~BlockSink() = default;
@@ -141,7 +141,7 @@ class LivePage : public BlockSink {
 
 class ReplayRecorder : public Recorder {
  public:
-  /// @param chunk  what the page decodes at a time
+  /// @param chunk  time span of a block
   ReplayRecorder(ReplayConfig config, std::unique_ptr<BlockSink> sink, TimeNs chunk)
       : config_(config),
         sink_(std::move(sink)),
@@ -179,12 +179,12 @@ class ReplayRecorder : public Recorder {
   Gate state_gate_, overlay_gate_;
   PointBudget budget_;
   OverlayTables overlays_;
-  std::vector<Rows> states_;                                      // by vehicle
+  std::vector<Rows> states_;                                      // indexed by vehicle
   std::map<std::pair<std::string, VehicleId>, Rows> series_;      // by table and vehicle
-  std::map<std::string, TimeNs> series_taken_;                    // when rows of a table were last taken
+  std::map<std::string, TimeNs> series_taken_;                    // time of the last rows written, by table
   std::map<std::pair<VehicleId, std::string>, Gate> scan_gates_;  // by vehicle and sensor
   std::map<std::pair<VehicleId, std::string>, std::uint64_t> scan_counts_;
-  std::map<std::pair<VehicleId, VehicleId>, Traffic> traffic_;  // by sender and receiver, of this bin
+  std::map<std::pair<VehicleId, VehicleId>, Traffic> traffic_;  // by sender and receiver, in the current interval
   TimeNs bin_ = 0, chunk_ = 0, now_ = 0;
   ReplayBlock scans_{R"({"kind":"scans"})"};
   ReplayTable detections_{R"({"table":"detections"})",

@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Fine enough to look at.
+/// Resolution of a column, sufficient for display.
 double step_of(const std::string& name) {
   if (name.starts_with("rotor")) return 1.0;
   if (name.ends_with("qx") || name.ends_with("qy") || name.ends_with("qz") || name.ends_with("qw")) return 1e-4;

@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-/// The rows of any kind of data as a table of a replay: its numbers, by the names of their columns. Texts are left out.
+/// Rows of any data type as a table of a replay: its numbers, by column name. Texts are omitted.
 class Rows final : public ColumnSink {
  public:
   /// @param about  a JSON object
@@ -18,7 +18,7 @@ class Rows final : public ColumnSink {
 
   ColumnSink& begin_row();
   void end_row();
-  /// Adds what there is to the block, and begins anew.
+  /// Moves the rows into the block and empties the table.
   void move_to(ReplayBlock& block);
 
   void time(const ColumnName& name, TimeNs t) override { put(name, to_seconds(t)); }
@@ -35,7 +35,7 @@ class Rows final : public ColumnSink {
   std::string about_;
   std::vector<ReplayColumn> columns_;
   std::vector<double> row_;
-  std::optional<ReplayTable> table_;  // from the first row on
+  std::optional<ReplayTable> table_;  // created with the first row
 };
 
 }  // namespace swiftlet::sim

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Every n-th row and column. A sensor without rows is thinned along its firings alone.
+/// Every n-th row and column. A sensor with few rows is thinned only along its columns.
 struct Lattice {
   int rows = 1, cols = 1, first_row = 0, first_col = 0;
 
@@ -28,7 +28,7 @@ struct Lattice {
   bool takes(int row, int col) const { return row % rows == first_row && col % cols == first_col; }
 };
 
-/// Where the sensor was, at a few columns: between them it moves evenly.
+/// Poses of the sensor at a few columns, for interpolation.
 ReplayTable poses_of(const LabeledScan& labeled) {
   constexpr int kKnots = 5;
   ReplayTable poses(Json::object({{"table", "poses"}}).dump(), {{"col", 1.0},
@@ -46,7 +46,7 @@ ReplayTable poses_of(const LabeledScan& labeled) {
     const std::size_t col = knots == 1 ? 0 : k * (all.size() - 1) / (kKnots - 1);
     const Vector3 p = all[col].translation();
     Eigen::Quaterniond q(all[col].linear());
-    if (q.dot(last) < 0.0) q.coeffs() = -q.coeffs();  // on the same side, so that the page can mix them
+    if (q.dot(last) < 0.0) q.coeffs() = -q.coeffs();  // same hemisphere, so that the page can interpolate
     last = q;
     poses.add({static_cast<double>(col), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
   }

@@ -9,10 +9,10 @@
 
 namespace swiftlet::sim {
 
-/// A scan as angles and ranges at the true poses of its sensor, row after row. Where it has more than `most_points`
-/// returns, a lattice of beams is taken, another one each time; returns from other vehicles are always kept.
-/// @param number  how many scans of this sensor came before
-/// @return points written
+/// Appends a scan as angles and ranges at the true poses of its sensor, row by row. With more than `most_points`
+/// returns it is thinned to a lattice of beams, shifted in each scan; returns from other vehicles are always kept.
+/// @param number  number of earlier scans of this sensor
+/// @return number of points written
 std::size_t append_scan(const LabeledScan& labeled, VehicleId vehicle, std::size_t most_points, std::uint64_t number,
                         ReplayBlock& block);
 

@@ -20,13 +20,13 @@ Json json_of(const Rgb& color) {
   return {byte(0), byte(1), byte(2)};
 }
 
-/// Vertices in the order of their first use, and three numbers for each triangle.
+/// Vertices in the order of their first use, and three indices for each triangle.
 void append_mesh(const Mesh& mesh, Json about, ReplayBlock& block) {
   constexpr double kStep_m = 0.002;
   about["table"] = "vertices";
   ReplayTable vertices(about.dump(), {{"x_m", kStep_m}, {"y_m", kStep_m}, {"z_m", kStep_m}});
   ReplayTable triangles(Json::object({{"table", "triangles"}}).dump(), {{"a", 1.0}, {"b", 1.0}, {"c", 1.0}});
-  std::vector<std::uint32_t> number(mesh.vertices_mesh_m.size(), 0);  // from 1
+  std::vector<std::uint32_t> number(mesh.vertices_mesh_m.size(), 0);  // counted from 1
   const auto number_of = [&](std::uint32_t v) -> double {
     if (number[v] == 0) {
       const Vector3f& p = mesh.vertices_mesh_m[v];

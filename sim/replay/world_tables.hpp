@@ -10,9 +10,9 @@
 
 namespace swiftlet::sim {
 
-/// The world as meshes and the places where they stand, thinned to about so many triangles.
+/// Appends the world as meshes and their poses, thinned to about `most_triangles`.
 void append_world(const Scene& whole, std::size_t most_triangles, ReplayBlock& block);
-/// The meshes of a vehicle, its rotors apart.
+/// Appends the meshes of a vehicle, rotors separately.
 void append_vehicle(const VehicleShape& shape, VehicleId vehicle, ReplayBlock& block);
 
 }  // namespace swiftlet::sim
