@@ -25,10 +25,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kWorst = 10;
 constexpr std::size_t kFailures = 20;
-constexpr std::size_t kMostBoxes = 12;       // points side by side in one box plot
-constexpr std::size_t kMostIntervals = 40;   // rows of a figure of intervals
-constexpr std::size_t kMostLevels = 20;      // values of a parameter that are averaged over; more are a cloud
-constexpr std::size_t kMostGroupRows = 200;  // of a table in the page; the CSV has them all
+constexpr std::size_t kMostBoxes = 12;      // points side by side in one box plot
+constexpr std::size_t kMostIntervals = 40;  // rows of a figure of intervals
+// Values of a parameter that are averaged; with more, single episodes are plotted
+constexpr std::size_t kMostLevels = 20;
+constexpr std::size_t kMostGroupRows = 200;  // of a table in the page; the CSV contains all
 
 std::string plural(std::uint64_t count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
@@ -58,7 +59,7 @@ Interval rate_interval(const BatchTable& table, const std::string& outcome, cons
                 independent_share(outcomes, seeds_of(table, group)));
 }
 
-// --- the head ---
+// --- header ---
 
 std::string heading(const BatchTable& table) {
   const BatchInfo& info = table.info;
@@ -81,7 +82,7 @@ std::string heading(const BatchTable& table) {
   return text + "</p>\n";
 }
 
-/// All points together, then one by one unless each of them is a single episode, or they are very many.
+/// All points together, then each point unless it is a single episode, up to kMostGroupRows.
 std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
   std::vector<const EpisodeGroup*> shown;
   for (const EpisodeGroup& group : table.totals) shown.push_back(&group);
@@ -92,7 +93,7 @@ std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
   return shown;
 }
 
-// --- intervals, one below the other ---
+// --- interval plots ---
 
 struct IntervalRow {
   std::string name;
@@ -100,7 +101,7 @@ struct IntervalRow {
   Interval ci;
 };
 
-/// A row for each group, the first at the top: a mark and its interval.
+/// A row for each group, the first at the top: a marker and its interval.
 std::string interval_plot(const std::string& label, const std::vector<IntervalRow>& rows, bool is_difference,
                           bool is_rate) {
   if (rows.empty()) return "";
@@ -130,7 +131,7 @@ std::string interval_plot(const std::string& label, const std::vector<IntervalRo
   return "<figure>" + figure.svg() + "</figure>\n";
 }
 
-/// The groups of the tables, as many as fit a figure.
+/// The groups of the tables, limited to the size of a figure.
 std::vector<const EpisodeGroup*> groups_plotted(const BatchTable& table) {
   std::vector<const EpisodeGroup*> shown = groups_shown(table);
   shown.resize(std::min(shown.size(), kMostIntervals));
@@ -155,7 +156,7 @@ std::string outcome_plots(const BatchTable& table) {
   return text;
 }
 
-/// What a batch of variants is flown for: how each differs from the reference, seed by seed.
+/// Paired differences of each variant to the reference variant, over equal seeds.
 std::string difference_plot(const BatchTable& table, const Quantity& quantity) {
   if (table.info.variants.size() < 2) return "";
   std::vector<IntervalRow> rows;
@@ -211,7 +212,7 @@ std::vector<double> numbers_only(const std::vector<double>& values) {
   return numbers;
 }
 
-/// Distinct points in order, each with a name.
+/// Distinct points in order, with their names.
 std::vector<std::pair<std::size_t, std::string>> points_of(const BatchTable& table) {
   std::vector<std::pair<std::size_t, std::string>> points;
   for (const EpisodeGroup& group : table.groups) {
@@ -220,7 +221,7 @@ std::vector<std::pair<std::size_t, std::string>> points_of(const BatchTable& tab
   return points;
 }
 
-/// Boxes of every variant at every point, or of all points together when they are many.
+/// Box plots of every variant at every point, or of all points together when they are many.
 std::string box_plot(const BatchTable& table, const Quantity& quantity) {
   const auto points = points_of(table);
   const bool by_point = points.size() > 1 && points.size() <= kMostBoxes;
@@ -261,8 +262,8 @@ std::string box_plot(const BatchTable& table, const Quantity& quantity) {
   return "<figure>" + figure.svg() + "</figure>\n";
 }
 
-/// The quantity over one parameter, for each variant: means with their intervals at every value, over all values of the
-/// other parameters; single episodes where the values are many.
+/// Plots the quantity over one parameter for each variant: means and intervals at every value, averaged over all other
+/// parameters; single episodes where the values are many.
 void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quantity, std::size_t parameter,
                const std::string& variant) {
   std::map<double, std::vector<double>> levels;
@@ -281,7 +282,7 @@ void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quan
   const std::size_t num_values =
       std::accumulate(levels.begin(), levels.end(), std::size_t{0},
                       [](std::size_t n, const auto& level) { return n + level.second.size(); });
-  if (levels.size() > kMostLevels || num_values < 2 * levels.size()) {  // samples, not steps
+  if (levels.size() > kMostLevels || num_values < 2 * levels.size()) {  // continuous samples instead of levels
     for (const auto& [level, values] : levels) {
       for (const double value : values) {
         x.push_back(level);
@@ -359,7 +360,7 @@ std::string quantity_section(const BatchTable& table, const Quantity& quantity) 
                                              sweep_plots(table, quantity) + quantity_table(table, quantity));
 }
 
-/// Every quantity in brief, over all groups.
+/// Summary of every quantity, over all groups.
 std::string all_quantities(const BatchTable& table) {
   std::string text;
   const std::vector<const EpisodeGroup*> shown = groups_shown(table);
@@ -392,7 +393,7 @@ const Quantity* worst_by(const BatchTable& table, const std::vector<const Quanti
   return telling.empty() ? nullptr : telling.front();
 }
 
-/// Rows of the table, the worst first.
+/// Indices of episodes, worst first.
 std::vector<std::size_t> worst_first(const BatchTable& table, const Quantity& quantity) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < table.episodes.size(); ++i) {
@@ -405,7 +406,7 @@ std::vector<std::size_t> worst_first(const BatchTable& table, const Quantity& qu
   return order;
 }
 
-/// Those of these episodes whose replay lies in the batch directory, to be opened here.
+/// Embedded replays of those of these episodes that have one in the batch directory.
 std::string replays_of(const BatchTable& table, const std::vector<std::size_t>& order, const fs::path& directory) {
   std::string text;
   for (const std::size_t i : order) {

@@ -18,7 +18,7 @@ constexpr std::size_t kTelling = 6;
 constexpr const char* kMean = "mean";
 const double kNaN = std::nan("");
 
-/// The batch file as the database holds it.
+/// The batch file stored in the database.
 BatchConfig config_of(const BatchInfo& info, const std::filesystem::path& database) {
   BatchConfig config;
   try {
@@ -29,7 +29,7 @@ BatchConfig config_of(const BatchInfo& info, const std::filesystem::path& databa
   return config;
 }
 
-/// Gathers metrics as columns, in the order of their first appearance.
+/// Collects metrics as columns, in the order of their first appearance.
 class Columns {
  public:
   explicit Columns(std::size_t num_episodes) : num_episodes_(num_episodes) {}
@@ -53,7 +53,7 @@ class Columns {
     }
   }
 
-  /// A quantity that was never measured says nothing; the mean of a single vehicle is that vehicle's.
+  /// Omits quantities without any value, and means over a single vehicle.
   std::vector<Quantity> take() {
     std::map<std::string, std::set<std::string>> vehicles;
     for (const Quantity& q : quantities_) vehicles[q.metric].insert(q.vehicle);
@@ -100,7 +100,7 @@ std::vector<EpisodeGroup> groups_of(const BatchTable& table) {
   return list;
 }
 
-/// All points together, for each variant.
+/// Groups over all points, one per variant.
 std::vector<EpisodeGroup> totals_of(const BatchTable& table) {
   std::vector<EpisodeGroup> totals;
   for (const std::string& variant : table.info.variants) {
@@ -116,7 +116,7 @@ std::vector<EpisodeGroup> totals_of(const BatchTable& table) {
   return totals;
 }
 
-/// Calls `use(a, b)` for the episodes of two groups that have the same point and seed.
+/// Calls `use(a, b)` for episodes of two groups with equal point and seed.
 template <class Use>
 void for_each_pair(const BatchTable& table, const EpisodeGroup& first, const EpisodeGroup& second, const Use& use) {
   const auto place = [&](std::size_t i) { return std::pair(table.episodes[i].point, table.episodes[i].seed); };
@@ -128,7 +128,7 @@ void for_each_pair(const BatchTable& table, const EpisodeGroup& first, const Epi
   }
 }
 
-/// A swept value as it is shown: numbers with four digits.
+/// A swept value for display: numbers with four digits.
 std::string shown(const std::string& value) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
@@ -136,7 +136,7 @@ std::string shown(const std::string& value) {
   return html::number(number);
 }
 
-/// Share of the variance that lies between the groups; with one group, how much there is at all.
+/// Share of the variance between the groups; with one group, the relative variation.
 double telling(const BatchTable& table, const Quantity& quantity) {
   const SampleSummary all = summarize(quantity.values);
   if (all.n < 2 || !(all.sd > 1e-9 * std::abs(all.mean))) return 0.0;

@@ -17,12 +17,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostObservers = 12;  // lines in one panel
 
-/// NaN where nothing was measured.
+/// NaN for missing values.
 double value_at(const Json& bin, const char* key) {
   return !bin.contains(key) || bin[key].is_null() ? std::numeric_limits<double>::quiet_NaN() : bin[key].get<double>();
 }
 
-/// The stages that any vehicle has, in the order in which data pass through them.
+/// The stages present in any vehicle, in the order of data flow.
 std::vector<std::string> stages_of(const Json& over_distance) {
   std::vector<std::string> stages;
   for (const auto& [vehicle, by_stage] : over_distance.items()) {
@@ -34,7 +34,7 @@ std::vector<std::string> stages_of(const Json& over_distance) {
   return stages;
 }
 
-/// A line for each vehicle, with a mark in the middle of each bin.
+/// A line for each vehicle, with a marker in the middle of each bin.
 void draw(plot::Panel& panel, const Json& over_distance, const std::string& stage, const char* key) {
   panel.x.label = "distance of the target [m]";
   panel.x.min = panel.y.min = 0.0;

@@ -6,9 +6,10 @@
 
 namespace swiftlet::sim {
 
-/// Recall and error of each detecting vehicle over the target's distance: plots, and their numbers folded away.
+/// Recall and error of each detecting vehicle over the target's distance: plots, with their numbers in a collapsed
+/// table.
 /// @param over_distance  `detection_over_distance` of summary.json: bins by vehicle and stage
-/// @return HTML, empty when nobody detected anything to speak of. Throws nlohmann::json::exception on other content.
+/// @return HTML, empty without counted targets. Throws nlohmann::json::exception on other content.
 std::string detection_section(const nlohmann::ordered_json& over_distance);
 
 }  // namespace swiftlet::sim

@@ -11,7 +11,7 @@
 namespace swiftlet::sim::html {
 std::string number(double value) {
   if (!std::isfinite(value)) return "–";
-  // No powers of ten where plain digits are as short.
+  // Plain digits where they are as short as an exponent.
   const double size = std::abs(value);
   return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
 }

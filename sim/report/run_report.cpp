@@ -92,7 +92,7 @@ std::string paths_figure(const std::vector<VehicleSeries>& all) {
     plot::Style style;
     style.color = static_cast<int>(i);
     panel.line(all[i].name, all[i].x_m, all[i].y_m, style);
-    style.marker = plot::Marker::kCircle;  // the start
+    style.marker = plot::Marker::kCircle;  // start of the path
     panel.scatter("", std::span(all[i].x_m).first(1), std::span(all[i].y_m).first(1), style);
   }
   return figure(plot);
@@ -119,7 +119,7 @@ std::string series_figure(const std::vector<VehicleSeries>& all, const std::stri
   return any ? figure(plot) : "";
 }
 
-/// Time at which the recordings of the run begin; the page counts from there.
+/// Start time of the recordings, subtracted from times on the page.
 double start_time_s(const fs::path& directory) {
   constexpr std::string_view kKey = "start_time_s: ";
   std::ifstream scenario(directory / "scenario.yaml");
@@ -175,7 +175,7 @@ std::string pictures_section(const fs::path& directory) {
     if (!fs::is_directory(directory / folder)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(directory / folder)) {
       const std::string name = entry.path().filename().string();
-      // Depths in millimeters (NAME.mm.png) are data, not to be looked at.
+      // Depths in millimeters (NAME.mm.png) are data, not pictures for display.
       if (name.ends_with(".png") && !name.ends_with(".mm.png"))
         pictures.insert(fs::relative(entry.path(), directory).string());
     }
@@ -192,7 +192,7 @@ std::string pictures_section(const fs::path& directory) {
   return html::section("Pictures", text);
 }
 
-/// The page that the run or `swiftlet replay` left beside this one.
+/// Link to the replay page in this directory.
 std::string replay_section(const fs::path& directory) {
   if (!fs::is_regular_file(directory / "replay.html")) {
     return html::section("Replay", "<p class=\"note\">" + html::code("swiftlet replay " + directory.string()) +

@@ -25,11 +25,11 @@ double quantile_of_sorted(const std::vector<double>& sorted, double p) {
 }
 
 struct ClusteredError {
-  double variance = std::numeric_limits<double>::quiet_NaN();  // of the mean
+  double variance = std::numeric_limits<double>::quiet_NaN();  // variance of the mean
   std::size_t num_clusters = 0;
 };
 
-/// Of the mean of samples of which those of a cluster hang together; with clusters of one sample it is s^2 / n.
+/// Variance of the mean of clustered samples; s^2 / n for clusters of one sample.
 ClusteredError error_of_mean(std::span<const double> samples, Clusters clusters, double mean) {
   if (!clusters.empty() && clusters.size() != samples.size()) {
     throw std::invalid_argument("clusters: expected one for each sample");
@@ -49,7 +49,7 @@ ClusteredError error_of_mean(std::span<const double> samples, Clusters clusters,
     for (const double deviation : deviations) sum += deviation;
     squares.push_back(sum * sum);
   }
-  std::sort(squares.begin(), squares.end());  // a sum in this order does not depend on that of the samples
+  std::sort(squares.begin(), squares.end());  // makes the sum independent of the order of the samples
   double sum = 0.0;
   for (const double square : squares) sum += square;
   const auto n = static_cast<double>(count), g = static_cast<double>(by_cluster.size());
@@ -67,7 +67,7 @@ SampleSummary summarize(std::span<const double> samples, Clusters clusters, doub
   SampleSummary summary;
   summary.n = numbers.size();
   if (numbers.empty()) return summary;
-  std::sort(numbers.begin(), numbers.end());  // a sum in this order does not depend on that of the samples
+  std::sort(numbers.begin(), numbers.end());  // makes the sum independent of the order of the samples
   const auto n = static_cast<double>(numbers.size());
   double sum = 0.0;
   for (const double x : numbers) sum += x;
@@ -108,7 +108,7 @@ Interval wilson(std::uint64_t successes, std::uint64_t trials, double independen
   const double scale = 1.0 + z * z / n;
   const double center = (p + z * z / (2.0 * n)) / scale;
   const double half = z / scale * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
-  // The ends of the scale are exact where nothing or everything succeeded.
+  // The ends of the interval are exactly 0 or 1 where no or every trial succeeded.
   return {successes == 0 ? 0.0 : std::max(0.0, center - half),
           successes == trials ? 1.0 : std::min(1.0, center + half)};
 }
@@ -131,7 +131,7 @@ RateDifference paired_rate_difference(const PairedCounts& counts, double confide
   const double p_second = (a + b) / n, p_first = (a + c) / n;
   const Interval second = wilson(counts.both + counts.second_only, trials, counts.independent, confidence);
   const Interval first = wilson(counts.both + counts.first_only, trials, counts.independent, confidence);
-  // Correlation of the two, its numerator corrected for continuity.
+  // Correlation of the two outcomes, with continuity correction of the numerator.
   const double margins = (a + b) * (c + d) * (a + c) * (b + d);
   double numerator = a * d - b * c;
   if (numerator > 0.0) numerator = std::max(numerator - 0.5 * n, 0.0);

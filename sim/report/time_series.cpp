@@ -34,7 +34,7 @@ double number(std::string_view word) {
   return error == std::errc() && end == word.data() + word.size() ? value : kNotThere;
 }
 
-/// Distance between two sets of three columns; empty when one is missing.
+/// Distance between two triples of columns; empty when one is missing.
 std::vector<double> distance(const NumberTable& table, const char* prefix) {
   const std::string p = prefix;
   std::vector<double> squares;
@@ -61,7 +61,7 @@ void add_position(VehicleSeries& series, const NumberTable& table) {
   series.z_m = column(table, "z_m");
 }
 
-/// Some of them may be missing in a damaged file.
+/// Throws when columns are missing, as in a damaged file.
 void require_position(const NumberTable& table, const fs::path& file) {
   for (const char* name : {"t_s", "x_m", "y_m", "z_m"}) {
     if (table.find(name) == nullptr)
@@ -83,7 +83,7 @@ VehicleSeries from_csv(const fs::path& file, std::size_t most) {
   return series;
 }
 
-/// Value of a column at a time, between the rows beside it.
+/// Value of a column at a time, interpolated between adjacent rows.
 double at(const NumberTable& table, const std::vector<double>& values, double t_s) {
   const std::vector<double>& t = *table.find("t_s");
   const auto after = std::lower_bound(t.begin(), t.end(), t_s);
