@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Adds up how long the steps of one agent take, by stage. Every moment from start() to stop() belongs to one stage.
+/// Sums the duration of one agent's steps by stage. All time from start() to stop() belongs to one stage.
 class AgentClock {
  public:
   void start() {

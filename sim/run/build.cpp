@@ -27,17 +27,16 @@ namespace {
 
 constexpr const char* kStart = "start.position_m";
 
-/// The beginning of a message about a key of a vehicle.
+/// Prefix of an error message about a key of a vehicle.
 std::string place_of(const VehicleConfig& vehicle, const std::string& key) {
   const auto known = vehicle.places.find(key);
   return known != vehicle.places.end() ? known->second : "vehicles: " + vehicle.name + ": " + key + ": ";
 }
 
-/// Centimeters are enough for a start.
+/// A resolution of centimeters suffices for start positions.
 std::string meters(double value) { return fmt::format("{:.2f} m", value); }
 
-// Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs
-// let through.
+// Height of the ground or floor at (x, y): the first such surface on a ray from above, ignoring crowns and roofs.
 double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
   const Vector3 at = vehicle.start.position_m;
   const double top_m = world.bounds_m().max().z() + 1.0;
@@ -76,16 +75,16 @@ void require_apart(const Scenario& scenario, const std::vector<PhysicsVehicle>& 
 }
 
 void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles, const StaticScene& world) {
-  if (!scenario.physics.contacts) return;  // then nothing is in anything's way
+  if (!scenario.physics.contacts) return;  // without contacts there are no obstacles
   FreePlaces places(vehicles, scenario.physics, world);
-  // `ground_m` is the height from which the z of a key counts that is relative to the ground.
+  // `ground_m`: ground height if the z of a key is relative to it.
   const auto require = [&](std::size_t i, const std::string& key, const Vector3& p_world_m,
                            std::optional<double> ground_m) {
     const auto problem = places.check(i, p_world_m);
     if (!problem) return;
     const std::string surface(name_of(problem->surface_class));
     const std::string found = problem->depth_m > 0.0 ? surface + " in its place" : "it below the ground";
-    // Rounded up, so that there is room at the reported height.
+    // Rounded up, so that the reported height is collision-free.
     const double least_z_m = std::ceil((problem->free_z_m - ground_m.value_or(0.0)) * 100.0 - 0.2) / 100.0;
     throw InputError(place_of(scenario.vehicles[i], key) + "expected room for " + vehicles[i].name + ", found " +
                      found + "; there is room from z = " + meters(least_z_m) + " upwards" +
@@ -97,12 +96,12 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
     std::optional<double> ground_m;
     if (start.above_ground) ground_m = p_world_m.z() - start.position_m.z();
     require(i, kStart, p_world_m, ground_m);
-    if (start.known != StartKnown::kPose) continue;  // the vehicle's own world lies elsewhere in the true one
+    if (start.known != StartKnown::kPose) continue;  // the vehicle's estimated world frame differs from the true one
     for (const NamedPlace& place : destinations_of(scenario.vehicles[i])) require(i, place.key, place.p_world_m, {});
   }
 }
 
-/// What the vehicle is told of where it starts; zero for the rest.
+/// The start pose known to the vehicle; zero for unknown parts.
 Pose told_start(const StartConfig& start, const VehicleState& truth) {
   if (start.known == StartKnown::kPose) return truth.T_world_body();
   Pose told = Pose::Identity();
@@ -123,7 +122,7 @@ std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::siz
   return prior;
 }
 
-/// The agent's configuration with the map that its estimator localizes itself in, read from its file.
+/// The agent's configuration with the estimator's map for localization, loaded from its file.
 Module with_loaded_map(const Module& agent) {
   Module loaded = agent;
   auto* stack = dynamic_cast<StackConfig*>(loaded.config.get());
@@ -143,7 +142,7 @@ Module with_loaded_map(const Module& agent) {
 void require_sensors(const VehicleConfig& vehicle) {
   const std::vector<std::string> names = sensor_names(vehicle.sensors);
   for (const SensorNeed& need : needs_of(vehicle.agent).sensors) {
-    std::vector<std::string> carried;  // of its type
+    std::vector<std::string> carried;  // sensors of the required type
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (vehicle.sensors[i].type == need.type) carried.push_back(names[i]);
     }

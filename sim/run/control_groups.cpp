@@ -17,13 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The words of a file; none when it cannot be read.
+/// The words of a file; empty when it cannot be read.
 std::vector<std::string> words_of(const fs::path& file) {
   std::ifstream stream(file);
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-/// A limit above 0; "max" and -1 are none.
+/// A limit above 0; "max" and -1 mean no limit.
 std::optional<double> limit(const std::vector<std::string>& words, std::size_t i) {
   const auto value = i < words.size() ? number_in<double>(words[i]) : std::nullopt;
   return value && *value > 0.0 ? value : std::nullopt;
@@ -46,7 +46,7 @@ void apply_group(const fs::path& folder, ControlGroupLimits& limits) {
     apply(limits.memory_bytes, limit(words_of(folder / file), 0));
 }
 
-/// The group `path` below `mount` and the groups above it, up to the mount itself.
+/// Applies the group `path` below `mount` and all its parents up to the mount itself.
 void apply_groups(const fs::path& mount, std::string_view path, ControlGroupLimits& limits) {
   fs::path group = fs::path(path).relative_path().lexically_normal();
   if (group.empty() || *group.begin() == "..") group.clear();
@@ -62,13 +62,13 @@ ControlGroupLimits control_group_limits(const fs::path& root) {
   ControlGroupLimits limits;
   const fs::path mount = root / "sys/fs/cgroup";
   std::ifstream groups(root / "proc/self/cgroup");
-  // "0::/path" of version 2, "4:cpu,cpuacct:/path" of version 1.
+  // "0::/path" in version 2, "4:cpu,cpuacct:/path" in version 1.
   for (std::string line; std::getline(groups, line);) {
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (first == std::string::npos || second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1), path = line.substr(second + 1);
     apply_groups(mount / (controllers.empty() ? "." : controllers), path, limits);
-    std::istringstream each(controllers);  // "cpu,cpuacct" is mounted under that name or under one of them
+    std::istringstream each(controllers);  // "cpu,cpuacct" is mounted under that name or under one of the two
     for (std::string controller; std::getline(each, controller, ',');) apply_groups(mount / controller, path, limits);
   }
   return limits;

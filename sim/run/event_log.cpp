@@ -10,9 +10,9 @@
 namespace swiftlet::sim {
 namespace {
 
-// A mission that has ended is flown on for this long, so that recordings show it.
+// Time for which the run continues after the last mission has ended, so that recordings show the end.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
-// After a capture it is longer, so that recordings show what the interceptor believes.
+// Longer after a capture, so that recordings show the interceptor's reaction.
 constexpr TimeNs kAfterCapture = kNsPerSecond;
 
 }  // namespace
@@ -31,7 +31,7 @@ void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const 
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const auto vehicle = static_cast<VehicleId>(i);
     const VehicleState& state = physics.state(vehicle);
-    if (state.crashed) continue;  // what a wreck's agent believes is no event
+    if (state.crashed) continue;  // estimates of a crashed vehicle's agent are ignored
     note_correction(vehicle, now, actions[i]->estimate, state.p_world_m);
     note_mission(vehicle, now, *actions[i], state.p_world_m);
   }

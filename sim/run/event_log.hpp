@@ -12,22 +12,22 @@
 
 namespace swiftlet::sim {
 
-/// What happened in a tick, and whether all missions have ended.
+/// Collects the events of a tick and detects the end of all missions.
 class EventLog {
  public:
-  /// @param perception  by VehicleId: how many captures end a mission
+  /// @param perception  indexed by VehicleId: number of captures that ends a mission
   EventLog(std::vector<std::string> vehicle_names, std::vector<Perception> perception);
 
-  /// Crashes of the tick, then for each vehicle that has not crashed a correction of its local frame and a change of
-  /// its mission.
+  /// Adds crashes of the tick, then for each vehicle that has not crashed corrections of its local frame and changes of
+  /// its mission status.
   void collect(TimeNs now, const PhysicsWorld& physics, std::span<const Action* const> actions);
-  /// Captures of the tick by true places, after collect(). The last one that an interceptor is to make ends its mission
-  /// and that of the target, whatever either believes.
+  /// Adds captures of the tick, from true positions; call after collect(). An interceptor's last required capture ends
+  /// its mission and that of the target, independent of their estimates.
   void note_captures(TimeNs now, const SeriesOf<CaptureRecord>& captures);
 
   std::span<const Event> of_this_tick() const { return events_; }
   bool crashed() const { return crashed_; }
-  /// Every vehicle has crashed or ended its mission, and has flown on for a while so that recordings show it.
+  /// True some time after every vehicle has crashed or ended its mission, so that recordings show the end.
   bool all_is_over(TimeNs now) const { return end_of_missions_ >= 0 && now >= end_of_missions_; }
 
  private:
@@ -40,7 +40,7 @@ class EventLog {
   std::vector<std::string> names_;
   std::vector<Perception> perception_;
   std::vector<Event> events_;
-  std::vector<std::uint32_t> corrections_;  // by vehicle: the last correction_revision
+  std::vector<std::uint32_t> corrections_;  // last correction_revision, indexed by vehicle
   std::vector<MissionStatus> missions_;
   std::vector<std::string> mission_notes_;
   std::vector<bool> ended_;

@@ -6,8 +6,7 @@
 
 namespace swiftlet::sim {
 
-/// What goes into an agent and what comes out of it is finite. Throws a ContractViolation that names the first value
-/// that is not.
+/// Check inputs and outputs of an agent. Throw a ContractViolation that names the first value that is not finite.
 void ensure_finite(const Observation& observation);
 void ensure_finite(const Action& action);
 

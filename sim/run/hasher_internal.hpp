@@ -13,8 +13,8 @@
 
 namespace swiftlet::sim {
 
-/// The visitor that hashes every field of a kind of data. What fits into the buffer (anything but scans) is hashed at
-/// once. That gives the same value as bit by bit and costs half as much.
+/// Visitor that hashes every field of a data type. Data that fits into the buffer (all except scans) is hashed in one
+/// call, which gives the same value as hashing in pieces at half the cost.
 class Hasher : public FieldBytes<Hasher> {
  public:
   std::uint64_t digest() {

@@ -26,14 +26,14 @@ double limit_of(int resource) {
   return static_cast<double>(limit.rlim_cur);
 }
 
-/// The positive number of an environment variable; infinity when there is none.
+/// The positive number in an environment variable; infinity without one.
 double limit_of_variable(const char* name) {
   const char* text = std::getenv(name);
   const auto value = number_in<double>(text != nullptr ? text : "");
   return value && *value > 0.0 ? *value : std::numeric_limits<double>::infinity();
 }
 
-/// Memory of a Slurm job on this node, which asks for it by node or by processor.
+/// Memory of a Slurm job on this node, requested per node or per processor.
 double limit_of_slurm() {
   const double by_node_mb = limit_of_variable("SLURM_MEM_PER_NODE");
   const double by_processor_mb = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");

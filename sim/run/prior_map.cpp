@@ -17,7 +17,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Samples to an edge of a voxel.
+// Samples per edge of a voxel.
 constexpr double kSamplesPerVoxel = 3.0;
 
 enum class What { kOccupied, kFree };
@@ -42,7 +42,7 @@ void append_cloud(const std::filesystem::path& file, What what, const std::strin
   for (const Eigen::Vector3d& p : read_point_cloud(file)) points_m.push_back(p.cast<float>());
 }
 
-// The clouds of a finished run, by the index that its recorder wrote beside them.
+// The clouds of a recorded run, located by its recorder's index.
 void append_recorded(const std::filesystem::path& index, const std::string& key,
                      std::vector<Eigen::Vector3f>& points_m) {
   std::ifstream in(index);
@@ -101,7 +101,7 @@ std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double
                                                const std::string& key) {
   auto prior = std::make_shared<PriorMap>();
   const double spacing_m = voxel_m / kSamplesPerVoxel;
-  // A file of which nothing is left is a mistake.
+  // A file without any valid point is an error.
   const auto append_file = [&](const std::string& file, const char* name, std::vector<Eigen::Vector3f>& points_m,
                                const auto& append) {
     if (file.empty()) return;

@@ -23,7 +23,7 @@ std::string_view variable(const char* name) {
   return text == nullptr ? std::string_view() : text;
 }
 
-/// 0 when the affinity mask cannot be read: it is larger than the type that holds it.
+/// 0 when the affinity mask is larger than cpu_set_t and cannot be read.
 int in_affinity_mask() {
   cpu_set_t set;
   return ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;

@@ -19,12 +19,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPartial = ".partial-";
-constexpr const char* kReplaced = ".replaced";  // beside the partial directory
-/// File in a partial directory whose lock the run holds. Directories without it are not those of runs.
+constexpr const char* kReplaced = ".replaced";  // suffix, beside the partial directory
+/// Lock file of a run in its partial directory. Directories without it do not belong to runs.
 constexpr const char* kLock = ".unfinished-run";
 constexpr std::size_t kSuffixDigits = 16;  // of hex64()
 
-/// A link to nothing does not count as a free name: its disk may not be mounted.
+/// A dangling link is not a free name: its disk may not be mounted.
 bool is_replaceable(const fs::path& directory) {
   std::error_code error;
   if (fs::symlink_status(directory, error).type() == fs::file_type::not_found) return true;
@@ -51,8 +51,8 @@ bool is_partial_name(const std::string& name, const std::string& prefix) {
          name.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
 }
 
-/// Descriptor of the file with its lock held; below 0 when there is no such file, when a run holds the lock on any
-/// machine or in any container, or when the file system has no locks.
+/// Opens and locks the file. Negative when there is no such file, when a run on any machine or in any container holds
+/// the lock, or when the file system has no locks.
 int open_locked(const fs::path& file, int flags) {
   const int lock = ::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0666);
   if (lock < 0 || ::flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
@@ -60,8 +60,8 @@ int open_locked(const fs::path& file, int flags) {
   return -1;
 }
 
-/// The lock file has its name only when it is locked. Without it, where the file system has no locks, no other run
-/// removes the directory.
+/// Creates the lock file, which gets its name only after it is locked. Where the file system has no locks it is not
+/// created, and no other run removes the directory.
 int make_lock(const fs::path& partial) {
   const fs::path file = partial / kLock, unlocked = file.string() + ".new";
   const int lock = open_locked(unlocked, O_CREAT | O_EXCL);
@@ -75,7 +75,7 @@ int make_lock(const fs::path& partial) {
 }
 
 fs::path make_partial(const fs::path& destination, const std::string& prefix) {
-  std::random_device random;  // names differ on all machines and in all containers that share the folder
+  std::random_device random;  // names must differ between all machines and containers that share the folder
   for (;;) {
     const std::uint64_t number = std::uint64_t{random()} << 32 | random();
     fs::path partial = destination.parent_path() / (prefix + hex64(number));
@@ -83,8 +83,8 @@ fs::path make_partial(const fs::path& destination, const std::string& prefix) {
   }
 }
 
-// Removes what killed runs of this name left behind. An earlier run that was moved aside and not yet replaced comes
-// back.
+// Removes directories of killed runs of this name. An earlier run that was moved aside and not yet replaced is
+// restored.
 void remove_stale(const fs::path& destination, const std::string& prefix) {
   std::error_code ignored;
   std::vector<fs::path> partials;
@@ -115,7 +115,7 @@ void rename_at_once(const fs::path& from, const fs::path& to, unsigned flags) {
   throw fs::filesystem_error("rename", from, to, std::error_code(errno, std::generic_category()));
 }
 
-/// File systems of networks may not know how to exchange two names.
+/// Network file systems may not support exchanging two names.
 bool is_unsupported(const fs::filesystem_error& error) {
   const int code = error.code().value();
   return code == EINVAL || code == ENOSYS || code == EOPNOTSUPP;
@@ -125,7 +125,7 @@ bool is_unsupported(const fs::filesystem_error& error) {
 
 RunDirectory::RunDirectory(fs::path destination, std::span<const NamedFile> inputs)
     : destination_(fs::absolute(destination).lexically_normal()) {
-  if (!destination_.has_filename()) destination_ = destination_.parent_path();  // "runs/a/" names runs/a
+  if (!destination_.has_filename()) destination_ = destination_.parent_path();  // "runs/a/" means runs/a
   if (!is_replaceable(destination_)) {
     throw InputError(destination_.string() +
                      ": expected a new name, an empty directory or an earlier run (with a summary.json), found " +
@@ -158,7 +158,7 @@ void RunDirectory::commit() {
   }
 }
 
-// The earlier run and the new one change places at once, and what is not ours is never removed.
+// Exchanges the earlier run and the new one atomically; directories of other origin are never removed.
 void RunDirectory::put_in_place() {
   if (!is_replaceable(destination_)) {
     const std::string suffix = partial_.string().substr(partial_.string().size() - kSuffixDigits);
@@ -175,7 +175,7 @@ void RunDirectory::put_in_place() {
     rename_at_once(partial_, destination_, fs::exists(destination_) ? RENAME_EXCHANGE : RENAME_NOREPLACE);
   } catch (const fs::filesystem_error& error) {
     if (!is_unsupported(error)) throw;
-    // In two steps; remove_stale() takes back the first when the second did not happen.
+    // Two steps; remove_stale() reverts the first if the second did not happen.
     earlier = partial_.string() + kReplaced;
     if (fs::exists(destination_)) fs::rename(destination_, earlier);
     fs::rename(partial_, destination_);

@@ -22,7 +22,7 @@
 namespace swiftlet::sim {
 
 struct Simulation::Impl {
-  /// With the crew on duty.
+  /// Requires the crew on duty.
   Impl(Scenario scenario_in, std::unique_ptr<Crew> crew_in, std::optional<World> world_in)
       : crew(std::move(crew_in)),
         scenario(with_truth_sensors(std::move(scenario_in))),
@@ -59,7 +59,7 @@ struct Simulation::Impl {
   Metrics metrics;
   std::vector<std::unique_ptr<Recorder>> recorders;
 
-  bool has_missions;  // a run of dummies alone lasts as long as it should
+  bool has_missions;  // a run without missions lasts for its full duration
   TimeNs now = 0;
   TimeNs tick_length;
   std::uint64_t hash = 0;
@@ -67,7 +67,7 @@ struct Simulation::Impl {
   TickView view;
 };
 
-// One tick. What is parallel touches one vehicle only; everything that joins vehicles goes in their order, so the
+// One tick. Parallel sections touch only one vehicle each, and interactions are processed in vehicle order, so that the
 // result is the same for any number of threads.
 void Simulation::Impl::tick() {
   const Crew::Duty duty(*crew);
@@ -78,12 +78,12 @@ void Simulation::Impl::tick() {
   const TimeNs previous = now == 0 ? -1 : now;
   now += tick_length;
 
-  // 1. Truth moves, at its own finer step.
+  // 1. Physics advances the truth, with its own finer step.
   {
     const auto timed = clock.measure(Stage::kPhysics);
     physics.advance(now, team.commands, history);
   }
-  // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
+  // 2. Due sensors measure the truth; the radio delivers arrived messages.
   {
     const auto timed = clock.measure(Stage::kSensors);
     const bool wants_overlays = wants_picture(scenario.snapshots, previous, now) ||
@@ -92,7 +92,7 @@ void Simulation::Impl::tick() {
   }
   // 3. Every agent steps on its own observation, as soon as its sensors have measured.
   schedule.sense_and_step(team, {physics, history}, clock);
-  // 4. The radio takes the messages.
+  // 4. The radio accepts new messages.
   {
     const auto timed = clock.measure(Stage::kRadio);
     team.send(radio, physics.states());
@@ -116,8 +116,7 @@ void Simulation::Impl::tick() {
 
 Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world) {
   require_memory(scenario);
-  const int usual_threads =
-      default_threads();  // refuses a wrong OMP_NUM_THREADS, which OpenMP's own loops obey as well
+  const int usual_threads = default_threads();  // throws on an invalid OMP_NUM_THREADS
   if (threads > kMaxThreads) {
     throw InputError("threads: expected a whole number in [0, " + std::to_string(kMaxThreads) + "], found " +
                      std::to_string(threads));
@@ -200,7 +199,7 @@ RunSummary Simulation::summary() const {
           .outcome = impl_->metrics.outcome(),
           .state_hash = impl_->hash,
           .threads = impl_->crew->num_threads(),
-          .simulated_s = static_cast<double>(now()) / 1e9,  // nearest to the decimal fraction, for readers
+          .simulated_s = static_cast<double>(now()) / 1e9,  // nearest to the decimal fraction, for display
           .stage_wall_s = impl_->clock.seconds_by_stage(),
           .metrics = impl_->metrics.report(),
           .radio = impl_->radio.statistics(),

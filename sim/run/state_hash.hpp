@@ -9,16 +9,16 @@
 
 namespace swiftlet::sim {
 
-/// Hash of everything that one vehicle was given to know in one tick (XXH3, 64 bits). Covers every sensor output.
+/// Hash of one vehicle's observation in one tick (XXH3, 64 bits). Covers every sensor output.
 std::uint64_t hash_of(const Observation& observation);
 
-/// Hash of everything that one vehicle did in one tick, but for its overlays.
+/// Hash of one vehicle's action in one tick, without overlays.
 std::uint64_t hash_of(const Action& action);
 
 /// Hash of one vehicle's true state.
 std::uint64_t hash_of(const VehicleState& state);
 
-/// The next value of a running hash; the order of calls matters.
+/// Next value of a running hash; the order of calls matters.
 std::uint64_t combine(std::uint64_t hash, std::uint64_t value);
 
 }  // namespace swiftlet::sim

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no NaN: not measured is null.
+// JSON has no NaN; unmeasured values are null.
 Json value_of(const MetricRow& row) {
   if (!row.text.empty()) return row.text;
   return std::isfinite(row.value) ? Json(row.value) : Json(nullptr);
@@ -31,7 +31,7 @@ Json metrics_json(const MetricTable& table) {
   return {{"run", run}, {"vehicles", vehicles}};
 }
 
-// How detectors and trackers do over distance: for each observer and stage a list of bins.
+// Scores of detectors and trackers over distance: a list of bins for each observer and stage.
 Json detection_json(const MetricTable& table) {
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   Json out = Json::object();
@@ -73,7 +73,7 @@ Json radio_json(const RunSummary& summary) {
           {"topics", topics}};
 }
 
-// Only what happened: a run in which all fits has an empty list.
+// Only nonzero counters.
 Json counters_json(const std::vector<Counter>& counters) {
   Json out = Json::array();
   for (const Counter& counter : counters) {
@@ -92,7 +92,7 @@ std::string number_text(const MetricRow& row) {
   return tiny ? fmt::format("{:.1e}", row.value) : fmt::format("{:.3f}", row.value);
 }
 
-// Metrics as a table: a row for each metric, a column for each vehicle (at most a screen's width of them).
+// Metrics as a table: a row per metric, a column per vehicle (at most kMostColumns).
 std::string vehicle_table(const MetricTable& table) {
   constexpr std::size_t kMostColumns = 6;
   constexpr int kColumn = 13;
@@ -124,11 +124,11 @@ std::string vehicle_table(const MetricTable& table) {
   return out;
 }
 
-// What happened to several vehicles is one line of all of them: a crowd would say the same a hundred times.
+// Sums counters of several vehicles into one line.
 std::vector<Counter> of_all_vehicles(const std::vector<Counter>& counters) {
   struct Sum {
     Counter all;
-    Counter last;  // to which it happened
+    Counter last;  // last vehicle with this counter
     int num_concerned = 0;
   };
   std::vector<Sum> sums;

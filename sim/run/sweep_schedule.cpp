@@ -14,21 +14,21 @@
 namespace swiftlet::sim {
 namespace {
 
-// From here on vehicles without LiDARs are worth several threads, which take so many at a time.
+// From this number on, vehicles without LiDAR are distributed over threads, in blocks of kVehiclesAtATime.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
 constexpr int kPartsAtATime = 16;
 
-// An agent whose step takes longer is worth being started before others' sweeps are traced.
+// Sweeps for an agent with longer steps are traced first, so that it starts early.
 constexpr double kLongStep_s = 1e-3;
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// How many a thread takes at a time: a sweep of a LiDAR is worth a thread of its own, other sensors and controllers
-// only where there are many. Otherwise one thread does all, which costs less than sharing.
+// Number of vehicles per block: each vehicle with a due LiDAR sweep forms its own block; other sensors and controllers
+// are distributed only for many vehicles. Otherwise one thread processes all, which costs less than sharing.
 int vehicles_at_a_time(const Team& team) {
-  if (team.size() < 2) return 1;  // a lone LiDAR is parallel inside
+  if (team.size() < 2) return 1;  // a single LiDAR is traced in parallel parts
   for (const auto& of_vehicle : team.sensors) {
     for (const auto& sensor : of_vehicle) {
       if (sensor->makes_scan_by(team.now)) return 1;
@@ -37,7 +37,7 @@ int vehicles_at_a_time(const Team& team) {
   return team.size() >= kManyVehicles ? kVehiclesAtATime : team.size();
 }
 
-/// A broken contract is told with its vehicle and the instant.
+/// Adds the vehicle and the time to a contract violation.
 template <class Act>
 void for_vehicle(const Team& team, VehicleId i, const Act& act) {
   try {
@@ -63,7 +63,7 @@ void SweepSchedule::sense_and_step(Team& team, const Truth& truth, StageClock& c
   parallel_for(team.size(), share, [&](int i) { for_vehicle(team, i, [&] { team.step(i); }); });
 }
 
-// The sweeps that are due, in parts.
+// Begins the due sweeps and collects their parts.
 void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
   sweeps_.clear();
   for (int i = 0; i < team.size(); ++i) {
@@ -91,8 +91,8 @@ void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
   }
 }
 
-// Threads share the parts of the sweeps. Who traces the last one of a vehicle goes on with its other sensors and its
-// agent, while others trace: an agent that detects keeps one thread as busy as the sweeps keep the rest.
+// Threads share the parts of the sweeps. The thread that traces the last part of a vehicle continues with its other
+// sensors and its agent while others trace, so that slow agents (detection) run in parallel with sweeps.
 void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock& clock) {
   const auto start = Clock::now();
   clock.add(Stage::kSensors, 0.0);
@@ -106,7 +106,7 @@ void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock&
     step_s_[i] = seconds_since(step_start);
     stepping_s += step_s_[i];
   };
-  FirstException failure;  // by vehicle, in whatever order they come
+  FirstException failure;  // the first by vehicle index, independent of timing
   const auto guard = [&](VehicleId i, const auto& act) { failure.guard(i, [&] { for_vehicle(team, i, act); }); };
   const int num_without = static_cast<int>(without_sweep_.size());
   const int num_parts = static_cast<int>(parts_.size());

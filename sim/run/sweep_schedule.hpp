@@ -10,8 +10,8 @@
 
 namespace swiftlet::sim {
 
-/// Shares the sensing and the steps of a tick among threads. Only the order of the work depends on how long it takes
-/// and on how many threads there are; no result does.
+/// Distributes sensing and agent steps of a tick over threads. Timing and number of threads affect only the order of
+/// the work, never the results.
 class SweepSchedule {
  public:
   explicit SweepSchedule(int num_vehicles) : parts_left_(num_vehicles), step_s_(num_vehicles) {}
@@ -24,10 +24,10 @@ class SweepSchedule {
     VehicleId vehicle = 0;
     int num_parts = 0;
   };
-  /// Part of a sweep. In order of who waits for it, then of its heading: what one vehicle's beams brought from memory
-  /// serves the next one's.
+  /// Part of a sweep. Sorted by the duration of the waiting agent's step, then by direction: beams of different
+  /// vehicles in similar directions share data in the caches.
   struct Part {
-    double minus_step_s = 0.0;  // of the agent that waits, if it is a long one
+    double minus_step_s = 0.0;  // negative step duration of the waiting agent; 0: short
     int heading = 0;
     int sweep = 0;
     int number = 0;
@@ -39,10 +39,10 @@ class SweepSchedule {
   void trace_with_steps(Team& team, const Truth& truth, StageClock& clock);
 
   std::vector<Sweep> sweeps_;                 // due in this tick
-  std::vector<Part> parts_;                   // of theirs
-  std::vector<VehicleId> without_sweep_;      // in this tick
-  std::vector<std::atomic<int>> parts_left_;  // by vehicle
-  std::vector<double> step_s_;                // by vehicle: wall time of its agent's last step with a sweep
+  std::vector<Part> parts_;                   // parts of the due sweeps
+  std::vector<VehicleId> without_sweep_;      // vehicles without due sweep
+  std::vector<std::atomic<int>> parts_left_;  // indexed by vehicle
+  std::vector<double> step_s_;                // indexed by vehicle: wall time of its agent's last step with a sweep
 };
 
 }  // namespace swiftlet::sim

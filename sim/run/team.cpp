@@ -17,7 +17,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kHistoryMargin_s = 0.05;
-constexpr double kMaxStates = 1e9;  // of a vehicle in the history, whose indices are of type int
+constexpr double kMaxStates = 1e9;  // of a vehicle in the history, with indices of type int
 
 }  // namespace
 
@@ -40,7 +40,7 @@ Team::Team(const Scenario& scenario, const World& world, const std::vector<Physi
 
 StateHistory Team::make_history(const Scenario& scenario) const {
   double look_back_s = 0.0;
-  std::string key = "physics.step_s";  // the setting that makes the history long
+  std::string key = "physics.step_s";  // the setting that determines the history's length
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     for (std::size_t k = 0; k < sensors[i].size(); ++k) {
       if (sensors[i][k]->look_back_s() <= look_back_s) continue;

@@ -18,36 +18,36 @@ namespace swiftlet::sim {
 class Radio;
 struct RadioStatistics;
 
-/// The truth that sensors measure.
+/// The truth measured by sensors.
 struct Truth {
   const PhysicsWorld& physics;
   const StateHistory& history;
 };
 
-/// Sensors and software of all vehicles, and what passes between them and the truth in one tick; all by VehicleId.
-/// Different vehicles may sense and step at the same time.
+/// Sensors and software of all vehicles, and their exchange with the truth in one tick; all indexed by VehicleId.
+/// Different vehicles may sense and step in parallel.
 struct Team {
   Team(const Scenario& scenario, const World& world, const std::vector<PhysicsVehicle>& vehicles,
        const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
   Team(const Team&) = delete;
 
   int size() const { return static_cast<int>(agents.size()); }
-  /// States that the sensors look back over, with a margin for a tick and for sensors with latency.
+  /// History for the sensors' look-back time, with a margin for a tick and for sensors with latency.
   StateHistory make_history(const Scenario& scenario) const;
 
-  /// Empties the observations and hands over the messages that have arrived.
+  /// Clears the observations and delivers arrived messages.
   void begin_tick(TimeNs now, bool wants_overlays, Radio& radio);
-  /// Sensors that are due measure the truth.
+  /// Due sensors measure the truth.
   void sense(VehicleId i, const Truth& truth);
-  /// The agent takes its own observation, and nothing else.
+  /// The agent processes its own observation.
   void step(VehicleId i);
-  /// From now on the agents' steps are timed.
+  /// Enables timing of the agents' steps.
   void start_agent_clocks();
-  /// The radio takes what was said, in the order of the vehicles.
+  /// Passes posted messages to the radio, in vehicle order.
   void send(Radio& radio, std::span<const VehicleState> states);
-  /// What the vehicles were and knew in this tick joins the hash of the ticks before.
+  /// Combines the hash of earlier ticks with states, observations and actions of this tick.
   std::uint64_t combined_hash(std::uint64_t before) const;
-  /// Of all agents, their keys put under where the agent stands in the scenario, and of what they share.
+  /// Counters of all agents, with keys relative to the scenario, and of shared parts.
   std::vector<Counter> counters(const RadioStatistics& radio) const;
 
   std::vector<std::vector<std::unique_ptr<Sensor>>> sensors;
@@ -63,7 +63,7 @@ struct Team {
   std::vector<double> least_clearance_m;
   std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans;  // completed in this tick
   std::vector<std::uint64_t> hashes;
-  std::vector<AgentClock> agent_clocks;  // empty: their steps are not timed
+  std::vector<AgentClock> agent_clocks;  // empty: steps are not timed
 
  private:
   Action idle_;
