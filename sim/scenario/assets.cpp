@@ -7,7 +7,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Where the first sentence ends: at a period or colon before a space, outside of brackets.
+/// End of the first sentence: a period or colon before a space, outside of brackets.
 std::size_t sentence_end(const std::string& text) {
   int depth = 0;
   for (std::size_t i = 0; i + 1 < text.size(); ++i) {
@@ -17,7 +17,7 @@ std::size_t sentence_end(const std::string& text) {
   return text.size();
 }
 
-/// First sentence of the comment that a text begins with.
+/// First sentence of the comment at the beginning of a text.
 std::string head_comment(const std::string& text) {
   std::istringstream lines(text);
   std::string line, comment;
@@ -31,7 +31,7 @@ std::string head_comment(const std::string& text) {
   return comment;
 }
 
-/// The lines of a text block of YAML as one line: those after its first that are indented.
+/// Joins the lines of a YAML text block: the indented ones after its first.
 std::string block(std::istringstream& lines) {
   std::string line, text;
   while (std::getline(lines, line) && line.starts_with(' '))
@@ -41,7 +41,7 @@ std::string block(std::istringstream& lines) {
   return text;
 }
 
-/// What it says of itself: its `description`, or the first sentence of that where it has several lines.
+/// Short description: the first sentence of `description`, otherwise of the leading comment.
 std::string about(const std::string& text) {
   constexpr std::string_view kKey = "\ndescription: ";
   const std::size_t at = text.find(kKey);
@@ -67,7 +67,7 @@ std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& fil
     for (const std::string& file : files.list(where)) {
       if (!file.ends_with(".yaml") || !files.is_file(where / file)) continue;
       const std::string name = file.substr(0, file.size() - 5);
-      // The first folder wins, as it does for the reader.
+      // The first folder takes precedence, as in the reader.
       if (!docs.contains(name)) docs[name] = about(files.read(where / file));
     }
   }

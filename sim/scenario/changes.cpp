@@ -8,7 +8,7 @@ namespace {
 
 using Kind = Node::Kind;
 
-/// Can it stand without quotes anywhere on a line?
+/// Is it valid without quotes anywhere on a line?
 bool is_plain_in_flow(const std::string& text) {
   constexpr std::string_view kSafe = "_./+-% ";
   const auto safe = [&](char c) {
@@ -53,7 +53,7 @@ void add_entries(ConfigChanges& changes, const Node& node, const std::string& pa
 void add(ConfigChanges& changes, const Node& node, const std::string& path) {
   if ((node.is_map() && !node.entries.empty()) || node.kind == Kind::kElements) return add_entries(changes, node, path);
   changes.emplace_back(path, flow_text(node));
-  for (const Entry& entry : node.entries) add(changes, entry.value, path + entry.key);  // those that wait in a list
+  for (const Entry& entry : node.entries) add(changes, entry.value, path + entry.key);  // pending changes of a list
 }
 
 std::string flow_entries(const Node& node) {

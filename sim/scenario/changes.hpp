@@ -8,12 +8,11 @@
 
 namespace swiftlet::sim {
 
-/// A map of keys as single changes, leaf by leaf: {a: {b: 1}, "c[0]": {d: x}} -> ("a.b", "1"), ("c[0].d", "x"). A
-/// `type` goes first, since it replaces what was there. Laid on a configuration in this order, they do what the map
-/// does.
+/// Converts a map of keys into single changes, leaf by leaf: {a: {b: 1}, "c[0]": {d: x}} -> ("a.b", "1"), ("c[0].d",
+/// "x"). A `type` comes first, since it replaces the module. Applied in this order, they are equivalent to the map.
 ConfigChanges changes_of(const Node& map);
 
-/// A value on one line, so that parsing it gives the same value.
+/// A value on one line; parsing it gives the same value.
 std::string flow_text(const Node& value);
 
 }  // namespace swiftlet::sim

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// <prefix>/share/swiftlet when the program lies in <prefix>/bin; empty when that cannot be told.
+/// <prefix>/share/swiftlet when the program lies in <prefix>/bin; empty when unknown.
 fs::path installed_share() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -47,7 +47,7 @@ class SystemFiles final : public ConfigFiles {
     std::error_code error;
     const auto size = fs::file_size(path, error);
     if (error) throw std::runtime_error(path.string() + ": cannot be read: " + error.message());
-    // One byte more than allowed is enough to refuse it.
+    // One byte above the limit suffices to reject the file.
     std::string text(std::min<std::uintmax_t>(size, kMaxFileBytes + 1), '\0');
     std::ifstream file(path, std::ios::binary);
     file.read(text.data(), static_cast<std::streamsize>(text.size()));

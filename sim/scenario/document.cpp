@@ -23,7 +23,7 @@ using Kind = Node::Kind;
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
-/// A byte inside a UTF-8 sequence, not its first one.
+/// Is it a byte of a UTF-8 sequence other than its first?
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
 /// Length of the UTF-8 sequence that starts at `i`; 0 when it is malformed, overlong or a surrogate.
@@ -49,18 +49,18 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// "ff"
+/// Two hexadecimal digits: "ff".
 std::string hex(unsigned char byte) {
   constexpr char kDigits[] = "0123456789abcdef";
   return {kDigits[byte >> 4], kDigits[byte & 15]};
 }
 
-/// Refuses what is not plain text before the parser sees it.
+/// Rejects texts that are not plain before parsing.
 void check_text(std::string_view text, const std::shared_ptr<const Source>& source) {
   int line = 1;
   std::size_t line_start = 0;
   bool indentation = true;
-  std::size_t tab = std::string::npos;  // first one of the indentation
+  std::size_t tab = std::string::npos;  // first tab in the indentation
   for (std::size_t i = 0; i < text.size();) {
     const Place place{source, line, static_cast<int>(i - line_start) + 1};
     const std::size_t length = utf8_length(text, i);
@@ -96,7 +96,7 @@ bool split_selector(std::string_view key, std::string_view& name, std::string_vi
   return selector.find_first_of("[]", 1) == selector.size() - 1;
 }
 
-/// Keys such as `vehicles[0]` become changes to elements of `vehicles`, after the plain keys of the same map.
+/// Converts keys such as `vehicles[0]` into changes to elements of `vehicles`, after the plain keys of the same map.
 void gather_selectors(Node& map) {
   std::string_view name, selector;
   const auto is_plain = [&](const Entry& entry) { return !split_selector(entry.key, name, selector); };
@@ -137,7 +137,7 @@ void check_duplicates(const Node& map) {
            std::to_string(first->place.line) + ")");
 }
 
-/// Builds the tree from the parser's events, within bounds.
+/// Builds the tree from the parser's events, within limits.
 class Builder final : public YAML::EventHandler {
  public:
   explicit Builder(std::shared_ptr<const Source> source) : source_(std::move(source)) {}
@@ -152,14 +152,14 @@ class Builder final : public YAML::EventHandler {
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     Node node = start(mark, Kind::kNull, "");
-    // The parser tells the place of the next thing; the key's place is more useful.
+    // The parser reports the location of the next token; the key's location is more useful.
     if (!open_.empty() && open_.back().key) node.place = open_.back().key->place;
     add(std::move(node), anchor, 1);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     Node node = start(mark, Kind::kScalar, tag);
-    // The parser turns some escapes ("\N", "\_") into single bytes of Latin-1.
+    // The parser converts some escapes ("\N", "\_") into single bytes of Latin-1.
     if (!is_utf8(value)) fail(node.place, "", "expected UTF-8 text, found an escape sequence that is none");
     node.text = value;
     node.quoted = tag == "!";
@@ -195,10 +195,10 @@ class Builder final : public YAML::EventHandler {
     Node node;
     YAML::anchor_t anchor = 0;
     std::size_t size = 1;
-    int depth = 1;                        ///< of the value itself
-    std::optional<Entry> key;             ///< maps: read, its value still missing
-    bool merges = false;                  ///< maps: that key is the merge key
-    std::optional<std::size_t> merge_at;  ///< maps: entry of the merge key
+    int depth = 1;                        ///< nesting depth of the value itself
+    std::optional<Entry> key;             ///< maps: key whose value is still missing
+    bool merges = false;                  ///< maps: `key` is the merge key
+    std::optional<std::size_t> merge_at;  ///< maps: index of the merge key's entry
   };
   struct Anchored {
     Node node;
@@ -249,7 +249,7 @@ class Builder final : public YAML::EventHandler {
 
   void add(Node node, YAML::anchor_t anchor, std::size_t size, int depth = 1) {
     if (anchor != 0) {
-      count(node.place, size);  // the copy kept for its aliases takes memory as well
+      count(node.place, size);  // the copy kept for its aliases needs memory as well
       anchors_[anchor] = {node, size, depth};
     }
     if (open_.empty()) {
@@ -274,7 +274,7 @@ class Builder final : public YAML::EventHandler {
     }
   }
 
-  /// The merge key of YAML 1.1: its map, or each map of its list, gives the keys that are missing so far.
+  /// Applies the merge key of YAML 1.1: its map, or each map of its list, provides the missing keys.
   static void lay_under(Node& map, std::size_t merge_at) {
     Node merged = std::move(map.entries[merge_at].value);
     map.entries.erase(map.entries.begin() + static_cast<std::ptrdiff_t>(merge_at));
@@ -315,7 +315,7 @@ class Builder final : public YAML::EventHandler {
 
 // --- merging ---
 
-/// The element that "[2]" or "[uav1]" means, or npos.
+/// Index of the element selected by "[2]" or "[uav1]"; npos when absent.
 std::size_t element_index(const Node& list, std::string_view selector) {
   const std::string_view word = selector.substr(1, selector.size() - 2);
   std::size_t index = 0;
@@ -329,7 +329,7 @@ std::size_t element_index(const Node& list, std::string_view selector) {
   return std::string::npos;
 }
 
-/// "[uav*]" stands for all elements whose names begin so; of those named otherwise it says nothing.
+/// "[uav*]" selects all elements whose names begin with uav.
 bool is_named_like(const Node& item, std::string_view selector) {
   const std::string_view word = selector.substr(1, selector.size() - 2);
   const Node* name = item.find("name");
@@ -343,13 +343,13 @@ bool chooses_another_type(const Node& base, const Node& over) {
   return now != nullptr && then != nullptr && now->text != then->text;
 }
 
-/// Does a vehicle of this list stand for several?
+/// Does a vehicle of this list have a `count`?
 bool has_counts(const Node& list) {
   return std::any_of(list.items.begin(), list.items.end(),
                      [](const Node& item) { return item.find("count") != nullptr; });
 }
 
-/// `detector: vofod` is short for `detector: {type: vofod}`; the long form is needed to lay further keys on it.
+/// Expands the short form `detector: vofod` to `detector: {type: vofod}`, so that further keys can be merged.
 void spell_out_type(Node& node, const Place& place) {
   Node type = node;
   node.kind = Kind::kMap;
@@ -358,7 +358,7 @@ void spell_out_type(Node& node, const Place& place) {
   node.entries.push_back({"type", type.place, std::move(type)});
 }
 
-/// Lays one tree on another; copies only so much, because a change to every element of a list multiplies.
+/// Merges trees; limits the number of copied values, since a change to every element of a list multiplies.
 class Merger {
  public:
   void merge(Node& base, const Node& over, const std::string& path) {
@@ -414,8 +414,8 @@ class Merger {
     merge_element(list, index, change.value, path);
   }
 
-  /// Single vehicles exist only when every `count` is known (expand_team). Until then a change of `count` is made, and
-  /// others wait as entries of the list.
+  /// Single vehicles exist only after expand_team(). Until then a change of `count` is applied, and others remain
+  /// pending as entries of the list.
   void change_later(Node& list, const Entry& change, const std::string& path) {
     Entry count = change, rest = change;
     std::erase_if(count.value.entries, [](const Entry& entry) { return entry.key != "count"; });
@@ -454,7 +454,7 @@ class Merger {
 
 // --- overrides ---
 
-/// UTF-8 without control characters, of sensible length.
+/// Is it UTF-8 without control characters, of at most 1000 bytes?
 bool is_plain_line(const std::string& text) {
   return text.size() <= 1000 && is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
 }
@@ -482,7 +482,7 @@ std::vector<std::string> split_path(const std::string& path) {
   return {};
 }
 
-/// Overrides have no lines: their whole place is the option.
+/// Overrides have no lines: their location is the option as a whole.
 void forget_lines(Node& node, const std::shared_ptr<const Source>& source) {
   node.place = {source, 0, 0};
   for (Node& item : node.items) forget_lines(item, source);
@@ -577,7 +577,7 @@ std::string quote(std::string_view text) {
   std::string shown = "\"";
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    // Cut between characters, never inside one.
+    // Shortens only between characters.
     if (shown.size() > kMaxShown && !is_continuation(text[i])) return shown + "...\"";
     if (byte == '\n') {
       shown += "\\n";
@@ -615,7 +615,7 @@ std::string error_line(const Place& place, const std::string& path, const std::s
   const std::string where = place.str();
   const bool repeats = path.empty() || where == "--set " + path;
   std::string line = where + ": " + (repeats ? "" : path + ": ") + message;
-  // Keys and names of files may hold anything; a message is one line.
+  // Keys and file names may contain anything, but a message is one line.
   for (char& c : line) c = is_control(c) ? '?' : c;
   return line;
 }

@@ -16,14 +16,14 @@ bool ends_with_yaml(const std::string& name) { return name.ends_with(".yaml") ||
 
 fs::path normal(const fs::path& path) { return path.lexically_normal(); }
 
-/// The same file has one absolute name, so that cycles are found and resolved configurations can move.
+/// Absolute name of a file, to detect cycles and to make resolved configurations relocatable.
 fs::path absolute_path(const fs::path& path) {
   std::error_code error;
   const fs::path result = fs::absolute(path, error);
   return normal(error ? path : result);
 }
 
-/// The configurations among the names of a folder, written as `name` is: with their extension or without.
+/// Adds the configurations of a folder, in the form of `name`: with or without extension.
 void add_known(std::vector<std::string>& known, const std::vector<std::string>& listing, const std::string& name) {
   for (const std::string& file : listing) {
     if (ends_with_yaml(file)) known.push_back(ends_with_yaml(name) ? file : fs::path(file).stem().string());
@@ -42,7 +42,7 @@ void expect_map(const Node& document) {
 
 Node Loader::load(const fs::path& name) {
   const fs::path file = find_main(name);
-  // Messages quote what a file holds, so a file that is no configuration is not read at all: a batch may name any.
+  // Messages quote file contents, so files that are no configurations are not read: a batch may name any file.
   if (!ends_with_yaml(file.string()))
     throw InputError(file.string() + ": expected a configuration file named .yaml or .yml, found another name");
   return with_base(parse_document(read(file), {file.string(), file.parent_path()}), {file});

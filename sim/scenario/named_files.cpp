@@ -4,7 +4,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Walks through a configuration and keeps nothing but its files and destinations.
+/// Visits a configuration and collects its files and destinations.
 class Lister final : public ConfigVisitor {
  public:
   std::vector<NamedFile> take_files() { return std::move(files_); }
@@ -63,7 +63,7 @@ class Lister final : public ConfigVisitor {
  private:
   std::string at(const std::string& key) const { return places_.empty() ? key : places_.back() + "." + key; }
 
-  std::vector<std::string> places_;  ///< of the objects, lists and elements that are open
+  std::vector<std::string> places_;  ///< open objects, lists and elements
   std::vector<NamedFile> files_;
   std::vector<NamedPlace> destinations_;
 };
@@ -71,7 +71,7 @@ class Lister final : public ConfigVisitor {
 }  // namespace
 
 std::vector<NamedFile> named_files(const Scenario& scenario) {
-  Scenario visited = scenario;  // a visit may write
+  Scenario visited = scenario;  // copy, since a visit may write
   Lister lister;
   visited.visit(lister);
   return lister.take_files();

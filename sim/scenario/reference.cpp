@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// A place in the configuration where a module is chosen by name.
+/// A position in the configuration where a module is chosen by name.
 struct Choice {
   std::string path;
   std::string doc;
@@ -32,7 +32,7 @@ std::string cell(std::string_view text) {
 
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
 
-/// "[m] meaning" apart: unit, meaning.
+/// Splits "[m] meaning" into unit and meaning.
 std::pair<std::string_view, std::string_view> unit_and_meaning(std::string_view doc) {
   const std::size_t end = doc.starts_with('[') ? doc.find(']') : std::string_view::npos;
   if (end == std::string_view::npos) return {{}, doc};
@@ -65,7 +65,7 @@ std::string list_text(const Values& values, const ToText& to_text) {
 
 std::string vector_text(const Eigen::Vector3d& value) { return list_text(value, yaml_number); }
 
-/// One table; modules are not entered but noted.
+/// Writes one table; modules are collected instead of entered.
 class TableVisitor final : public ConfigVisitor {
  public:
   explicit TableVisitor(std::string root) : root_(std::move(root)) {}
@@ -136,7 +136,7 @@ class TableVisitor final : public ConfigVisitor {
     return true;
   }
   void begin_element(std::size_t index) override { hidden_ += index > 0 ? 1 : 0; }
-  // Only the first element shows, so that an end belongs to a hidden one as long as any is open.
+  // Only the first element is shown, so an end belongs to a hidden one as long as any is open.
   void end_element() override { hidden_ -= hidden_ > 0 ? 1 : 0; }
   void end_list() override { path_.pop_back(); }
   bool wants_example() const override { return true; }
@@ -162,11 +162,11 @@ class TableVisitor final : public ConfigVisitor {
     if (hidden_ == 0) choices_.push_back({(root_.empty() ? "" : root_ + ".") + full_key(key), doc, types});
   }
 
-  std::string root_;  ///< path of the module that the table is about
+  std::string root_;  ///< path of the module described by the table
   std::string rows_;
   std::vector<Choice> choices_;
   std::vector<std::string> path_;
-  int hidden_ = 0;  ///< open elements of lists other than the first
+  int hidden_ = 0;  ///< number of open hidden list elements
 };
 
 std::string table(const std::string& rows) {
@@ -174,7 +174,7 @@ std::string table(const std::string& rows) {
   return "| key | type | default | unit | range | meaning |\n| --- | --- | --- | --- | --- | --- |\n" + rows;
 }
 
-/// A row for each field: the columns that it has.
+/// A row for each column.
 std::string columns_table(std::span<const Column> columns) {
   std::string text = "| columns | unit | meaning |\n| --- | --- | --- |\n";
   for (std::size_t i = 0, end = 0; i < columns.size(); i = end) {
@@ -189,7 +189,7 @@ std::string columns_table(std::span<const Column> columns) {
 }
 
 std::string data_tables() {
-  sensor_registry();  // whose rows tell tables
+  sensor_registry();  // its rows register tables
   std::string text =
       "\n## Tables\n\nThe tables of the recorder `csv`. ROS messages of what ROS has no type for have a "
       "field for each column.\n";
@@ -218,7 +218,7 @@ std::string reference_tables(const ConfigVisit& visit, const std::string& title)
   std::vector<const ModuleType*> done;
   for (; !waiting.empty(); waiting.pop_front()) {
     const Choice choice = waiting.front();
-    // The same registry may be named in several places.
+    // Several keys may use the same registry.
     if (std::find(done.begin(), done.end(), choice.types.data()) != done.end()) continue;
     done.push_back(choice.types.data());
     text += "\n## `" + choice.path + "`\n\n" + without_unit(choice.doc) + "\n";

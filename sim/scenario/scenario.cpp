@@ -28,7 +28,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Least ratio of the rotors' greatest thrust to the weight. With less, nothing is left to climb or to tilt.
+/// Least ratio of the rotors' maximum thrust to the weight. Smaller values leave no thrust for climbing or tilting.
 constexpr double kLeastThrustRatio = 1.1;
 
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
@@ -37,7 +37,7 @@ std::string element(const char* list, std::size_t index, const char* key) {
   return std::string(list) + "[" + std::to_string(index) + "]." + key;
 }
 
-/// Good and unlike those before it; `key` tells where it stands.
+/// Checks that a name is valid and unique; `key` is its location for messages.
 void check_name(ConfigVisitor& v, const std::string& name, const std::vector<std::string>& earlier,
                 const std::string& key) {
   v.check(is_file_name(name), key.c_str(), kNameRule);
@@ -50,7 +50,7 @@ void check_exists(ConfigVisitor& v, const std::string& name, const std::vector<s
   v.check(false, key.c_str(), one_of(known) + did_you_mean(name, known));
 }
 
-/// X configuration at the default arm's length, numbered as x500.yaml does.
+/// X configuration with the default arm length, numbered as in x500.yaml.
 std::vector<Rotor> quad_rotors(const Airframe& airframe) {
   const double reach_m = airframe.arm_length_m * 0.70710678118654752;
   const double height_m = 0.5 * airframe.body_height_m;
@@ -70,7 +70,7 @@ bool carries(const VehicleConfig& vehicle, std::string_view sensor_type) {
                      [&](const Module& sensor) { return sensor.type == sensor_type; });
 }
 
-/// Sensors without a name are named by their type.
+/// Gives unnamed sensors the name of their type; checks that names are unique.
 void name_sensors(ConfigVisitor& v, std::vector<Module>& sensors) {
   std::vector<std::string> names;
   bool unique = true;
@@ -88,7 +88,7 @@ void name_sensors(ConfigVisitor& v, std::vector<Module>& sensors) {
   }
 }
 
-/// Vehicles without a name are uav1, uav2, ... by their place in the list.
+/// Gives unnamed vehicles the names uav1, uav2, ... by their position in the list.
 std::vector<std::string> name_vehicles(ConfigVisitor& v, std::vector<VehicleConfig>& vehicles) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
@@ -99,7 +99,7 @@ std::vector<std::string> name_vehicles(ConfigVisitor& v, std::vector<VehicleConf
   return names;
 }
 
-/// Names of the LiDARs that a camera may look through: those of its vehicle, of the first one when it names none.
+/// Names of the LiDARs available to a camera: those of its vehicle, by default the first.
 std::vector<std::string> lidars_of(const CameraConfig& camera, const std::vector<VehicleConfig>& vehicles) {
   std::vector<std::string> names;
   for (const VehicleConfig& vehicle : vehicles) {
@@ -112,7 +112,8 @@ std::vector<std::string> lidars_of(const CameraConfig& camera, const std::vector
   return names;
 }
 
-/// What the agents may draw, by itself and as "uav1/NAME"; nothing when one of them does not tell.
+/// Names of all overlays that the agents may draw, as "NAME" and "uav1/NAME"; empty when an agent does not list its
+/// own.
 OverlayNames drawn_by(const std::vector<VehicleConfig>& vehicles) {
   std::vector<std::string> names = {"*"};
   for (const VehicleConfig& vehicle : vehicles) {
@@ -149,7 +150,7 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
   }
 }
 
-/// The folder of the file in "folder/a.yaml:3:9: plugins: "; none for what is no file.
+/// Folder of the file in "folder/a.yaml:3:9: plugins: "; empty when it is no file.
 std::filesystem::path folder_of(const std::string& place) {
   std::string file = place.substr(0, place.find(": plugins"));
   for (int numbers = 0; numbers < 2; ++numbers) {
@@ -167,7 +168,7 @@ void read_plugins(ConfigVisitor& v) {
   if (teller == nullptr) return;
   for (const std::string& plugin : plugins) {
     const std::string expected = load_plugin(plugin, folder_of(teller->place_of("plugins")));
-    // At once: without its modules, what follows would be refused as well.
+    // Immediately: without the plugin's modules, the rest would be rejected as well.
     if (!expected.empty()) throw InputError(teller->place_of("plugins") + "expected " + expected);
   }
 }
@@ -180,7 +181,7 @@ bool is_lidar_of(const std::vector<std::string>& selection, const Module& sensor
   return sensor.type == "lidar" && is_selected(selection, sensor_name(sensor));
 }
 
-/// LiDARs of a vehicle as the frames of a ROS recorder: they stand beside the frames of the vehicle itself.
+/// Checks the names of a vehicle's LiDARs as ROS frames, together with the vehicle's own frames.
 void check_ros_lidars(ConfigVisitor& v, const RosConfig& ros, const VehicleConfig& vehicle, const std::string& place) {
   std::map<std::string, std::string> frames = {{"body", "body"}, {"local", "local"}};
   for (std::size_t i = 0; i < vehicle.sensors.size(); ++i) {
@@ -190,7 +191,7 @@ void check_ros_lidars(ConfigVisitor& v, const RosConfig& ros, const VehicleConfi
   }
 }
 
-/// What a recorder writes as ROS topics has names that ROS accepts and that stay apart.
+/// Checks that the names of ROS topics and frames are valid and distinct.
 void check_ros_names(ConfigVisitor& v, const Scenario& scenario) {
   for (const Module& recorder : scenario.recorders) {
     const auto* const ros = dynamic_cast<const RosConfig*>(recorder.config.get());
@@ -206,7 +207,7 @@ void check_ros_names(ConfigVisitor& v, const Scenario& scenario) {
   }
 }
 
-/// A recorder of scans as files has a folder VEHICLE_LIDAR for each LiDAR.
+/// Checks for distinct names of the folders VEHICLE_LIDAR of scan file recorders.
 void check_scan_folders(ConfigVisitor& v, const Scenario& scenario) {
   for (const Module& recorder : scenario.recorders) {
     const auto* const files = dynamic_cast<const ScanFilesConfig*>(recorder.config.get());
@@ -225,12 +226,12 @@ void check_scan_folders(ConfigVisitor& v, const Scenario& scenario) {
   }
 }
 
-/// Mass to the gram; `round` is std::floor for an upper and std::ceil for a lower limit.
+/// Formats a mass in grams' resolution; `round` is std::floor for an upper and std::ceil for a lower limit.
 std::string kilograms(double mass_kg, double (*round)(double)) {
   return yaml_number(round(mass_kg * 1e3) / 1e3) + " kg";
 }
 
-/// Rotors carry the vehicle, and let it come down again.
+/// Checks that the rotors can lift the vehicle, and that it can descend.
 void check_thrust(ConfigVisitor& v, const Scenario& scenario) {
   const double gravity_mps2 = scenario.physics.gravity_mps2.norm();
   for (std::size_t i = 0; gravity_mps2 > 0.0 && i < scenario.vehicles.size(); ++i) {
@@ -301,7 +302,7 @@ Scenario::Scenario() : world(world_module_types(), "field"), vehicles(1) { vehic
 void Scenario::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] of the run, and of its directory");
   v.field("description", description, "[-] one sentence about it");
-  read_plugins(v);  // what follows may name their modules
+  read_plugins(v);  // the following keys may name modules of plugins
   v.field("seed", seed, "[-] of every random number");
   v.field("world_seed", world_seed, "[-] of the world alone, so that runs with other seeds share it; 0: the seed");
   v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});
@@ -355,7 +356,7 @@ Scenario with_truth_sensors(Scenario scenario) {
 std::string write_scenario(const Scenario& scenario) {
   Scenario copy = with_truth_sensors(scenario);
   const auto write = [&] { return write_config([&](ConfigVisitor& v) { copy.visit(v); }); };
-  (void)write();  // a visit ends with filling in the names that are empty
+  (void)write();  // the visit fills in empty names
   return write();
 }
 
@@ -363,7 +364,7 @@ Scenario validated(const Scenario& scenario) {
   Scenario checked;
   read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
   checked.snapshots_place = scenario.snapshots_place;
-  if (checked.vehicles.size() != scenario.vehicles.size()) return checked;  // some were a count
+  if (checked.vehicles.size() != scenario.vehicles.size()) return checked;  // some vehicles had a `count`
   for (std::size_t i = 0; i < checked.vehicles.size(); ++i) checked.vehicles[i].places = scenario.vehicles[i].places;
   return checked;
 }

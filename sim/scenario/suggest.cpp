@@ -14,13 +14,13 @@ std::string_view stem(std::string_view key) {
   return underscore == std::string_view::npos ? key : key.substr(0, underscore);
 }
 
-/// `rate` or `rate_khz` where `rate_hz` is known: the same word with another unit or none.
+/// Recognizes `rate` or `rate_khz` instead of `rate_hz`: equal words with another unit or none.
 bool differs_by_unit(std::string_view word, std::string_view candidate) {
   if (candidate == word || candidate.find('_') == std::string_view::npos) return false;
   return word == stem(candidate) || stem(word) == stem(candidate);
 }
 
-/// `spedd` or `spedd_kmph` where `speed_mps` is known: another unit or none, and mistakes besides.
+/// Recognizes `spedd` or `spedd_kmph` instead of `speed_mps`: another unit or none, with spelling mistakes.
 bool is_like_without_unit(std::string_view word, std::string_view candidate) {
   if (candidate == word || unit_of_key(candidate) == nullptr) return false;
   const std::string_view bare = stem(candidate);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several vehicles from one entry of a scenario.
+// Expands vehicles with `count` into several vehicles.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -31,7 +31,7 @@ Node numbers(std::span<const double> values, const Place& place) {
   return list;
 }
 
-/// The number in the unit of `key`; nothing when the text is none, which the reader reports.
+/// The number in the unit of `key`; empty for an invalid text, which the reader reports.
 std::optional<double> number(const Node& node, std::string_view key) {
   const auto quantity = node.is_scalar() && !node.quoted ? parse_quantity(node.text) : std::nullopt;
   if (!quantity) return std::nullopt;
@@ -46,7 +46,7 @@ bool is_whole(double value, double least, double most) {
   return value == std::floor(value) && value >= least && value <= most;
 }
 
-/// Reads a list of numbers, or changes to elements of its default, which `values` holds; false when it is neither.
+/// Reads a list of numbers, or changes to elements of the default in `values`; false when it is neither.
 bool read_values(const Node* given, std::string_view key, std::span<double> values) {
   if (given == nullptr) return true;
   Node list = numbers(values, given->place);
@@ -60,14 +60,14 @@ bool read_values(const Node* given, std::string_view key, std::span<double> valu
   return true;
 }
 
-/// The entry of a map, made with `value` where there is none.
+/// The entry of a map, created with `value` if missing.
 Node& entry_of(Node& map, const char* key, const Node& value) {
   if (Node* found = map.find(key)) return *found;
   map.entries.push_back({key, value.place, value});
   return map.entries.back().value;
 }
 
-/// Puts member number `k` into its place: along x, and after each full row on along y.
+/// Moves the start of member number `k`: along x, and after each full row along y.
 void move_start(Node& vehicle, int k) {
   Node none;
   none.kind = Kind::kMap;
@@ -90,7 +90,7 @@ void move_start(Node& vehicle, int k) {
   position = numbers(position_m, position.place);
 }
 
-/// Member number `k` of those that `vehicle` stands for; `index` is its place in the team.
+/// Member number `k` of the copies of `vehicle`; `index` is its position in the team.
 Node member(const Node& vehicle, int k, std::size_t index) {
   Node one = vehicle;
   Node& name = entry_of(one, "name", scalar("", vehicle.place));

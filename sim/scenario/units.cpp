@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Suffixes that also end ordinary words (min, h, g) name no unit of a key, but may follow a number.
+// Suffixes that are also parts of ordinary words (min, h, g) are no unit of a key, but may follow a number.
 constexpr Unit kUnits[] = {
     {"m", "m", "a length", 1, 1},
     {"cm", "cm", "a length", 1, 100},
@@ -91,7 +91,7 @@ const Unit* find_unit(std::string_view symbol, const Unit& unit) {
 double convert(double value, const Unit& from, const Unit& to) {
   const double numerator = from.numerator * to.denominator;
   const double denominator = from.denominator * to.numerator;
-  // One rounding instead of two where the ratio is whole: 300 ms is exactly the double nearest to 0.3.
+  // One rounding instead of two for whole ratios: 300 ms is exactly the double nearest to 0.3.
   if (std::fmod(numerator, denominator) == 0.0) return value * (numerator / denominator);
   if (std::fmod(denominator, numerator) == 0.0) return value / (denominator / numerator);
   return value * numerator / denominator;

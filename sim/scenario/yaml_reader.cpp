@@ -25,7 +25,7 @@ using Kind = Node::Kind;
 constexpr std::size_t kMaxErrors = 20;
 constexpr std::size_t kMaxObjects = 100'000;
 
-/// "a number > 0", "a whole number in [2, 6]".
+/// Expected number for messages: "a number > 0", "a whole number in [2, 6]".
 std::string phrase(const Range& range, const std::string& number = "a number") {
   const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
   if (below && above) {
@@ -37,10 +37,10 @@ std::string phrase(const Range& range, const std::string& number = "a number") {
   return number;
 }
 
-// No physical quantity in these units is larger; what is squared or counted stays in range.
+// Larger than any physical quantity in these units; squares and counts stay representable.
 constexpr double kLargest = 1e9;
 
-/// The range, closed where it is open to infinity.
+/// Replaces infinite limits of the range by finite ones.
 Range bounded(Range range) {
   if (std::isinf(range.min)) range.min = -kLargest;
   if (std::isinf(range.max)) range.max = std::max(kLargest, range.min);
@@ -243,7 +243,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
   // --- checks ---
 
   void check(bool ok, const char* key, const std::string& expected) override {
-    // Follow-ups of another mistake help nobody.
+    // Reports no consequences of earlier errors.
     if (ok || !errors_.empty()) return;
     Place place = top().place;
     const Node* node = find(key, place);
@@ -299,17 +299,17 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
 
  private:
   struct Frame {
-    const Node* node = nullptr;  ///< null: nothing given, all defaults
+    const Node* node = nullptr;  ///< null: no value given, all defaults
     Place place;
     std::string path;
-    std::vector<std::string> known;            ///< keys that the visit has named
+    std::vector<std::string> known;            ///< keys visited so far
     std::map<std::string, std::string> shown;  ///< values of leaves, for check()
   };
   struct List {
     Place place;
     std::string path;
-    std::vector<const Node*> elements;  ///< null: the element stays as it is by default
-    bool fresh = false;                 ///< the text gives the whole list, instead of changes to the default one
+    std::vector<const Node*> elements;  ///< null: the element keeps its default
+    bool fresh = false;                 ///< the text gives the whole list, not changes to the default
   };
   struct Error {
     Place place;
@@ -360,14 +360,14 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
 
   void add_error(const Place& place, const std::string& path, const std::string& message) {
     std::string line = error_line(place, path, message);
-    // An asset used twice is wrong once.
+    // Reports an error in an asset used twice only once.
     const std::string known = place.line > 0 ? place.str() : line;
     if (!places_.insert(known).second) return;
     errors_.push_back({place, std::move(line)});
     if (errors_.size() >= kMaxErrors) report();
   }
 
-  /// Runs what may end in an InputError of its own and collects that.
+  /// Runs an action and collects its InputError.
   template <class Action>
   void attempt(const Place& place, const Action& action) {
     try {
@@ -378,7 +378,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
     }
   }
 
-  /// Throws the errors in the order of the text, those of other files behind.
+  /// Throws the errors in the order of the text, followed by those of other files.
   void report() {
     if (errors_.empty()) return;
     const std::string first = frames_.empty() || !frames_[0].place.source ? "" : frames_[0].place.source->name;
@@ -393,7 +393,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
     throw InputError(text);
   }
 
-  // --- values; `path` is relative to the current object, `key` tells the unit ---
+  // --- values; `path` is relative to the current object, `key` determines the unit ---
 
   std::optional<double> read_number(const Node& node, const std::string& path, const char* key,
                                     const std::string& expected) {
@@ -461,7 +461,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
     }
   }
 
-  /// Changes to single elements are made on the default; anything else stands for itself.
+  /// Applies changes to single elements to the default; any other node replaces it.
   Node with_default(const Node& node, Node defaults, const char* key) {
     if (node.kind != Kind::kElements) return node;
     try {
@@ -474,7 +474,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
 
   // --- objects ---
 
-  /// `[0]` and `[*]` on a list that only the struct's default has.
+  /// Applies `[0]` and `[*]` to a list that exists only as the struct's default.
   void change_default_elements(List& list, const Node& changes) {
     Node elements;
     elements.kind = Kind::kList;
@@ -514,7 +514,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
     pop();
   }
 
-  /// Puts the asset's keys under those of the current object.
+  /// Merges the asset's keys under those of the current object.
   void lay_on_asset(const std::string& key, std::string& name, const char* folder, const Place& place) {
     const std::string path = at(key);
     const Node& asset = loader_.load_asset(name, folder, place, path);
@@ -534,11 +534,11 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
     owned_.push_back(asset);
     if (node != nullptr) merge(owned_.back(), *node, top().path);
     top().node = &owned_.back();
-    // A path is kept in full, so that the resolved configuration finds it from anywhere.
+    // The full path is kept, so that the resolved configuration is independent of its location.
     if (name.ends_with(".yaml") || name.ends_with(".yml")) name = loader_.find_file(name, place, path).string();
   }
 
-  /// The value at a path such as "start.yaw_deg" or "vehicles[1].name"; `place` becomes that of what lies nearest.
+  /// The value at a path such as "start.yaw_deg" or "vehicles[1].name"; `place` becomes the nearest known location.
   const Node* find(std::string_view path, Place& place) const {
     const Node* node = frames_.back().node;
     while (node != nullptr && !path.empty()) {
@@ -560,7 +560,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
   Loader& loader_;
   std::deque<Frame> frames_;
   std::vector<List> lists_;
-  std::deque<Node> owned_;  ///< trees made here: objects laid on assets
+  std::deque<Node> owned_;  ///< trees created here: objects merged with assets
   std::vector<Error> errors_;
   std::set<std::string> places_;
   std::size_t num_objects_ = 0;

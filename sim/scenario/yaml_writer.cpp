@@ -12,7 +12,7 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Words that every YAML reader takes as text without quotes.
+/// Is it interpreted as text without quotes by every YAML reader?
 bool is_plain(std::string_view text) {
   static constexpr std::string_view kReserved[] = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"};
   if (text.empty() || !(is_letter(text[0]) || text[0] == '/')) return false;
@@ -133,7 +133,7 @@ class YamlWriter final : public ConfigVisitor {
     if (value.config) value.config->visit(*this);
   }
 
-  /// "key: value" at the current depth; the first one of a list's element carries the dash.
+  /// Writes "key: value" at the current depth; the first one of a list element carries the dash.
   void line(std::string_view key, const std::string& value) {
     text_ += dash_ ? indent_.substr(2) + "- " : indent_;
     dash_ = false;
@@ -144,7 +144,7 @@ class YamlWriter final : public ConfigVisitor {
     indent_ += indent;
     blocks_.push_back(text_.size());
   }
-  /// A block without any line becomes the empty map or list.
+  /// Ends a block; an empty one becomes the empty map or list.
   void end_block(const char* when_empty) {
     indent_.resize(indent_.size() - 2);
     const bool is_empty = text_.size() == blocks_.back();
@@ -157,7 +157,7 @@ class YamlWriter final : public ConfigVisitor {
   std::string text_;
   std::string indent_;
   bool dash_ = false;
-  std::vector<std::size_t> blocks_;  ///< where the open blocks began
+  std::vector<std::size_t> blocks_;  ///< start offsets of the open blocks
 };
 
 }  // namespace
