@@ -47,7 +47,7 @@ void GnssConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-constexpr double kSkyRange_m = 500.0;  // what is farther away blocks no satellite
+constexpr double kSkyRange_m = 500.0;  // obstacles farther away do not block satellites
 constexpr int kMinSatellites = 4;
 
 /// Directions spread evenly over the sky above the mask: equal areas in elevation, golden angle in azimuth.
@@ -64,7 +64,7 @@ std::vector<Vector3> constellation(int count, double mask_rad, double first_azim
   return directions;
 }
 
-/// Alternating exponential times with and without a fix. Queried in order of time.
+/// Alternating exponentially distributed times with and without fixes. Queries must be in order of time.
 class RandomOutages {
  public:
   RandomOutages(Random random, double rate_per_min, double mean_s)
@@ -129,7 +129,7 @@ class GnssSensor final : public Sensor {
   Vector3 white_sigma() const { return {config_.sigma_xy_m, config_.sigma_xy_m, config_.sigma_z_m}; }
   Vector3 drift_sigma() const { return {config_.drift_sigma_xy_m, config_.drift_sigma_xy_m, config_.drift_sigma_z_m}; }
 
-  // Slow errors go on during outages.
+  // Slow errors continue during outages.
   void advance_errors(std::uint32_t index) {
     if (index == 0) return;
     const double dt_s = to_seconds(schedule_.period());

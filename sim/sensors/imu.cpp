@@ -35,7 +35,7 @@ void ImuConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-/// White noise, wandering bias and saturation of three axes.
+/// White noise, bias process and saturation of three axes.
 class NoisyTriad {
  public:
   NoisyTriad(const SensorSetup& setup, const std::string& what, double density, double walk, double time_s,
@@ -83,7 +83,7 @@ class ImuSensor final : public Sensor {
   double look_back_s() const override { return to_seconds(schedule_.period()); }
 
  private:
-  /// What the IMU feels, at the end of an interval: the beginning of the next.
+  /// State at the mounting point at the end of an interval, which is the start of the next.
   struct MountState {
     TimeNs t = -1;
     Eigen::Quaterniond q_world_body = Eigen::Quaterniond::Identity();

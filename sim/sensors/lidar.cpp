@@ -40,9 +40,9 @@ namespace {
 
 constexpr float kIntensityRange_m = 10.0F;  // Scan::intensity is 1 for a white wall at this range
 constexpr int kMaxSubRays = 9;
-constexpr int kTilesAtATime = 32;  // of a thread
+constexpr int kTilesAtATime = 32;  // per thread
 
-/// What the measurement needs to know about a surface, beside its truth.
+/// Properties of a surface for the measurement, besides its truth labels.
 struct SurfaceLookUp {
   float reflectivity = 0.0F;
   bool retroreflective = false;
@@ -51,7 +51,8 @@ struct SurfaceLookUp {
   std::uint16_t instance = 0;
 };
 
-/// One echo per beam of a packet. The brightness is reflectivity * cos(incidence), summed over the beam's area.
+/// One echo per beam of a packet. The brightness is reflectivity * cos(incidence), summed over the beam's
+/// cross-section.
 struct alignas(64) Echoes {
   std::array<float, kPacketSize> range_m;  // 0: none
   std::array<float, kPacketSize> cos_incidence;
@@ -59,7 +60,7 @@ struct alignas(64) Echoes {
   std::array<std::uint32_t, kPacketSize> surface;
 };
 
-/// A point of the beam's cross-section, in standard deviations of its Gaussian profile.
+/// A sample of the beam's cross-section, in standard deviations of its Gaussian profile.
 struct SubRay {
   float across, up, weight;
 };
@@ -80,13 +81,13 @@ std::vector<SubRay> sub_rays(int count) {
   return rays;
 }
 
-// Beams turned by small angles: `across` to the left, `up` upwards.
+// Beams rotated by small angles: `across` to the left, `up` upwards.
 BeamPacket turned(const BeamPacket& beams, float across_rad, float up_rad) {
   BeamPacket out = beams;
   for (int i = 0; i < kPacketSize; ++i) {
     const float x = beams.direction_x[i], y = beams.direction_y[i], z = beams.direction_z[i];
     const float level = std::sqrt(x * x + y * y);
-    // Left is horizontal; straight up or down any horizontal direction will do.
+    // Left is horizontal; for vertical beams any horizontal direction serves.
     const float left_x = level > 1e-6F ? -y / level : 0.0F;
     const float left_y = level > 1e-6F ? x / level : 1.0F;
     const float up_x = -z * left_y, up_y = z * left_x, up_z = x * left_y - y * left_x;
@@ -114,7 +115,7 @@ float arc_cosine(float x) {
   return std::sqrt(std::max(1.0F - x, 0.0F)) * p;
 }
 
-/// A scan of the pool with the beam table of its own that a pattern without repetition needs.
+/// A pooled scan; patterns that do not repeat need a beam table per scan.
 struct PooledScan : LabeledScan {
   std::shared_ptr<BeamTable> own_beams;
 };
@@ -149,7 +150,7 @@ class Lidar final : public Sensor {
   LidarConfig config_;
   Pose T_body_lidar_;
   Schedule schedule_;
-  TimeNs duration_;  // of a sweep; 0: frozen
+  TimeNs duration_;  // duration of a sweep; 0: frozen
   std::unique_ptr<LidarPattern> pattern_;
   LidarMeasurement measurement_;
   std::vector<SubRay> sub_rays_;
@@ -157,14 +158,14 @@ class Lidar final : public Sensor {
   SweepScene scene_;
   ExternalPoses external_poses_;
   Random range_random_, detection_random_;
-  std::vector<SurfaceLookUp> surfaces_;  // by number of SweepScene
-  std::shared_ptr<BeamTable> beams_;     // of a pattern that repeats; otherwise those of the first sweep
+  std::vector<SurfaceLookUp> surfaces_;  // indexed by surface number of SweepScene
+  std::shared_ptr<BeamTable> beams_;     // of a repeating pattern; otherwise of the first sweep
   LidarTiler tiler_;
   std::vector<LidarTile> tiles_;
   std::vector<float> range_normals_;  // (beams), of the current sweep
   std::vector<std::shared_ptr<PooledScan>> pool_;
   std::vector<std::shared_ptr<const LabeledScan>> completed_;
-  std::shared_ptr<PooledScan> begun_;  // by begin_sweep(), to be delivered by measure()
+  std::shared_ptr<PooledScan> begun_;  // started by begin_sweep(), delivered by measure()
   int tiles_of_part_ = 1;
 };
 
@@ -194,7 +195,8 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
   make_tiles(*beams_);
-  // Shots that lie a degree apart share little with their neighbors: the fewer in a part, the better it can be placed.
+  // Scattered shots about a degree apart share little data in the caches with their neighbors, so small parts allow a
+  // better order.
   tiles_of_part_ = pattern_->is_image() ? kTilesAtATime : 1;
   range_normals_.resize(beams_->size());
 }
@@ -210,10 +212,10 @@ void Lidar::look_up_surfaces() {
     surfaces_.push_back({material.reflectivity, material.retroreflective, static_cast<std::uint8_t>(surface.part),
                          static_cast<std::uint16_t>(surface.surface_class), surface.instance});
   }
-  if (surfaces_.empty()) surfaces_.emplace_back();  // lanes without a hit look at number 0
+  if (surfaces_.empty()) surfaces_.emplace_back();  // lanes without a hit refer to number 0
 }
 
-// One firing a column where all its beams start at one point and time, otherwise one a beam.
+// One firing per column where all its beams share origin and time, otherwise one per beam.
 std::vector<Firing> Lidar::firings_of(const BeamTable& beams) const {
   bool by_column = beams.row_offset_s.empty();
   for (int i = 0; i < beams.size() && by_column; ++i) {
@@ -226,7 +228,7 @@ std::vector<Firing> Lidar::firings_of(const BeamTable& beams) const {
   return firings;
 }
 
-// Packets of neighboring beams, and which beams can meet the own vehicle.
+// Groups neighboring beams into packets and marks beams that can intersect the own vehicle.
 void Lidar::make_tiles(BeamTable& beams) {
   tiler_.arrange(beams, tiles_);
   beams.masked.resize(beams.size());
@@ -277,7 +279,7 @@ int Lidar::heading_of_part(int part) const {
   return direction_cell((scene_.T_world_lidar(beams.firing[0]).linear() * direction_lidar).cast<float>());
 }
 
-// A scan that nobody holds any more, or a new one.
+// A pooled scan without other references, or a new one.
 std::shared_ptr<PooledScan> Lidar::take_from_pool() {
   for (const auto& scan : pool_) {
     if (scan.use_count() == 1) return scan;
@@ -315,11 +317,11 @@ std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, cons
   return scan;
 }
 
-// Everything but the tracing.
+// All steps of a sweep except the tracing.
 void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out) {
   out.scan.stamp = stamp;
   if (!pattern_->repeats()) {
-    // Somebody may have kept the table without the scan.
+    // The table may still be referenced without the scan.
     out.scan.beams.reset();
     if (!out.own_beams || out.own_beams.use_count() > 1) out.own_beams = std::make_shared<BeamTable>();
     pattern_->fill(index, *out.own_beams);
@@ -329,7 +331,7 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   scene_.begin(truth, stamp, duration_);
   external_poses_.tell(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.external_poses);
 
-  // The same numbers however the beams are shared out: each is a function of (sweep, beam).
+  // Each number is a function of (sweep, beam), so it does not depend on the distribution over threads.
   constexpr int kChunk = 4096;
   const int size = static_cast<int>(range_normals_.size());
   parallel_for((size + kChunk - 1) / kChunk, 1, [&](int chunk) {
@@ -342,11 +344,10 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   }
 }
 
-// ---- one tile
-// ---------------------------------------------------------------------------------------------------------
+// ---- one tile ----
 
 void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const {
-  // They lie a row apart from each other. Asked for now, they are there after the tracing.
+  // Prefetches the noise values, which lie a row apart, for use after the tracing.
   for (const int beam : tile.beam) __builtin_prefetch(&range_normals_[std::max(beam, 0)]);
   Echoes echoes;
   sub_rays_.size() == 1 ? trace_thin(tile, echoes) : trace_wide(tile, echoes);
@@ -371,7 +372,7 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     float sigma = 0.0F, gain = 0.0F;
     measurement_.look_up(range, echoes.cos_incidence[i], brightness, sigma, gain);
     const float measured = std::min(range + sigma * range_normals_[beam], range_max);
-    // The sensor knows what it measured, not what is there.
+    // Range limits apply to the measured range, not to the true one.
     const bool noticed = met && measured >= range_min && measured > 0.0F &&
                          measurement_.noticed(brightness * gain, [&] { return detection_random_.normal(index, beam); });
     const float toward_10_m = kIntensityRange_m / (met ? range : 1.0F);
@@ -405,7 +406,7 @@ void Lidar::trace_thin(const LidarTile& tile, Echoes& echoes) const {
   for (int i = 0; i < kPacketSize; ++i) echoes.brightness[i] = brightness(hits.surface[i], hits.cos_incidence[i]);
 }
 
-// Sub-rays that meet something within one pulse length melt into one echo; the strongest such echo is returned.
+// Echoes of sub-rays within one pulse length merge into one; the strongest merged echo is returned.
 void Lidar::trace_wide(const LidarTile& tile, Echoes& echoes) const {
   const int count = static_cast<int>(sub_rays_.size());
   std::array<PacketHits, kMaxSubRays> hits;
@@ -421,7 +422,7 @@ void Lidar::trace_wide(const LidarTile& tile, Echoes& echoes) const {
       const float range = hits[k].range_m[i];
       if (range <= 0.0F) continue;
       bright[k] = sub_rays_[k].weight * brightness(hits[k].surface[i], hits[k].cos_incidence[i]);
-      power[k] = bright[k] / (range * range) + std::numeric_limits<float>::min();  // > 0: it met something
+      power[k] = bright[k] / (range * range) + std::numeric_limits<float>::min();  // > 0: the sub-ray meets a surface
     }
     echoes.range_m[i] = echoes.cos_incidence[i] = echoes.brightness[i] = 0.0F;
     echoes.surface[i] = 0;

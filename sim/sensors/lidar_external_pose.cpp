@@ -68,7 +68,7 @@ void ExternalPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pos
   for (int k = 0; k <= intervals; ++k) {
     const TimeNs t = intervals == 0 ? stamp : stamp + duration * k / intervals;
     advance(t, sweep, static_cast<std::uint32_t>(k));
-    // [Vrba 2025, eqs. 40, 41], solved for what is measured.
+    // [Vrba 2025, eqs. 40, 41], solved for the measured pose.
     const Pose T_world_lidar = truth.at(vehicle, t).T_world_body() * T_body_lidar;
     const Eigen::Matrix3d R_n = rotation_of_rpy(rotation_noise_).toRotationMatrix();
     Pose told = Pose::Identity();

@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-/// Makes Scan::external_poses (see ExternalPoseConfig). One per sensor; sweeps come in order.
+/// Generates Scan::external_poses (see ExternalPoseConfig). One per sensor; sweeps must be in order.
 class ExternalPoses {
  public:
   ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity);

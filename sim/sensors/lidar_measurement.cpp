@@ -96,7 +96,7 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
           static_cast<float>(noise.table_range_m.empty() ? noise.sigma_range_m
                                                          : linear(noise.table_range_m, noise.table_sigma_m, range_m));
     }
-    // Within the first step the gain of the step's end: everything that near is noticed anyway.
+    // Within the first step, the gain at its end: such near surfaces are detected in any case.
     const double far_enough_m = std::max(range_m, range_max_m / kRangeEntries);
     entry.gain = static_cast<float>(promised_snr / kReflectivityLow *
                                     elementary::pow(detection.range_10_percent_m / far_enough_m, exponent));
@@ -118,7 +118,7 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   }
 }
 
-// The root makes the law almost linear between its entries.
+// Interpolates over 1 / sqrt(snr), which makes the law almost linear between entries.
 float LidarMeasurement::signal_sigma_m(float snr) const {
   const float place = std::sqrt(1.0F / std::max(snr, 1.0F)) * kSignalEntries;
   const int before = std::min(static_cast<int>(place), kSignalEntries - 1);

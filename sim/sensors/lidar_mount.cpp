@@ -16,10 +16,11 @@ namespace {
 
 constexpr double kStep_m = 0.005;
 constexpr double kHighest_m = 1.0;
-constexpr double kMargin_rad = 0.5 * kRadPerDeg;  // for the width of the beams, and what other sweeps reach
+// Margin for the width of the beams, and for directions of other sweeps
+constexpr double kMargin_rad = 0.5 * kRadPerDeg;
 constexpr int kRimPoints = 64;
 
-/// Points whose convex hull holds the vehicle without its sensor housing; its rotors in any position.
+/// Points whose convex hull contains the vehicle without its sensor housing, with rotors at any angle.
 std::vector<Vector3> hull_points(const VehicleShape& shape) {
   std::vector<Vector3> points;
   for (const Mesh& mesh : shape.meshes) {
@@ -56,7 +57,8 @@ void MountConfig::visit(ConfigVisitor& v) {
 
 Pose MountConfig::T_body_lidar() const { return make_pose(position_m, rotation_of_rpy(rpy_deg * kRadPerDeg)); }
 
-// What lies below the lowest beams of a turn is a hanging cone. It is convex: with its points the whole hull is in it.
+// The region below the lowest beams of a turn is a convex hanging cone, so it contains the hull if it contains these
+// points.
 Pose MountConfig::place_on(const VehicleShape& shape, const Module& pattern) const {
   Pose T_body_lidar = this->T_body_lidar();
   if (!clear_of_hull) return T_body_lidar;

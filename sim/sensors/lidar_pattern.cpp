@@ -38,10 +38,9 @@ void resize(int rows, int cols, BeamTable& beams) {
   beams.column_offset_s.resize(cols);
 }
 
-// ---- Ouster
-// -----------------------------------------------------------------------------------------------------------
+// ---- Ouster ----
 
-/// Sensor's own arithmetic (Ouster firmware manual, "lidar data to XYZ"): encoder and beam azimuth both count
+/// The sensor's own arithmetic (Ouster firmware manual, "lidar data to XYZ"): encoder and beam azimuth both count
 /// clockwise.
 class Ouster final : public LidarPattern {
  public:
@@ -80,19 +79,18 @@ class Ouster final : public LidarPattern {
            row * (config_.elevation_bottom_deg - config_.elevation_top_deg) / (config_.rows - 1);
   }
 
-  // A sensor of fewer rows has every second, fourth ... of the table.
+  // Sensors with fewer rows use every second, fourth ... row of the table.
   std::size_t row_step() const { return config_.elevations_deg.size() / config_.rows; }
 
   OusterConfig config_;
   double sweep_s_;
 };
 
-// ---- Livox
-// ------------------------------------------------------------------------------------------------------------
+// ---- Livox ----
 
 constexpr int kLivoxLines = 4;
 constexpr double kLivoxStep_s = 20e-6;
-constexpr double kLivoxPeriod = 4962.0;  // steps of one slow sweep of the elevation
+constexpr double kLivoxPeriod = 4962.0;  // steps per period of the slow elevation sweep
 
 class LivoxMid360 final : public LidarPattern {
  public:
@@ -123,7 +121,7 @@ class LivoxMid360 final : public LidarPattern {
   }
 
   // Four shots of each line, from this column on. Least-squares fit to 60 shots of a public table, all angles in
-  // degrees: a circle of fast turns, whose axis sweeps the elevation slowly, carries a small circle of four beams.
+  // degrees: a small circle of four beams moves on a fast circle, whose axis slowly sweeps the elevation.
   void fire(double first_step, int column, BeamTable& beams) const {
     std::array<double, 4> s;
     Four phi, zenith_center, zenith_center_rad, azimuth_center, psi, depth, width;
@@ -162,7 +160,7 @@ class LivoxMid360 final : public LidarPattern {
     }
   }
 
-  // As std::remainder, exact, without its loop: x is below 2^50 periods.
+  // As std::remainder: exact, but without its loop, for x below 2^50 periods.
   static double remainder(double x, double period) {
     double rest = std::fma(-std::rint(x / period), period, x);
     if (std::abs(rest) > 0.5 * period) rest -= std::copysign(period, rest);
@@ -173,8 +171,7 @@ class LivoxMid360 final : public LidarPattern {
   int steps_;
 };
 
-// ---- Velodyne
-// ---------------------------------------------------------------------------------------------------------
+// ---- Velodyne ----
 
 constexpr int kPuckLasers = 16;
 constexpr double kPuckShot_s = 2.304e-6;
@@ -186,7 +183,7 @@ class VelodynePuck final : public LidarPattern {
       : sweep_s_(sweep_s), cycles_(static_cast<int>(sweep_s / kPuckCycle_s)) {}
 
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
-    // Lasers of even number point down, of odd number up; the shot's height (mm) corrects for the curved optics.
+    // Even-numbered lasers point down, odd-numbered ones up; the shot's height (mm) corrects for the curved optics.
     constexpr std::array<double, 8> kHeight_mm = {0.7, 2.2, 3.7, 5.1, 6.6, 8.1, 9.7, 11.2};
     resize(kPuckLasers, cycles_, beams);
     beams.row_offset_s.resize(kPuckLasers);
@@ -210,8 +207,7 @@ class VelodynePuck final : public LidarPattern {
   int cycles_;
 };
 
-// ---- uniform
-// ----------------------------------------------------------------------------------------------------------
+// ---- uniform ----
 
 class Uniform final : public LidarPattern {
  public:
@@ -219,7 +215,7 @@ class Uniform final : public LidarPattern {
 
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
     resize(config_.rows, config_.columns, beams);
-    // A full turn ends one step before its start (the papers' simulator made first and last column coincide).
+    // A full turn ends one step before its start (in the papers' simulator, first and last column coincide).
     const bool full_turn = config_.fov_horizontal_deg >= 360.0;
     const double steps = full_turn ? config_.columns : std::max(config_.columns - 1, 1);
     const double first_deg = full_turn || config_.columns == 1 ? 0.0 : -0.5 * config_.fov_horizontal_deg;
@@ -240,10 +236,9 @@ class Uniform final : public LidarPattern {
   double sweep_s_;
 };
 
-// ---- CSV
-// --------------------------------------------------------------------------------------------------------------
+// ---- CSV ----
 
-/// The fewest digits that read back as the same number, in any locale.
+/// The fewest digits that parse to the same number, in any locale.
 std::string text_of(double value) {
   std::array<char, 32> digits;
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
@@ -261,7 +256,7 @@ class CsvPattern final : public LidarPattern {
   bool is_image() const override { return false; }
 
  private:
-  /// Azimuth, elevation and time of a line of three numbers between commas, with blanks around them.
+  /// Parses azimuth, elevation and time: three comma-separated numbers with optional blanks.
   static std::optional<std::array<double, 3>> shot_of(std::string_view line) {
     std::array<double, 3> values{};
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -288,7 +283,7 @@ class CsvPattern final : public LidarPattern {
       const auto shot = shot_of(line);
       if (!shot) {
         if (directions_.empty() && number == 1) continue;  // a header
-        // The line is not quoted: it may be of a file of another kind.
+        // The line is not quoted: the file may be of another kind.
         throw InputError(path + ":" + std::to_string(number) +
                          ": expected three numbers azimuth_deg,elevation_deg,time_s, found something else");
       }

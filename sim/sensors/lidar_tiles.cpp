@@ -8,12 +8,12 @@
 namespace swiftlet::sim {
 namespace {
 
-// Cells of about equal solid angle; 16 to 20 shots of a Mid-360 frame fall in each that it covers.
+// Cells of about equal solid angle, each with 16 to 20 shots of a Mid-360 frame.
 constexpr int kBands = 28;
 constexpr int kSectors = 72;
-constexpr int kStripCols = 16;  // a cache line of ranges; a whole number of blocks
+constexpr int kStripCols = 16;  // a cache line of ranges; a multiple of the block width
 
-/// Height of the blocks of the image, so that they are as square in angle as 16 beams can be.
+/// Height of the image blocks that makes 16 beams as square in angle as possible.
 int block_rows(const LidarPattern& pattern, const BeamTable& beams) {
   const auto at = [&](int r, int c) -> const Eigen::Vector3f& {
     const int column = ((c - pattern.column_shift(r)) % beams.cols + beams.cols) % beams.cols;
@@ -33,8 +33,8 @@ int block_rows(const LidarPattern& pattern, const BeamTable& beams) {
   return best;
 }
 
-// Strip by strip, each from top to bottom: what one meets stays in the cache for the next. A ring around the sensor
-// would meet it again only after a whole turn.
+// Strip by strip, each from top to bottom: data used by one strip is still in the cache for the next. Rings around the
+// sensor would reuse it only after a whole turn.
 std::vector<std::int32_t> image_blocks(const LidarPattern& pattern, const BeamTable& beams) {
   std::vector<std::int32_t> order;
   const int rows = block_rows(pattern, beams);
@@ -58,7 +58,8 @@ std::vector<std::int32_t> image_blocks(const LidarPattern& pattern, const BeamTa
 
 }  // namespace
 
-// Bands of z, each a row of sectors walked to and fro. The sector is by the diamond angle, cheap and monotonic.
+// Bands of z, each a row of sectors in alternating direction. Sectors use the diamond angle, which is fast and
+// monotonic.
 int direction_cell(const Eigen::Vector3f& d) {
   const int band = std::clamp(static_cast<int>((d.z() + 1.0F) * (0.5F * kBands)), 0, kBands - 1);
   const float sum = std::abs(d.x()) + std::abs(d.y());
@@ -79,7 +80,7 @@ LidarTiler::LidarTiler(const LidarPattern& pattern, const BeamTable& beams, bool
   first_.resize(kBands * kSectors + 1);
 }
 
-// Counting sort by cell; stable, so that the order is a function of the beams alone.
+// Counting sort by cell; stable, so that the order depends only on the beams.
 void LidarTiler::arrange_scattered(const BeamTable& beams) {
   std::fill(first_.begin(), first_.end(), 0);
   for (int i = 0; i < beams.size(); ++i) {
@@ -99,7 +100,7 @@ void LidarTiler::arrange(const BeamTable& beams, std::vector<LidarTile>& tiles) 
 void LidarTiler::load(const BeamTable& beams, LidarTile& tile) const {
   int last = *std::max_element(tile.beam.begin(), tile.beam.end());
   for (int i = 0; i < kPacketSize; ++i) {
-    // Lanes that are not used do what another one does.
+    // Unused lanes repeat another lane.
     const int beam = tile.beam[i] >= 0 ? tile.beam[i] : last;
     tile.beams.direction_x[i] = beams.directions_lidar[beam].x();
     tile.beams.direction_y[i] = beams.directions_lidar[beam].y();

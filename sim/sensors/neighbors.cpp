@@ -47,7 +47,7 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-constexpr double kIdealVariance_m2 = 1e-6;  // a filter must be able to invert it
+constexpr double kIdealVariance_m2 = 1e-6;  // positive, since filters invert the covariance
 
 NeighborView::Cone view_cone(const NeighborCamera& camera) {
   const double yaw = camera.yaw_deg * kRadPerDeg;
@@ -73,7 +73,7 @@ class NeighborsSensor final : public Sensor {
         swap_(stream("neighbors.swap")),
         view_(config.view()),
         p_world_m_(setup_.vehicle_names.size(), Vector3::Zero()) {
-    // A stream for each pair: another vehicle changes nothing between these two.
+    // One random stream per pair, so that another vehicle does not change this pair.
     for (const std::string& other : setup_.vehicle_names) {
       noise_.emplace_back(setup_.seed, "neighbors.noise", setup_.entity + "/" + other);
       dropout_.emplace_back(setup_.seed, "neighbors.dropout", setup_.entity + "/" + other);
@@ -115,8 +115,8 @@ class NeighborsSensor final : public Sensor {
     return setup_.world && setup_.world->occluded(from, to);
   }
 
-  /// Range noise along the bearing, bearing noise across it; the covariance is what the sensor knows: at the measured
-  /// place.
+  /// Range noise along the bearing, bearing noise across it; the covariance is computed at the measured position, which
+  /// is all that the sensor knows.
   NeighborSample seen(TimeNs t, std::uint32_t index, VehicleId other, const Vector3& p_body) const {
     const double sigma_bearing = config_.sigma_bearing_deg * kRadPerDeg;
     const auto sigma_range = [&](double range_m) {
@@ -148,10 +148,10 @@ class NeighborsSensor final : public Sensor {
   NeighborsConfig config_;
   Schedule schedule_;
   TimeNs latency_;
-  std::vector<Random> noise_, dropout_;  // by VehicleId of the other
+  std::vector<Random> noise_, dropout_;  // indexed by VehicleId of the other vehicle
   Random swap_;
   NeighborView view_;
-  std::vector<Vector3> p_world_m_;  // of all vehicles at the instant of the sample, by VehicleId
+  std::vector<Vector3> p_world_m_;  // positions of all vehicles at the time of the sample, by VehicleId
 };
 
 }  // namespace

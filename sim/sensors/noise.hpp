@@ -9,7 +9,7 @@
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 
-/// Noise that all sensors share. Every number comes from (seed, purpose, entity, sample, axis).
+/// Noise models of the sensors. Every number is a function of (seed, purpose, entity, sample, axis).
 namespace swiftlet::sim {
 
 /// Three independent standard normals for sample `index`.
@@ -18,13 +18,13 @@ inline Vector3 normal3(const Random& random, std::uint32_t index) {
   return {n[0], n[1], n[2]};
 }
 
-/// First-order Gauss-Markov process in three axes, dx = -x/tau dt + sigma_walk dW, in its exact discrete form (no
-/// matter how long the step). tau = 0 means a random walk without limit. Any frame, the same for all arguments.
+/// First-order Gauss-Markov process in three axes, dx = -x/tau dt + sigma_walk dW, in its exact discrete form (for any
+/// step length). tau = 0 gives an unlimited random walk. Any frame, the same for all arguments.
 class GaussMarkov {
  public:
   /// Starts at zero. @param walk_density  sigma_walk [unit/sqrt(s)]  @param time_s  tau
   static GaussMarkov walking(const Vector3& walk_density, double time_s) { return {walk_density, time_s}; }
-  /// Stationary with standard deviation `sigma` from its first sample on; time_s > 0.
+  /// Stationary from its first sample on, with standard deviation `sigma`; time_s > 0.
   static GaussMarkov stationary(const Vector3& sigma, double time_s, const Vector3& first_normals) {
     GaussMarkov process(sigma * std::sqrt(2.0 / time_s), time_s);
     process.value_ = sigma.cwiseProduct(first_normals);
@@ -37,7 +37,7 @@ class GaussMarkov {
       value_ += walk_density_.cwiseProduct(normals) * std::sqrt(dt_s);
       return;
     }
-    if (dt_s != dt_s_) {  // most processes advance by equal steps
+    if (dt_s != dt_s_) {  // recomputed only for a changed step
       dt_s_ = dt_s;
       decay_ = elementary::exp(-dt_s / time_s_);
       spread_ = std::sqrt(0.5 * time_s_ * (1.0 - decay_ * decay_));
@@ -52,7 +52,7 @@ class GaussMarkov {
   Vector3 walk_density_ = Vector3::Zero();
   double time_s_ = 0.0;
   Vector3 value_ = Vector3::Zero();
-  double dt_s_ = 0.0;  ///< for which the two below hold
+  double dt_s_ = 0.0;  ///< step for which the two values below hold
   double decay_ = 1.0, spread_ = 0.0;
 };
 
@@ -72,7 +72,7 @@ inline Eigen::Quaterniond rotation_exp(const Vector3& rotation_vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
 }
 
-/// Rotation vector of the shorter way.
+/// Rotation vector of the shorter rotation.
 inline Vector3 rotation_log(Eigen::Quaterniond q) {
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   const double sine = q.vec().norm();

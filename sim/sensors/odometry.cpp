@@ -37,7 +37,7 @@ void OdometryConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-/// Variance of a random walk by path length, by turned angle and by time.
+/// Variance rates of a random walk over path length, turned angle and time.
 struct WalkRates {
   double per_m = 0.0, per_rad = 0.0, per_s = 0.0;
   double variance(double path_m, double turn_rad, double dt_s) const {
@@ -105,7 +105,7 @@ class OdometrySensor final : public Sensor {
     }
   }
 
-  /// The step since the last sample as the odometry saw it: turned by the yaw error, scaled, and with its own error.
+  /// Adds the measured displacement since the last sample: rotated by the yaw error, scaled, and with its own error.
   void drift(const VehicleState& state, std::uint32_t index) {
     const Vector3 step_world = state.p_world_m - p_world_last_m_;
     const double path_m = step_world.norm();

@@ -11,7 +11,7 @@ std::vector<std::string> sensor_names(std::span<const Module> sensors) {
   const auto taken = [&](const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  // What the user named comes first, so that no generated name takes one of these.
+  // Configured names first, so that no generated name equals one of them.
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const auto* config = dynamic_cast<const SensorConfig*>(sensors[i].config.get());
     if (config == nullptr || config->name.empty()) continue;
