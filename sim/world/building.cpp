@@ -14,7 +14,7 @@ void add_wall(Mesh& mesh, const Eigen::Vector2d& start_m, const Eigen::Vector2d&
   const Eigen::Vector2d along = (end_m - start_m).normalized();
   const double length_m = (end_m - start_m).norm();
   const double yaw_rad = elementary::atan2(along.y(), along.x());
-  // The part of the wall between two places along it and two heights.
+  // Adds the part of the wall between two positions along it and two heights.
   const auto add_piece = [&](double from_m, double to_m, double low_m, double high_m) {
     if (to_m - from_m <= 1e-9 || high_m - low_m <= 1e-9) return;
     const Eigen::Vector2d center_m = start_m + 0.5 * (from_m + to_m) * along;

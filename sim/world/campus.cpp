@@ -30,7 +30,7 @@ double distance_to_building_m(const CampusConfig& config, const Vector2d& p) {
   return (p.cwiseAbs() - 0.5 * config.building_size_m).cwiseMax(0.0).norm();
 }
 
-// One facade, seen from outside from left to right, with its panes set back from the face.
+// One facade, from left to right as seen from outside, with window panes set back from its surface.
 struct Facade {
   Vector2d start_m, end_m;  // outer corners
   std::vector<Opening> windows, doors;
@@ -72,7 +72,7 @@ void add_walls(SceneBuilder& scene, const CampusConfig& config) {
     openings.insert(openings.end(), facade.doors.begin(), facade.doors.end());
     std::sort(openings.begin(), openings.end(),
               [](const Opening& a, const Opening& b) { return a.center_m < b.center_m; });
-    // The wall's middle plane lies half its thickness behind the face; the corners are left to the walls along y.
+    // The wall's middle plane lies half its thickness behind the surface; the corners belong to the walls along y.
     const Vector2d shift = 0.5 * kWall_m * inward;
     add_wall(walls, facade.start_m + shift, facade.end_m + shift, config.wall_height_m, kWall_m, openings);
     const auto add_leaf = [&](Mesh& mesh, const Opening& opening, double inset_m, double thickness_m) {
@@ -118,7 +118,7 @@ void add_roof(SceneBuilder& scene, const CampusConfig& config) {
   constexpr double kThickness_m = 0.18;
   Mesh roof, gables, details;
   for (const double side : {-1.0, 1.0}) {
-    // A slab whose lower face runs from the eaves up to the ridge.
+    // A slab whose lower face extends from the eaves to the ridge.
     const Vector3f a = Vector3d(-end_x, side * edge_y, eaves_z).cast<float>();
     const Vector3f b = Vector3d(end_x, side * edge_y, eaves_z).cast<float>();
     const Vector3f c = Vector3d(end_x, 0, ridge_z).cast<float>();
@@ -160,7 +160,7 @@ void add_roof(SceneBuilder& scene, const CampusConfig& config) {
   scene.add(std::move(details), materials::brick(), SurfaceClass::kBuilding, 1);
 }
 
-// A rectangular ring around the building, between two distances from its walls.
+// Calls add_strip for the sides of a rectangular ring around the building, between two distances from its walls.
 template <class AddStrip>
 void for_each_side(const CampusConfig& config, double from_m, double to_m, const AddStrip& add_strip) {
   const Vector2d in = 0.5 * config.building_size_m + Vector2d::Constant(from_m);
@@ -187,7 +187,7 @@ void add_path(SceneBuilder& scene, const CampusConfig& config) {
   scene.add(std::move(kerbs), materials::concrete(), SurfaceClass::kKerb, scene.next_instance(SurfaceClass::kKerb));
 }
 
-// A place for a thing of this reach outside the free ring, apart from the others.
+// A position for an object with this radius outside the free ring, separated from the others.
 std::optional<Vector2d> find_place(const CampusConfig& config, double reach_m, Spacing& spacing, Dice& dice) {
   const Vector2d half = 0.5 * config.size_m - Vector2d::Constant(1.0);
   for (int i = 0; i < kTries; ++i) {

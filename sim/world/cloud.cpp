@@ -16,12 +16,12 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::int64_t kReach = 1 << 20;  // voxels from the origin to each side
+constexpr std::int64_t kReach = 1 << 20;  // largest voxel index in each direction
 constexpr int kBits = 21;
 
 using Voxel = std::array<std::int32_t, 3>;
 
-// Voxels as numbers that sort by x, then y, then z.
+// Encodes voxels as numbers that sort by x, then y, then z.
 std::uint64_t key_of(const Voxel& voxel) {
   std::uint64_t key = 0;
   for (const std::int32_t index : voxel) key = (key << kBits) | static_cast<std::uint64_t>(index + kReach);
@@ -63,7 +63,7 @@ std::vector<std::uint64_t> occupied_voxels(std::span<const Eigen::Vector3d> poin
   return occupied;
 }
 
-// Faces of one direction that lie side by side in a plane: columns [v_begin, v_end) of row u.
+// Adjacent faces of one direction in a plane: columns [v_begin, v_end) of row u.
 struct Strip {
   std::int32_t slice, v_begin, v_end, u;
   auto order_in_plane() const { return std::tie(slice, u, v_begin); }
@@ -101,7 +101,7 @@ void add_faces(Mesh& mesh, std::vector<Strip> strips, int axis, int side, double
   std::sort(strips.begin(), strips.end(),
             [](const Strip& a, const Strip& b) { return a.order_by_extent() < b.order_by_extent(); });
   for (std::size_t i = 0; i < strips.size();) {
-    // Equal strips of consecutive rows make one rectangle.
+    // Merges equal strips of consecutive rows into one rectangle.
     std::size_t end = i + 1;
     while (end < strips.size() && strips[end].slice == strips[i].slice && strips[end].v_begin == strips[i].v_begin &&
            strips[end].v_end == strips[i].v_end && strips[end].u == strips[end - 1].u + 1) {

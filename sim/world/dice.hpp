@@ -10,8 +10,8 @@
 
 namespace swiftlet::sim {
 
-/// Reads the numbers of one thing (say tree 17) one after the other; another thing's numbers do not depend on how
-/// many this one reads.
+/// Sequential random numbers of one object (such as tree 17); numbers of other objects do not depend on how many are
+/// drawn here.
 class Dice {
  public:
   Dice(const Random& random, std::uint32_t thing) : random_(random), thing_(thing) {}
@@ -21,7 +21,7 @@ class Dice {
   double normal() { return random_.normal(thing_, next_++); }
   double angle_rad() { return uniform(0.0, 2.0 * std::numbers::pi); }
   bool chance(double probability) { return uniform() < probability; }
-  /// 0 ... count - 1
+  /// Uniform in 0 ... count - 1.
   int pick(int count) { return static_cast<int>(uniform() * count); }
   /// Uniform on the unit sphere.
   Eigen::Vector3f direction() {

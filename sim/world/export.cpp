@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kBuffer = 1 << 20;
 
-// Writes the file in one go, so that nobody finds half a file.
+// Writes the complete file before it appears under its name.
 template <class Write>
 void write_whole(const fs::path& path, const Write& write) {
   OutputFile file(path, kBuffer, MissingFolders::kRefused);
@@ -129,7 +129,7 @@ void write_obj(const Scene& scene, const std::string& mtl_name, OutputFile& file
   file.append(buffer);
 }
 
-// One row an object; a column for each attribute that any of them has, in the order of first appearance.
+// One row per object; a column for each attribute of any object, in the order of first appearance.
 void write_objects(const Scene& scene, OutputFile& file) {
   std::vector<std::string> keys;
   for (const WorldObject& object : scene.objects) {

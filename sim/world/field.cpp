@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 constexpr int kTriesPerThing = 200;
 
-// A point of the field that leaves `reach_m` to every zone that stays free; none when the field is full.
+// A position at least `reach_m` from every zone to keep free; empty when the field is full.
 std::optional<Vector2d> find_place(const FieldConfig& config, double reach_m, Spacing& spacing, Dice& dice) {
   const Vector2d half_m = 0.5 * config.size_m;
   for (int i = 0; i < kTriesPerThing; ++i) {
@@ -41,7 +41,7 @@ void add_trees(SceneBuilder& scene, const FieldConfig& config, std::uint64_t see
     Dice dice(random, i);
     const TreeStock& stock = dice.chance(0.7) ? broadleaf : pine;
     const double dbh_m = dice.uniform(0.2, 0.5);
-    const double height_factor = dice.uniform(0.6, 0.8);  // trees in the open stay lower than in a stand
+    const double height_factor = dice.uniform(0.6, 0.8);  // solitary trees are lower than those in a stand
     const double yaw_rad = dice.angle_rad();
     const auto place_m = find_place(config, stock.measures(dbh_m, height_factor).crown_radius_m, spacing, dice);
     if (!place_m) continue;

@@ -10,10 +10,11 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kSlowest = 0.8, kFastest = 1.25;  // of the frequencies of trees and leaves, about the configured one
-constexpr double kAcross = 0.5;                    // of the sway along the wind
-constexpr double kFlutterUp = 0.5;                 // of the flutter along the other axes
-constexpr std::uint32_t kOfTrees = 0, kOfWays = 1, kOfLeaves = 2;  // each draws from numbers of its own
+// Range of natural frequencies of trees and leaves, relative to the configured one
+constexpr double kSlowest = 0.8, kFastest = 1.25;
+constexpr double kAcross = 0.5;     // sway across the wind, relative to that along it
+constexpr double kFlutterUp = 0.5;  // vertical flutter, relative to that along the other axes
+constexpr std::uint32_t kOfTrees = 0, kOfWays = 1, kOfLeaves = 2;  // separate random streams
 constexpr std::uint32_t kNumbersOfOne = 8;
 
 double oscillation(const Random& random, std::uint32_t domain, std::uint32_t first, double hz, double t_s) {

@@ -58,7 +58,7 @@ Species draw_species(const ForestConfig& config, Dice& dice) {
   return draw < config.pine_share + config.spruce_share ? Species::kSpruce : Species::kBroadleaf;
 }
 
-/// All but its place.
+/// Draws all properties of a stem except its position.
 Stem draw_stem(const ForestConfig& config, Dice& dice) {
   Stem stem;
   stem.species = draw_species(config, dice);
@@ -94,7 +94,7 @@ TreeOptions tree_options(const ForestConfig& config) {
           .lean_max_deg = config.lean_max_deg};
 }
 
-// Each species has its trees at even quantiles of the diameters.
+// Each species has trees at evenly spaced quantiles of the diameters.
 TreeStock make_stock(SceneBuilder& scene, const ForestConfig& config, Species species, const TreeOptions& options,
                      std::uint64_t seed, const char* purpose) {
   std::vector<double> dbh_m(config.variants);
@@ -107,7 +107,7 @@ void add_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
     return make_stock(scene, config, species, tree_options(config), seed, "world.forest.stock");
   };
   const TreeStock stocks[] = {stock_of(Species::kPine), stock_of(Species::kSpruce), stock_of(Species::kBroadleaf)};
-  // Nothing may hang into a free zone below this, however high or low the ground is there.
+  // Upper limit of the free zones, above the highest possible ground.
   const double clear_top_m = config.relief.amplitude_m + config.keep_clear.clear_height_m;
   for (const Stem& stem : draw_stems(config, seed)) {
     const TreeStock& stock = stocks[static_cast<int>(stem.species)];
@@ -139,7 +139,7 @@ void add_undergrowth(SceneBuilder& scene, const ForestConfig& config, std::uint6
   sow(Kind::kGrass, config.grass_per_ha, 0.7, 1.5, "grass");
 }
 
-// A trunk that lies on the ground from its foot to its top, with the stubs of broken branches.
+// Trunks lying on the ground, with stubs of broken branches.
 void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   constexpr int kRings = 6;
   constexpr double kSnag_m = 0.5;
@@ -187,14 +187,14 @@ void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uin
   }
 }
 
-// Half-buried spheres, each dented in its own way.
+// Half-buried spheres with random dents.
 void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   const Random random(seed, "world.forest.rocks");
   for (int i = 0; i < count_of(config, config.rocks_per_ha); ++i) {
     Dice dice(random, i);
     const Vector2d place_m = draw_place(config, dice);
     const double radius_m = dice.uniform(0.15, 0.6);
-    // One number after the other: the order of a function's arguments is the compiler's choice.
+    // Sequential draws: the evaluation order of function arguments is unspecified.
     const auto height_m = static_cast<float>(radius_m * dice.uniform(0.5, 0.9));
     const auto depth_m = static_cast<float>(radius_m * dice.uniform(0.8, 1.2));
     const auto width_m = static_cast<float>(radius_m * dice.uniform(0.8, 1.2));
@@ -213,9 +213,9 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
   }
 }
 
-/// Trees as they look from a distance; two stocks, because leaves of a meter are seen as such from near.
+/// Distant trees with few triangles; two stocks, because leaf clusters of a meter are visible as such from near.
 void add_far_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
-  constexpr double kNear_m = 12.0;  // beyond the edge
+  constexpr double kNear_m = 12.0;  // distance from the edge
   constexpr double kLeaves_m[] = {0.9, 2.0};
   std::vector<TreeStock> stocks;
   stocks.reserve(2 * kNumSpecies);
@@ -240,7 +240,7 @@ void add_far_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_
       const double x_m = dice.uniform(-1.0, 1.0) * outer_m.x();
       stem.place_m = {x_m, dice.uniform(-1.0, 1.0) * outer_m.y()};
       beyond_m = (stem.place_m.cwiseAbs() - half_m).maxCoeff();
-      // No trunk of the place itself is nearer than the spacing.
+      // No trunk is nearer to the area than the spacing.
       has_room = beyond_m >= config.min_spacing_m && spacing.try_add(stem.place_m);
     }
     if (!has_room) break;

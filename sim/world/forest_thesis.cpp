@@ -18,7 +18,7 @@ using Eigen::Vector3f;
 constexpr int kThesisTrunkSides = 24;
 constexpr int kCrownSubdivisions = 3;
 constexpr int kTriesPerTree = 20000;
-constexpr float kThesisRootDepth_m = 0.1F;  // the trunk goes on below the ground: no slit
+constexpr float kThesisRootDepth_m = 0.1F;  // extends the trunk below the ground without a gap
 
 struct ThesisTree {
   double trunk_radius_m = 0.0;
@@ -26,7 +26,7 @@ struct ThesisTree {
   double crown_radius_m = 0.0;
 };
 
-// mean +- spread: uniform in between, or normal with this standard deviation cut at two of them.
+// mean +- spread: uniform within, or normal with this standard deviation truncated at two of them.
 double draw(Dice& dice, ForestThesisConfig::Spread spread, double mean, double half_width) {
   if (spread == ForestThesisConfig::Spread::kUniform) return dice.uniform(mean - half_width, mean + half_width);
   double deviate = dice.normal();
@@ -43,7 +43,7 @@ ThesisTree draw_tree(const ForestThesisConfig& config, const Random& random, int
   return tree;
 }
 
-// How far the tree reaches into a zone that must stay free up to clear_height_m.
+// Horizontal reach of the tree into a zone to keep free up to clear_height_m.
 double reach_m(const ForestThesisConfig& config, const ThesisTree& tree) {
   const bool crown_is_above = tree.height_m - tree.crown_radius_m >= config.keep_clear.clear_height_m;
   return crown_is_above ? tree.trunk_radius_m : std::max(tree.trunk_radius_m, tree.crown_radius_m);

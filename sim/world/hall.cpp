@@ -21,7 +21,7 @@ double hide_top_m(const HallConfig& config) {
   return config.hide_height_m > 0.0 ? config.hide_height_m : config.size_m.z();
 }
 
-// Both ends of the wall to hide behind.
+// Both ends of the cover wall.
 std::pair<Vector2d, Vector2d> hide_ends(const HallConfig& config) {
   const double yaw_rad = config.hide_yaw_deg * std::numbers::pi / 180.0;
   const Vector2d half_m = 0.5 * config.hide_length_m * Vector2d(elementary::cos(yaw_rad), elementary::sin(yaw_rad));

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-/// Files of other programs, read line by line. Any fault of theirs ends in one line with file and reason.
+/// Reading of files of other programs, line by line. Faults throw one-line errors with file and reason.
 namespace swiftlet::sim {
 
 /// Throws InputError: "<file>: <reason>".
@@ -22,28 +22,28 @@ std::string lower_case(std::string_view text);
 /// Axis 0, 1, 2 of a column named x, y, z or X, Y, Z; -1 for any other.
 int axis_named(std::string_view column);
 
-/// The content without the byte order mark that some editors put before UTF-8.
+/// The content without a UTF-8 byte order mark.
 std::string_view without_mark(std::string_view content);
 
-/// The lines of a text. Both ends of a line are known: LF and CR LF.
+/// The lines of a text, with line breaks LF or CR LF.
 class TextLines {
  public:
   explicit TextLines(std::string_view text) : text_(text) {}
-  /// Goes to the next line; false at the end of the text.
+  /// Advances to the next line; false at the end of the text.
   bool next();
-  std::string_view line() const { return line_; }  ///< without its end
+  std::string_view line() const { return line_; }  ///< without its line break
   std::size_t number() const { return number_; }   ///< from 1
-  std::size_t end() const { return end_; }         ///< offset of the line after it
+  std::size_t end() const { return end_; }         ///< offset of the following line
 
  private:
   std::string_view text_, line_;
   std::size_t number_ = 0, end_ = 0;
 };
 
-/// Replaces `words` by those of the line.
+/// Replaces `words` by the words of the line.
 void split(std::string_view line, std::vector<std::string_view>& words);
 
-/// The line behind its first word, without blanks at its ends: a name may have blanks inside.
+/// The line after its first word, trimmed; a name may contain blanks.
 std::string rest_of(std::string_view line);
 
 }  // namespace swiftlet::sim

@@ -3,9 +3,9 @@
 
 #include "swiftlet/sim/world/scene.hpp"
 
-/// Materials of the generated worlds. Reflectivities are diffuse, at 865..905 nm, and the comments say where they come
-/// from. (R) is a LiDAR makers' table of natural surfaces at 0.9 um: RIEGL has deciduous trees 60 %, conifers 30 %,
-/// newspaper 69 %, rough pallet wood 25 %, smooth concrete 24 %, asphalt 17 %. Otherwise the reason is given.
+/// Materials of the generated worlds. Reflectivities are diffuse, at 865..905 nm; comments give their sources. (R) is
+/// RIEGL's table of natural surfaces at 0.9 um: deciduous trees 60 %, conifers 30 %, newspaper 69 %, rough pallet wood
+/// 25 %, smooth concrete 24 %, asphalt 17 %.
 namespace swiftlet::sim::materials {
 
 inline Material forest_floor() { return {"forest_floor", 0.30F, false, {0.34F, 0.29F, 0.18F}}; }  // litter over soil
@@ -42,10 +42,10 @@ inline Material steel_painted() {
 inline Material steel_beam() { return {"steel_beam", 0.45F, false, {0.90F, 0.46F, 0.12F}}; }  // orange paint
 inline Material steel_galvanized() {
   return {"steel_galvanized", 0.30F, false, {0.60F, 0.62F, 0.64F}};
-}  // mostly specular: little comes back
+}  // mostly specular: weak diffuse returns
 inline Material glass() {
   return {"glass", 0.06F, false, {0.42F, 0.55F, 0.63F}};
-}  // mirrors away; dust and frame edges remain
+}  // specular; only dust and frame edges give diffuse returns
 inline Material wood_pallet() { return {"wood_pallet", 0.25F, false, {0.72F, 0.57F, 0.37F}}; }  // (R)
 inline Material cardboard() { return {"cardboard", 0.60F, false, {0.73F, 0.56F, 0.37F}}; }  // near newspaper (R) 0.69
 inline Material wood_painted() { return {"wood_painted", 0.50F, false, {0.40F, 0.26F, 0.16F}}; }
@@ -53,6 +53,6 @@ inline Material plastic_dark() { return {"plastic_dark", 0.10F, false, {0.12F, 0
 inline Material car_paint() { return {"car_paint", 0.30F, false, {0.55F, 0.12F, 0.12F}}; }
 inline Material retro_tape() {
   return {"retro_tape", 0.90F, true, {0.95F, 0.93F, 0.35F}};
-}  // glass beads: back to the source
+}  // glass beads: retro-reflective
 
 }  // namespace swiftlet::sim::materials

@@ -24,7 +24,7 @@ void add_box_triangles(Mesh& mesh, std::uint32_t first) {
   }
 }
 
-// Circumradius of the regular polygon that has the area of the unit circle.
+// Circumradius of the regular polygon with the area of the unit circle.
 float equal_area_circumradius(int sides) {
   const double step_rad = 2.0 * std::numbers::pi / sides;
   return static_cast<float>(std::sqrt(step_rad / elementary::sin(step_rad)));
@@ -101,7 +101,7 @@ void add_tube(Mesh& mesh, std::span<const Vector3f> points_m, std::span<const fl
   const float circumradius = equal_area_circumradius(sides);
   const float step_rad = 2.0F * std::numbers::pi_v<float> / static_cast<float>(sides);
 
-  // The frame (side, up) of a ring is carried along the polyline, so that the tube does not twist.
+  // The frame (side, up) is propagated along the polyline, so that the tube does not twist.
   Vector3f side = (points_m[1] - points_m[0]).unitOrthogonal();
   for (std::uint32_t ring = 0; ring < num_rings; ++ring) {
     const Vector3f& before = points_m[ring == 0 ? 0 : ring - 1];

@@ -10,10 +10,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Most corners of a face that is not convex. The work grows with their square or cube.
+/// Largest number of corners of a non-convex face. The cost grows with the square or cube of this number.
 constexpr std::size_t kMaxConcaveCorners = 1000;
 
-/// A face without repeated corners, and its area as a vector, doubled.
+/// A face without repeated corners, and twice its area as a vector.
 class Polygon {
  public:
   Polygon(const MeshFile& mesh, std::vector<std::uint32_t> corners) : mesh_(mesh), corners_(std::move(corners)) {
@@ -29,14 +29,14 @@ class Polygon {
     return true;
   }
 
-  /// Cuts off the triangle at a corner.
+  /// Removes a corner and returns its triangle.
   std::array<std::uint32_t, 3> cut(std::size_t i) {
     const std::array<std::uint32_t, 3> triangle = {corners_[before(i)], corners_[i], corners_[next(i)]};
     corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(i));
     return triangle;
   }
 
-  /// A corner whose triangle lies inside and holds no other corner [Meisters 1975]; 1 where there is none.
+  /// A corner whose triangle lies inside the face and contains no other corner [Meisters 1975]; 1 if none.
   std::size_t ear() const {
     for (std::size_t k = 1; k <= size(); ++k) {
       if (is_ear(k % size())) return k % size();
@@ -50,7 +50,7 @@ class Polygon {
   Vector3d at(std::size_t i) const { return mesh_.vertices_mesh[corners_[i]]; }
   std::size_t next(std::size_t i) const { return i + 1 == size() ? 0 : i + 1; }
   std::size_t before(std::size_t i) const { return i == 0 ? size() - 1 : i - 1; }
-  /// Positive where a, b, c turn as the face does.
+  /// Positive when a, b, c turn in the orientation of the face.
   double turn(std::size_t a, std::size_t b, std::size_t c) const {
     return (at(b) - at(a)).cross(at(c) - at(b)).dot(normal_);
   }

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Farthest vertex of a placed mesh along each axis. Single precision resolves 8 mm there.
+/// Largest coordinate of a placed vertex. Single precision resolves 8 mm there.
 constexpr double kReach_m = 1e5;
 
 struct Label {
@@ -33,7 +33,7 @@ struct Label {
   bool retroreflective = false;
 };
 
-// "trunk_12_345" is tree 12 as export_world() names it.
+// Parses names of export_world(): "trunk_12_345" is tree 12.
 bool parse_exported_name(const std::string& name, Label& label) {
   for (const char* candidate : static_class_names()) {
     const std::size_t length = std::strlen(candidate);
@@ -75,7 +75,7 @@ Label label_of(const MeshImportConfig& config, const MeshFile::Part& part) {
   return label;
 }
 
-/// The part of a name that differs from the word by its case alone, or the name nearest to it; empty: none.
+/// Suggestion for a rule's word: a name part that differs only in case, or the nearest name; empty: none.
 std::string likely_name(const std::string& word, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::size_t at = lower_case(name).find(lower_case(word));
@@ -85,7 +85,7 @@ std::string likely_name(const std::string& word, const std::vector<std::string>&
   return nearest == nullptr ? "" : *nearest;
 }
 
-/// Each rule names a part, or a wrong letter would change labels and intensities without a word.
+/// Every rule must match a part; otherwise a typing error would silently change labels and intensities.
 void require_rules_to_match(const MeshImportConfig& config, const MeshFile& source) {
   constexpr std::size_t kMostShown = 8;
   for (std::size_t i = 0; i < config.surfaces.size(); ++i) {
@@ -151,17 +151,17 @@ class Converter {
     if (triangles.empty()) return;
     Label label = label_of(config_, part);
     if (label.instance == 0) label.instance = scene_.next_instance(label.surface_class);
-    // Parts of one material in the file may have different labels, hence the class in the name.
+    // Parts of one material may have different labels, hence the class in the name.
     const Material material{(part.material.empty() ? "default" : part.material) + ":" + name_of(label.surface_class) +
                                 ":" + std::to_string(label.reflectivity),
                             label.reflectivity, label.retroreflective, part.color_rgb};
     scene_.add(placed(std::move(triangles)), material, label.surface_class, label.instance);
   }
 
-  /// The triangles with their own vertices in the world. Coordinates become single here.
+  /// The triangles with vertices in the world frame, converted to single precision.
   Mesh placed(std::vector<std::array<std::uint32_t, 3>> triangles) {
     Mesh mesh;
-    std::vector<std::uint32_t> used;  // vertices of the file, in the order of the mesh's own
+    std::vector<std::uint32_t> used;  // vertices of the file, in the order of the new mesh
     for (auto& triangle : triangles) {
       for (std::uint32_t& corner : triangle) {
         std::uint32_t& local = local_[corner];
@@ -196,7 +196,7 @@ class Converter {
   const MeshImportConfig& config_;
   const MeshFile& source_;
   Eigen::Affine3d T_world_file_;
-  std::vector<std::uint32_t> local_;  // scratch: vertex of the part for each of the file
+  std::vector<std::uint32_t> local_;  // scratch: new index of each vertex of the file
   SceneBuilder scene_;
   std::uint64_t num_bad_ = 0;
   std::string first_bad_;

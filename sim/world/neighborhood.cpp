@@ -7,8 +7,8 @@
 namespace swiftlet::sim {
 namespace {
 
-// A vehicle that was farther than the nearest one by this much stays farther until somebody has moved by a quarter of
-// it: both distances change by at most twice the way.
+// A vehicle whose distance exceeds the least one by this remains farther until a vehicle has moved by a quarter of it,
+// since both distances change by at most twice the displacement.
 constexpr double kSlack_m = 2.0;
 constexpr double kWay_m = 0.2499 * kSlack_m;
 

@@ -17,7 +17,7 @@ double coordinate(const std::vector<std::string_view>& words, std::size_t i) {
   return number_or_nan(i < words.size() ? words[i] : std::string_view());
 }
 
-/// The vertex of a corner written as 7, 7/1, 7//2 or 7/1/2. Negative numbers count back from the latest vertex.
+/// Vertex index of a corner 7, 7/1, 7//2 or 7/1/2. Negative numbers count back from the latest vertex.
 std::uint32_t vertex_named(std::string_view word, std::size_t num_vertices) {
   std::int64_t number = 0;
   const char* const end = word.data() + word.size();
@@ -27,7 +27,7 @@ std::uint32_t vertex_named(std::string_view word, std::size_t num_vertices) {
   return number >= 1 && number < MeshFile::kNoVertex ? static_cast<std::uint32_t>(number - 1) : MeshFile::kNoVertex;
 }
 
-/// A library that is missing leaves its materials gray.
+/// Reads a material library; a missing one leaves its materials gray.
 void read_colors(const fs::path& file, Colors& colors) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return;
@@ -48,8 +48,8 @@ void read_colors(const fs::path& file, Colors& colors) {
 
 MeshFile read_obj(const fs::path& file, std::string_view content) {
   MeshFile mesh;
-  MeshFile::Part part;         // of the faces to come
-  bool part_is_begun = false;  // in the mesh
+  MeshFile::Part part;         // properties of the following faces
+  bool part_is_begun = false;  // already added to the mesh
   Colors colors;
   std::string line;
   std::vector<std::string_view> words;

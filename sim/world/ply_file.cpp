@@ -38,7 +38,7 @@ bool parse_type(std::string_view word, char& kind, int& size) {
   return false;
 }
 
-/// The head, line by line.
+/// Parser of the header, line by line.
 class HeaderReader {
  public:
   HeaderReader(const fs::path& file, std::string_view content) : file_(file), lines_(content) {}
@@ -114,7 +114,7 @@ class HeaderReader {
   bool has_format_ = false;
 };
 
-// Each value of a text file takes at least a digit and a separator, each binary element its fixed bytes.
+// Each value of a text file needs at least a digit and a separator, each binary element a fixed number of bytes.
 void check_length(const fs::path& file, const PlyHeader& header, std::size_t content_bytes) {
   const std::uint64_t available = content_bytes - header.data_begin;
   std::uint64_t needed = 0;
@@ -132,7 +132,7 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
   }
 }
 
-/// Takes the values of a PLY file one by one.
+/// Sequential reading of values of a PLY file.
 class PlyValues {
  public:
   PlyValues(const fs::path& file, const PlyHeader& header, std::string_view content)
@@ -143,13 +143,13 @@ class PlyValues {
         end_(content.data() + content.size()),
         words_(content, header.data_begin) {}
 
-  /// All values of a property of the element's row into `values`: one, or those of a list.
+  /// Reads all values of a property of the element's row into `values`: one, or those of a list.
   void take(const PlyHeader::Element& element, std::uint64_t row, const PlyHeader::Property& property,
             std::vector<double>& values) {
     std::uint64_t count = 1;
     if (property.is_list) {
       const double length = next(element, row, property, property.count_kind, property.count_size);
-      // No room is made for a list before it is known that the file can hold it.
+      // Memory for a list is reserved only after checking its length against the file's size.
       if (!(length >= 0.0 && length <= static_cast<double>(room_for(property.size)) && length == std::floor(length))) {
         reject(place(element, row) + ": expected a list '" + property.name +
                "' that fits into the file, found one of " + shortest(length) + " values");
@@ -183,7 +183,7 @@ class PlyValues {
     reject_file(file_, reason);
   }
 
-  /// What the rest of the file can hold of values of this size: in a text a digit and a blank each.
+  /// Largest number of values of this size in the rest of the file: in a text, each needs a digit and a blank.
   std::uint64_t room_for(int value_bytes) const {
     return is_text_ ? (words_.left() + 1) / 2 : static_cast<std::uint64_t>((end_ - at_) / value_bytes);
   }
@@ -195,7 +195,7 @@ class PlyValues {
   Words words_;
 };
 
-/// The axis that each property of a vertex is for, -1 for none.
+/// Axis of each property of a vertex, -1 for none.
 std::vector<int> axes_of(const fs::path& file, const PlyHeader::Element& vertex) {
   std::vector<int> axes;
   bool is_there[3] = {};
@@ -225,8 +225,8 @@ const PlyHeader::Element* find_element(const PlyHeader& header, std::string_view
   return found == header.elements.end() ? nullptr : &*found;
 }
 
-/// Goes through the elements in the order of the file, as far as `last`. Elements and properties that a mesh does not
-/// need are passed over.
+/// Reads the elements in the order of the file, up to `last`. Elements and properties not needed for a mesh are
+/// skipped.
 MeshFile read_elements(const fs::path& file, std::string_view content, const PlyHeader& header,
                        const PlyHeader::Element& vertex, const PlyHeader::Element* face,
                        const PlyHeader::Element& last) {

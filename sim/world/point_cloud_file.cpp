@@ -41,7 +41,7 @@ struct PcdHeader {
   }
 };
 
-/// The head of a PCD file, line by line.
+/// Parser of the header of a PCD file, line by line.
 class PcdHeaderReader {
  public:
   PcdHeaderReader(const fs::path& file, std::string_view content) : file_(file), lines_(content) {}
@@ -103,7 +103,7 @@ class PcdHeaderReader {
     }
   }
 
-  /// Hands each field its entry of the line; `store` returns whether it is valid.
+  /// Passes its entry of the line to each field; `store` returns whether it is valid.
   template <class Store>
   void for_each_field(const Store& store) {
     bool is_valid = words_.size() == header_.fields.size() + 1;
@@ -211,7 +211,7 @@ std::vector<Vector3d> read_pcd(const fs::path& file, std::string_view content) {
     reject_file(file, "truncated: expected " + std::to_string(compressed) + " compressed bytes, found " +
                           std::to_string(data.size() - 8));
   }
-  // Three bytes stand for 264 at most.
+  // Three compressed bytes expand to at most 264.
   if (uncompressed > 88 * (compressed + 1))
     reject_file(file, "damaged: the compressed data cannot hold " + std::to_string(uncompressed) + " bytes");
   std::string plain(uncompressed, '\0');
@@ -236,7 +236,7 @@ bool decompress_lzf(std::string_view in, std::string& out) {
       to += length;
       continue;
     }
-    // A copy of earlier output, which may overlap what it writes.
+    // A copy of earlier output, which may overlap the destination.
     std::size_t length = control >> 5;
     if (length == 7) {
       if (from == in.size()) return false;

@@ -9,12 +9,12 @@
 namespace swiftlet::sim {
 namespace {
 
-// Second derivative vanishes at both ends: no creases at the lattice.
+// The second derivative vanishes at both ends, which avoids creases at the lattice.
 double fade(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
 
 double lattice_value(const Random& random, int octave, double column, double row) {
   const auto hash = [](double cell) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(cell)); };
-  // The octave goes into the high bits, far from any lattice that fits into a world.
+  // The octave is encoded in the high bits, beyond any lattice index of a world.
   return random.uniform(-1.0, 1.0, hash(column) ^ (static_cast<std::uint32_t>(octave) << 27), hash(row));
 }
 
@@ -30,7 +30,7 @@ double noise(const Random& random, int octave, double x, double y) {
   return std::lerp(low, high, v);
 }
 
-/// Lines of a grid of ground along one axis: the last one lies at first_m + (count - 1) * cell_m.
+/// Grid lines of the ground along one axis: the last one lies at first_m + (count - 1) * cell_m.
 struct Lines {
   double first_m = 0.0, cell_m = 1.0;
   int count = 2;
@@ -40,11 +40,11 @@ struct Lines {
     cell_m = (to_m - from_m) / cells;
     count = cells + 1;
   }
-  /// Where the mesh has them: in single precision.
+  /// Position in the mesh: in single precision.
   float at(int i) const { return static_cast<float>(first_m) + static_cast<float>(cell_m) * static_cast<float>(i); }
 };
 
-/// The lines, and further ones beyond both ends out to `width_m`, each step larger than the one before.
+/// The lines, extended beyond both ends out to `width_m` with increasing steps.
 std::vector<float> widened(const Lines& lines, double width_m, bool flat) {
   constexpr double kGrowth = 1.25;
   constexpr double kLargest_m = 8.0;
@@ -110,7 +110,7 @@ Mesh make_ground_around(const Relief& relief, bool flat, const Eigen::Vector2d& 
   const Lines y_inside(min_world_m.y(), max_world_m.y(), cell_m, flat);
   const std::vector<float> x = widened(x_inside, width_m, flat), y = widened(y_inside, width_m, flat);
   const std::size_t outside_x = (x.size() - x_inside.count) / 2, outside_y = (y.size() - y_inside.count) / 2;
-  // On the edge the heights of the rectangle, which are those of its lines in double precision.
+  // On the common edge, use the heights of the rectangle, computed at its lines in double precision.
   const auto exact = [](const Lines& inside, const std::vector<float>& all, std::size_t outside, std::size_t i) {
     const bool is_line = i >= outside && i < outside + static_cast<std::size_t>(inside.count);
     return is_line ? inside.first_m + static_cast<double>(i - outside) * inside.cell_m : static_cast<double>(all[i]);

@@ -50,7 +50,7 @@ void SceneBuilder::move_foliage(const FoliageConfig& foliage, std::uint64_t seed
 }
 
 Scene SceneBuilder::finish() {
-  // Meshes of a stock that nobody placed are left out.
+  // Meshes that are never placed are removed.
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> new_index(scene_.meshes.size(), kUnused);
   std::vector<Mesh> used;

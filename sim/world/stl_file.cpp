@@ -18,7 +18,7 @@ void add_corner(MeshFile& mesh, const Eigen::Vector3d& vertex) {
   mesh.vertices_mesh.push_back(vertex);
 }
 
-/// TextLines that begin with a word other than solid, vertex and endloop are passed over.
+/// Ignores lines that begin with words other than solid, vertex and endloop.
 MeshFile read_text_stl(std::string_view content) {
   MeshFile mesh;
   std::vector<std::string_view> words;
@@ -40,7 +40,7 @@ MeshFile read_text_stl(std::string_view content) {
       end_face();
     }
   }
-  // A file that was cut ends within a loop.
+  // A truncated file ends within a loop.
   if (mesh.corners.size() > (mesh.faces_end.empty() ? 0 : mesh.faces_end.back())) end_face();
   return mesh;
 }
@@ -58,7 +58,7 @@ MeshFile read_binary_stl(const fs::path& file, std::string_view content) {
   MeshFile mesh;
   mesh.begin_part({});
   for (std::uint64_t i = 0; i < count; ++i) {
-    const char* number = content.data() + kHeadBytes + kTriangleBytes * i + 12;  // behind the normal
+    const char* number = content.data() + kHeadBytes + kTriangleBytes * i + 12;  // after the normal
     for (int corner = 0; corner < 3; ++corner, number += 12) {
       add_corner(mesh,
                  {decode(number, 'f', 4, kSwap), decode(number + 4, 'f', 4, kSwap), decode(number + 8, 'f', 4, kSwap)});
@@ -73,7 +73,7 @@ MeshFile read_binary_stl(const fs::path& file, std::string_view content) {
 MeshFile read_stl(const fs::path& file, std::string_view content) {
   const std::string_view text = without_mark(content);
   const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
-  // The head of a binary file may begin with "solid", too. It has zero bytes, and a text has none.
+  // The header of a binary file may also begin with "solid", but it contains zero bytes, unlike a text.
   const bool is_text = lower_case(text.substr(begin, 5)) == "solid" && content.find('\0') == std::string_view::npos;
   return is_text ? read_text_stl(text) : read_binary_stl(file, content);
 }

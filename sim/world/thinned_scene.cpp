@@ -13,15 +13,15 @@ namespace {
 using Vector3f = Eigen::Vector3f;
 using Triangle = std::array<std::uint32_t, 3>;
 
-constexpr float kMostGrowth = 3.0F;  // of leaves, for those that are left out
+constexpr float kMostGrowth = 3.0F;  // largest enlargement of leaves that compensates omitted ones
 
-/// Its triangles, piece by piece.
+/// Triangles of a mesh, grouped by connected piece.
 std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
   const std::vector<std::uint32_t> piece_of_vertex = pieces_of(mesh);
   std::vector<std::uint32_t> piece_at(piece_of_vertex.size(), 0);
   std::vector<std::vector<std::uint32_t>> pieces;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::uint32_t& number = piece_at[piece_of_vertex[mesh.triangles[i][0]]];  // from 1
+    std::uint32_t& number = piece_at[piece_of_vertex[mesh.triangles[i][0]]];  // counted from 1
     if (number == 0) {
       pieces.emplace_back();
       number = static_cast<std::uint32_t>(pieces.size());
@@ -31,9 +31,9 @@ std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
   return pieces;
 }
 
-/// A share of the pieces, evenly over the mesh: leaves grow to cover as much as all did; branches stay as they are.
+/// Keeps a share of the pieces, evenly over the mesh: leaves grow to cover the same area; branches are unchanged.
 Mesh thinned(const Mesh& mesh, double share) {
-  constexpr double kFewest = 6.0;  // pieces of a mesh: no tree is left bare
+  constexpr double kFewest = 6.0;  // least number of pieces of a mesh, so that no tree is bare
   const auto pieces = triangles_by_piece(mesh);
   share = std::min(1.0, std::max(share, kFewest / static_cast<double>(pieces.size())));
   Mesh out = mesh;
@@ -60,7 +60,7 @@ Mesh thinned(const Mesh& mesh, double share) {
   return out;
 }
 
-/// All vertices of a cell of that edge become one; triangles that lose a corner vanish.
+/// Merges all vertices within a cell of that edge; degenerate triangles are removed.
 Mesh coarsened(const Mesh& mesh, float edge_m) {
   Mesh out = mesh;
   out.triangles.clear();
@@ -80,7 +80,7 @@ Mesh coarsened(const Mesh& mesh, float edge_m) {
 
 struct Shares {
   double of_pieces = 1.0;
-  float edge_m = 0.0F;  ///< of the cells that make the rest coarser; 0: it stays as it is
+  float edge_m = 0.0F;  ///< cell edge for coarsening all other meshes; 0: unchanged
 };
 
 Shares shares_of(const Scene& scene, std::size_t most_triangles) {

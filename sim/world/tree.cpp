@@ -15,15 +15,15 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kBreastHeight_m = 1.3;
-constexpr double kRootDepth_m = 0.3;  // the trunk goes on below the ground, so that slopes leave no slit
+constexpr double kRootDepth_m = 0.3;  // extends the trunk below the ground, so that slopes leave no gap
 constexpr int kTrunkSides = 10;
 constexpr int kTrunkRings = 10;
 
 struct SpeciesLaw {
   const char* name;
   double michailow_a_m, michailow_b_m;          // height curve; typical of central European stands
-  double crown_length_ratio;                    // crown length over height
-  double crown_radius_m, crown_radius_per_dbh;  // widest radius = first + second * dbh
+  double crown_length_ratio;                    // crown length / height
+  double crown_radius_m, crown_radius_per_dbh;  // largest radius = first + second * dbh
   Material (*bark)();
   Material (*foliage)();
 };
@@ -57,7 +57,7 @@ Mesh make_trunk(const Tree& tree, bool is_far) {
     radii_m.push_back(static_cast<float>(std::max(radius_m, 0.005)));
   };
   add_ring(-kRootDepth_m, 1.25 * trunk_radius_m(tree.dbh_m, tree.height_m, 0.0));
-  // A ring at breast height, so that the diameter there is the one that the stem map tells.
+  // A ring at breast height, so that the diameter there equals that in the stem map.
   for (const double z_m : {0.0, 0.35, kBreastHeight_m}) add_ring(z_m, trunk_radius_m(tree.dbh_m, tree.height_m, z_m));
   for (int i = 1; i <= rings - 4; ++i) {
     const double z_m = kBreastHeight_m + (tree.height_m - kBreastHeight_m) * i / (rings - 4.0);
@@ -117,7 +117,7 @@ Mesh make_whorls(const Tree& tree, Dice& dice) {
   return mesh;
 }
 
-// Broadleaf trees: rising boughs that fork.
+// Broadleaf trees: rising boughs with forks.
 Mesh make_boughs(const Tree& tree, Dice& dice) {
   const Crown& crown = tree.crown;
   const double length_m = crown.top_m - crown.base_m;
@@ -145,7 +145,7 @@ Mesh make_boughs(const Tree& tree, Dice& dice) {
   return mesh;
 }
 
-// One leaf cluster: a triangle (needles) or a rhombus (leaves) of the given area and any orientation.
+// One leaf cluster: a triangle (needles) or a rhombus (leaves) with the given area and random orientation.
 void add_leaf(Mesh& mesh, const Vector3f& center_m, float size_m, bool is_rhombus, Dice& dice) {
   const Vector3f normal = dice.direction();
   const auto turn = Eigen::AngleAxisf(static_cast<float>(dice.angle_rad()), normal);
@@ -177,7 +177,7 @@ double crown_volume_m3(const Crown& crown) {
 Mesh make_leaves(const Crown& crown, const TreeOptions& options, Dice& dice) {
   const bool is_rhombus = crown.species == Species::kBroadleaf;
   const auto size_m = static_cast<float>(options.leaf_cluster_m);
-  const double area_of_one_m2 = 0.4 * size_m * size_m;  // both shapes
+  const double area_of_one_m2 = 0.4 * size_m * size_m;  // for both shapes
   const auto count =
       static_cast<int>(std::lround(options.leaf_area_density_per_m * crown_volume_m3(crown) / area_of_one_m2));
   Mesh mesh;
@@ -262,7 +262,7 @@ TreeStock::TreeStock(SceneBuilder& scene, Species species, std::vector<double> d
     kind.dbh_m = tree.dbh_m;
     kind.height_m = tree.height_m;
     kind.crown_radius_m = tree.crown.radius_m;
-    // Branches and leaf clusters stick out of the crown's body a little: the truth tells where they really end.
+    // Branches and leaf clusters protrude slightly from the crown's body; the truth uses their actual extent.
     kind.crown_base_m = std::min<double>(tree.crown.base_m, bounds_m(tree.leaves).min().z());
     for (const Mesh* mesh : {&tree.trunk, &tree.branches, &tree.leaves}) {
       for (const Vector3f& vertex : mesh->vertices_mesh_m)
@@ -281,7 +281,7 @@ const TreeStock::Kind& TreeStock::nearest(double dbh_m) const {
   });
 }
 
-// Such that the scaled trunk has its diameter at 1.3 m above the ground, which lies elsewhere in the unscaled tree.
+// Scale that gives the trunk its diameter at 1.3 m above ground, which is another height in the unscaled tree.
 double TreeStock::horizontal_scale(const Kind& kind, double dbh_m, double vertical_scale) const {
   return 0.5 * dbh_m / trunk_radius_m(kind.dbh_m, kind.height_m, kBreastHeight_m / vertical_scale);
 }

@@ -6,7 +6,7 @@
 #include "sim/world/dice.hpp"
 #include "sim/world/scene_builder.hpp"
 
-/// Trees with tapering leaning trunks, branches, and crowns of leaf clusters that rays pass through in part.
+/// Trees with tapering leaning trunks, branches, and crowns of leaf clusters that are partly permeable to rays.
 namespace swiftlet::sim {
 
 enum class Species { kPine, kSpruce, kBroadleaf };
@@ -16,29 +16,29 @@ const char* name_of(Species species);
 double height_by_diameter_m(Species species, double dbh_m);
 
 struct TreeOptions {
-  double leaf_area_density_per_m = 0.6;  ///< one-sided leaf area in a volume of crown [m^2/m^3]
+  double leaf_area_density_per_m = 0.6;  ///< one-sided leaf area per volume of crown [m^2/m^3]
   double leaf_cluster_m = 0.3;           ///< size of a leaf cluster
   double lean_max_deg = 3.0;
-  bool is_far = false;  ///< a trunk of few triangles and no branches
+  bool is_far = false;  ///< a trunk of few triangles without branches
 };
 
-/// The crown is the space between two bodies of revolution about the tree's axis. Leaves fill it evenly, with every
-/// orientation equally likely. So a ray meets no leaf along a path s through it with probability exp(-G LAD s), G = 1/2
+/// The crown is the space between two bodies of revolution about the tree's axis, filled evenly with leaves of
+/// isotropic orientation. A ray meets no leaf along a path s through it with probability exp(-G LAD s), G = 1/2
 /// (Beer-Lambert law; Monsi and Saeki 1953, Nilson 1971).
 struct Crown {
   Species species = Species::kPine;
   double base_m = 0.0;
   double top_m = 0.0;
-  double radius_m = 0.0;  ///< widest
-  double lean_x = 0.0;    ///< the axis leaves the vertical by this much for a meter of height
+  double radius_m = 0.0;  ///< largest radius
+  double lean_x = 0.0;    ///< horizontal displacement of the axis per meter of height
   double lean_y = 0.0;
 
   double outer_radius_m(double z_m) const;
-  double inner_radius_m(double z_m) const;  ///< leafless heart
+  double inner_radius_m(double z_m) const;  ///< of the leafless core
   bool contains(const Eigen::Vector3d& point_tree_m) const;
 };
 
-/// One tree in meters, its foot at the origin.
+/// One tree in meters, with its foot at the origin.
 struct Tree {
   Species species = Species::kPine;
   double dbh_m = 0.0;
@@ -49,26 +49,26 @@ struct Tree {
 
 Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice dice);
 
-/// Radius of the trunk's round section at a height above the foot [m].
+/// Radius of the trunk's circular cross-section at a height above the foot [m].
 double trunk_radius_m(double dbh_m, double height_m, double z_m);
 
-/// A stock of trees of one species, one for each of the diameters; place() takes the one that is nearest and scales it.
+/// Trees of one species, one per diameter; place() scales the one with the nearest diameter.
 class TreeStock {
  public:
   TreeStock(SceneBuilder& scene, Species species, std::vector<double> dbh_m, const TreeOptions& options,
             const Random& random);
 
-  /// What a tree of this diameter would be.
+  /// Dimensions of a tree with this diameter.
   struct Measures {
     double height_m = 0.0;
     double crown_base_m = 0.0;
-    double crown_radius_m = 0.0;  ///< including lean: nothing of the tree is farther from its foot's vertical
+    double crown_radius_m = 0.0;  ///< including lean: largest horizontal distance of any part from the foot
   };
   Measures measures(double dbh_m, double height_factor) const;
-  /// Adds trunk, branches and leaves as one instance, and the entry of the stem map.
+  /// Adds trunk, branches and leaves as one instance, with an entry in the stem map.
   void place(SceneBuilder& scene, const Eigen::Vector3d& foot_world_m, double dbh_m, double height_factor,
              double yaw_rad) const;
-  /// The same as instance 0, without an entry.
+  /// As place(), with instance 0 and without an entry.
   void place_nameless(SceneBuilder& scene, const Eigen::Vector3d& foot_world_m, double dbh_m, double height_factor,
                       double yaw_rad) const;
 

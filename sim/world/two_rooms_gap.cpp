@@ -42,11 +42,11 @@ Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
   const double thickness_m = config.wall_thickness_m;
   const double gap_top_m = config.gap_height_m > 0.0 ? config.gap_height_m : config.height_m;
 
-  // Middle planes of the walls in the building's frame: origin in the gap, x through it.
+  // Middle planes of the walls in the building's frame: origin in the gap, x axis through it.
   const double end_x = room_m.x() + thickness_m;
   const double low_y = config.gap_offset_m - 0.5 * (room_m.y() + thickness_m);
   const double high_y = config.gap_offset_m + 0.5 * (room_m.y() + thickness_m);
-  const double over_m = 0.5 * thickness_m;  // corners are filled
+  const double over_m = 0.5 * thickness_m;  // extension that fills the corners
   Mesh walls;
   add_wall(walls, {-end_x - over_m, low_y}, {end_x + over_m, low_y}, config.height_m, thickness_m);
   add_wall(walls, {-end_x - over_m, high_y}, {end_x + over_m, high_y}, config.height_m, thickness_m);

@@ -6,13 +6,13 @@
 
 namespace swiftlet::sim {
 
-/// Bushes and clumps of grass to choose from. Radius about 0.6 m (bush) and 0.35 m (grass) before scaling.
+/// A stock of bushes and clumps of grass. Radius about 0.6 m (bush) and 0.35 m (grass) before scaling.
 class UndergrowthStock {
  public:
   UndergrowthStock(SceneBuilder& scene, double detail, const Random& random);
 
   enum class Kind { kBush, kGrass };
-  /// Farthest that a plant of this scale reaches from its foot [m].
+  /// Largest extent of a plant of this scale from its foot [m].
   double reach_m(Kind kind, double scale) const;
   void place(SceneBuilder& scene, Kind kind, const Eigen::Vector3d& foot_world_m, double scale, Dice& dice) const;
 

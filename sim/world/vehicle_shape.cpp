@@ -16,8 +16,8 @@ using Eigen::Vector3f;
 enum MaterialIndex : std::uint32_t { kFrame = 0, kRotorBlade = 1, kSensorHousing = 2, kMarker = 3 };
 
 constexpr int kRoundSides = 16;
-constexpr float kRootCutout = 0.12F;  // the blade begins here, as a part of the radius
-constexpr float kTipTaper = 0.45F;    // chord at the tip over the largest chord
+constexpr float kRootCutout = 0.12F;  // start of the blade, as a share of the radius
+constexpr float kTipTaper = 0.45F;    // chord at the tip / largest chord
 
 Mesh& part_of(VehicleShape& shape, VehiclePart part, std::uint32_t material) {
   for (Mesh& mesh : shape.meshes) {
@@ -35,7 +35,7 @@ void add_upright(Mesh& mesh, const Vector3f& foot_m, float radius_m, float heigh
   add_frustum(mesh, foot_m, radius_m, foot_m + Vector3f(0, 0, height_m), radius_m, kRoundSides);
 }
 
-// Two plates with the avionics between them and the battery below.
+// Two plates with avionics between them and the battery below.
 void add_body(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
   const auto radius_m = static_cast<float>(airframe.body_radius_m);
   const auto height_m = static_cast<float>(airframe.body_height_m);
@@ -56,7 +56,7 @@ void add_body(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
   }
 }
 
-// Tube from the plates to below the hub, and the motor on its end.
+// A tube from the plates to below the hub, with the motor at its end.
 void add_arm(VehicleShape& shape, const Airframe& airframe, const Vector3f& hub_m, float arm_z_m) {
   const auto arm_length_m = static_cast<float>(airframe.arm_length_m);
   const auto blade_m = static_cast<float>(airframe.propeller_radius_m);
@@ -74,7 +74,7 @@ void add_arm(VehicleShape& shape, const Airframe& airframe, const Vector3f& hub_
   add_upright(motor, hub_m, 0.25F * motor_radius_m, 0.35F * motor_radius_m);  // shaft and propeller nut
 }
 
-// Around the middle of a strut, at most four fifths of it.
+// A sleeve around the middle of a strut, at most four fifths of its length.
 void add_sleeve(VehicleShape& shape, const MarkersConfig& markers, const Vector3f& top_m, const Vector3f& foot_m) {
   const Vector3f middle_m = 0.5F * (top_m + foot_m), along_m = foot_m - top_m;
   const float half = 0.5F * std::min(static_cast<float>(markers.length_m) / along_m.norm(), 0.8F);
@@ -83,12 +83,13 @@ void add_sleeve(VehicleShape& shape, const MarkersConfig& markers, const Vector3
               middle_m + half * along_m, radius_m, 12);
 }
 
-// Two skids on four struts, and a sleeve in the middle of each strut.
+// Two skids on four struts, with a sleeve in the middle of each strut.
 void add_legs(VehicleShape& shape, const Airframe& airframe, const MarkersConfig& markers, float arm_z_m) {
   const auto radius_m = static_cast<float>(airframe.body_radius_m);
   const auto height_m = static_cast<float>(airframe.body_height_m);
   const float tube_m = std::clamp(0.02F * static_cast<float>(airframe.arm_length_m), 0.004F, 0.012F);
-  const float foot_z_m = tube_m - static_cast<float>(airframe.leg_height_m);  // stands where contacts let it stand
+  // Height at which contacts support the vehicle
+  const float foot_z_m = tube_m - static_cast<float>(airframe.leg_height_m);
   Mesh& legs = part_of(shape, VehiclePart::kLeg, kFrame);
   for (const float side : {-1.0F, 1.0F}) {
     for (const float end : {-0.7F, 0.7F}) {
@@ -107,11 +108,11 @@ void add_legs(VehicleShape& shape, const Airframe& airframe, const MarkersConfig
   }
 }
 
-// A round housing on a short mast, as a spinning LiDAR or a GNSS antenna looks.
+// A round housing on a short mast, like a spinning LiDAR or a GNSS antenna.
 void add_sensor(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
   const auto body_radius_m = static_cast<float>(airframe.body_radius_m);
   const auto height_m = static_cast<float>(airframe.body_height_m);
-  const float puck_radius_m = std::clamp(0.35F * body_radius_m, 0.02F, 0.0435F);  // an OS1 has 87 mm across
+  const float puck_radius_m = std::clamp(0.35F * body_radius_m, 0.02F, 0.0435F);  // an OS1 has a diameter of 87 mm
   const float top_m = arm_z_m + 0.3F * height_m;
   Mesh& sensor = part_of(shape, VehiclePart::kSensor, kSensorHousing);
   add_upright(sensor, {0, 0, top_m}, 0.5F * puck_radius_m, 0.1F * height_m);
@@ -135,7 +136,7 @@ float reach_m(const VehicleShape& shape) {
 bool VehicleShape::blade_covers(const RotorShape& rotor, float x, float y, double angle_rad) {
   const float radius_sq = x * x + y * y;
   if (radius_sq > rotor.radius_m * rotor.radius_m) return false;
-  // Turn the point into the frame of the rotor and then to its nearest blade, which lies along +x.
+  // Rotates the point into the frame of the rotor and then to its nearest blade, which lies along +x.
   const double pitch_rad = 2.0 * std::numbers::pi / rotor.blades;
   const double from_blade_0_rad = elementary::atan2(y, x) - angle_rad;
   const double from_blade_rad = from_blade_0_rad - pitch_rad * std::round(from_blade_0_rad / pitch_rad);
@@ -169,7 +170,7 @@ VehicleShape make_vehicle_shape(const Airframe& airframe, const MarkersConfig& m
     shape.materials.push_back({"marker", static_cast<float>(markers.reflectivity), true, {0.95F, 0.93F, 0.35F}});
   }
 
-  // The arms lie below the hubs; the plates are at their height.
+  // The arms lie below the hubs, at the height of the plates.
   float hub_z_m = 0.0F;
   for (const Rotor& rotor : airframe.rotors)
     hub_z_m += static_cast<float>(rotor.position_m.z()) / airframe.num_rotors();

@@ -54,13 +54,13 @@ const VehicleState& StateHistory::latest(VehicleId vehicle) const { return nth_n
 
 VehicleState StateHistory::at(VehicleId vehicle, TimeNs t) const {
   ENSURE(vehicle >= 0 && vehicle < num_vehicles_, vehicle, num_vehicles_);
-  // Binary search for the newest kept state at or before t; ages grow from 0.
+  // Binary search for the newest stored state at or before t; ages count from 0.
   const int count = count_[vehicle];
   if (count == 0) return {};
   if (t >= nth_newest(vehicle, 0).t) return nth_newest(vehicle, 0);
   if (t <= nth_newest(vehicle, count - 1).t) {
     const VehicleState& oldest = nth_newest(vehicle, count - 1);
-    // A full history has forgotten what came before; asking for that would be answered wrongly.
+    // A full history has discarded earlier states, so an earlier time would give a wrong result.
     ENSURE(t == oldest.t || count < capacity_, vehicle, to_seconds(t), to_seconds(oldest.t), capacity_);
     return oldest;
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLeastLength_m = 1e-3;
 
-/// The cells of a maze, and which of the walls between them stand.
+/// The cells of a maze, and the walls between them.
 class Maze {
  public:
   Maze(int columns, int rows)
@@ -25,7 +25,7 @@ class Maze {
         east_(visited_.size(), true),
         north_(visited_.size(), true) {}
 
-  /// From the first cell on to whichever neighbor the dice tell, and back where there is none.
+  /// Digs from the first cell to random unvisited neighbors, with backtracking.
   void dig(Dice& dice) {
     std::vector<std::pair<int, int>> way = {{0, 0}};
     visited_[0] = true;
@@ -74,7 +74,7 @@ void add_maze(Mesh& mesh, const MazeConfig& config, double thickness_m, std::uin
   maze.dig(digging);
   maze.open(config.loops, opening);
   const Eigen::Vector2d corner_m = config.first_m.array() - 0.5 * config.cell_m;
-  // Half a thickness longer at both ends: corners are filled.
+  // Extended by half a thickness at both ends, which fills the corners.
   const auto wall = [&](double from_x, double from_y, double to_x, double to_y) {
     const Eigen::Vector2d from_m = corner_m + config.cell_m * Eigen::Vector2d(from_x, from_y);
     const Eigen::Vector2d to_m = corner_m + config.cell_m * Eigen::Vector2d(to_x, to_y);

@@ -17,11 +17,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kFlue_m = 0.2;  // between the two racks of a double row
+constexpr double kFlue_m = 0.2;  // gap between the two racks of a double row
 constexpr double kUpright_m = 0.1;
 constexpr double kBeam_m = 0.11;
 constexpr double kTape_m = 0.1;
-constexpr double kApron_m = 15.0;          // concrete around the hall
+constexpr double kApron_m = 15.0;          // concrete surface around the hall
 constexpr double kPalletHeight_m = 0.144;  // EUR pallet: 1.2 x 0.8 x 0.144 m
 constexpr double kPalletLength_m = 1.2;
 constexpr double kPalletWidth_m = 0.8;
@@ -55,7 +55,7 @@ void add_shell(SceneBuilder& scene, const WarehouseConfig& config) {
   add_wall(walls, start_m, {x, y - 0.5 * t}, height_m, t, {&gate, 1});
   scene.add(std::move(walls), materials::metal_sheet(), SurfaceClass::kWall, 1);
 
-  // The leaves of the gate close it but for the door.
+  // The leaves of the gate close it except for the door.
   Mesh leaves;
   const double gate_start_m = config.door_offset_m - 0.5 * config.gate_width_m;
   const Opening door = {0.5 * config.gate_width_m, config.door_width_m, 0.0, config.door_height_m};
@@ -95,7 +95,7 @@ void add_pillars(SceneBuilder& scene, const WarehouseConfig& config) {
   }
 }
 
-// One rack: uprights at both faces of every bay boundary, beams and slats at every level above the floor.
+// One rack: uprights at both sides of every bay boundary, beams and slats at every level above the floor.
 void add_rack(SceneBuilder& scene, const WarehouseConfig& config, double low_y, std::uint16_t instance) {
   const double high_y = low_y + config.rack_depth_m;
   const double start_x = -0.5 * racks_length_m(config);
@@ -145,7 +145,7 @@ void add_rack(SceneBuilder& scene, const WarehouseConfig& config, double low_y, 
                     {{"length_m", racks_length_m(config)}, {"depth_m", config.rack_depth_m}, {"height_m", top_m}}});
 }
 
-// Long side along y; foot at the origin.
+// Long side along y; origin at the bottom.
 Mesh make_pallet() {
   Mesh mesh;
   constexpr double kLength = kPalletLength_m, kWidth = kPalletWidth_m;
@@ -160,7 +160,7 @@ Mesh make_pallet() {
   return mesh;
 }
 
-// Layers of boxes; the top layer is not always complete.
+// Layers of boxes; the top layer may be incomplete.
 Mesh make_load(double height_max_m, Dice dice) {
   const int columns = 1 + dice.pick(2);
   const int rows = 2 + dice.pick(2);
@@ -203,7 +203,7 @@ void fill_racks(SceneBuilder& scene, const WarehouseConfig& config, std::uint64_
         for (const double side : {-1.0, 1.0}) {
           Dice dice(chance, slot++);
           if (!dice.chance(config.fill)) continue;
-          // Up to a few centimeters and degrees off, but never out of the rack.
+          // Random offsets of a few centimeters and degrees, within the rack.
           const double play_m = std::max(0.0, 0.5 * (config.rack_depth_m - kPalletLength_m - 0.05));
           const double x = -0.5 * racks_length_m(config) + (bay + 0.5) * config.bay_width_m +
                            side * 0.25 * config.bay_width_m + dice.uniform(-0.05, 0.05);
@@ -223,7 +223,7 @@ void fill_racks(SceneBuilder& scene, const WarehouseConfig& config, std::uint64_
   }
 }
 
-// A line along both sides of every aisle, and one across before the door.
+// Tape lines along both sides of every aisle, and one across before the door.
 void add_floor_tape(SceneBuilder& scene, const WarehouseConfig& config) {
   constexpr double kHeight_m = 0.003;
   const double half_length_m = 0.5 * racks_length_m(config);
