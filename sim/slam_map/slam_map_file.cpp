@@ -17,14 +17,14 @@ namespace {
 constexpr std::string_view kTitle = "Swiftlet map of SLAM\n";
 constexpr std::size_t kHeaderBytes = kTitle.size() + sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
 
-/// Fowler, Noll and Vo: to notice damage, not malice.
+/// FNV-1a (Fowler, Noll and Vo): detects damage, not tampering.
 std::uint64_t checksum_of(std::string_view bytes) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;
   for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
   return hash;
 }
 
-/// Appends to a file's bytes. `Reader` has the same calls, so that one `visit` below serves both.
+/// Appends to a file's bytes. `Reader` has the same interface, so that one `visit` below serves both.
 class Writer {
  public:
   explicit Writer(ByteBuffer& bytes) : bytes_(bytes) {}
@@ -69,7 +69,7 @@ class Reader {
     T.linear() = R;
     T.translation() = p;
   }
-  /// How many elements follow. Asked before memory is taken for them: a file cannot have more than it has bytes.
+  /// Number of following elements. Checked against the remaining bytes before memory is allocated.
   std::size_t count(std::size_t bytes_each) {
     std::uint64_t size = 0;
     (*this)(size);
@@ -86,7 +86,7 @@ class Reader {
   const std::filesystem::path& file_;
 };
 
-// The fields of every record, once for both directions.
+// Fields of every record, for reading and writing.
 void visit(auto& f, auto& v, const RelativeFactor*) {
   v(f.from), v(f.to), v(f.T_from_to), v(f.information), v(f.huber);
 }
@@ -110,8 +110,8 @@ Record read_one(Reader& read) {
   return record;
 }
 
-constexpr std::size_t kLeastRecord = 12;  // bytes of the smallest one
-constexpr std::size_t kLeastBlock = 77;   // bytes of a block of cells: its place, a flag and its free cells
+constexpr std::size_t kLeastRecord = 12;  // bytes of the smallest record
+constexpr std::size_t kLeastBlock = 77;   // bytes of a block of cells: its position, a flag and its free cells
 
 template <class Factor>
 void read_factors(Reader& read, PoseGraph& graph, std::vector<Factor>& factors) {

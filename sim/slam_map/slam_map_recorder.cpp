@@ -51,7 +51,7 @@ class SlamMapRecorder : public Recorder {
   }
   bool keeps_one(std::size_t i) const { return keepers_[i] != nullptr && keepers_[i]->saved_map() != nullptr; }
 
-  /// Vehicles that are named must keep a map; where none is named, one of them must.
+  /// Checks that all named vehicles, or at least one if none is named, keep a map.
   void require_keepers() const {
     bool any = false;
     for (std::size_t i = 0; i < keepers_.size(); ++i) {
@@ -68,7 +68,7 @@ class SlamMapRecorder : public Recorder {
   SlamMapConfig config_;
   std::filesystem::path directory_;
   std::vector<std::string> names_;
-  std::vector<const KeepsMap*> keepers_;  // by VehicleId; null: keeps none
+  std::vector<const KeepsMap*> keepers_;  // indexed by VehicleId; null: no map
 };
 
 }  // namespace

@@ -24,9 +24,9 @@ struct FoliageConfig {
 };
 
 /// Motion of leaves: a pure function of (config, seed, tree, leaf, time). A tree sways as a clamped beam in its first
-/// mode, with the square of the height, along the wind and by half of that across it, so that its top moves on an
-/// ellipse. Each tree has its own natural frequency (conifers: 0.1 to 0.6 Hz, Moore and Maguire 2004). Each leaf
-/// cluster additionally flutters along all three axes. All motions are harmonic. Leaves do not rotate.
+/// mode, with the square of the height, along the wind and by half of that across it. Each tree has its own frequencies
+/// near the configured one (conifers: 0.1 to 0.6 Hz, Moore and Maguire 2004). Each leaf cluster additionally flutters
+/// along all three axes. All motions are harmonic. Leaves do not rotate.
 class FoliageMotion {
  public:
   static constexpr int kWays = 256;  ///< number of flutter patterns; each leaf cluster uses one of them
