@@ -39,7 +39,7 @@ class WorldCache {
 
  private:
   std::size_t capacity_;
-  std::list<std::pair<std::string, World>> worlds_;  ///< by scenario key, most recently used first
+  std::list<std::pair<std::string, World>> worlds_;  ///< most recently used first, with scenario keys
 };
 
 /// Flies episodes one after another and caches shared data. Writes no files; the only output is the metrics.

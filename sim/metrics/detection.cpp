@@ -546,7 +546,7 @@ class DetectionMetric final : public Metric {
   std::vector<RecentValues<PointMotion>> truth_;  // indexed by VehicleId; empty: no vehicle detects
   bool any_ = false;
 
-  // Of the scan being scored:
+  // Data of the scan being scored:
   std::vector<Estimate> estimates_;
   std::vector<double> distances_;  // (vehicles x estimates)
   std::vector<int> estimate_of_, vehicle_of_;

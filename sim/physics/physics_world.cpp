@@ -60,7 +60,7 @@ struct Vehicle {
   double acceleration_bound_mps2 = 0.0;
   SurfaceBound surface;
 
-  // Of the current prediction:
+  // Result of the current prediction:
   bool near_world = false;  // may touch a triangle before its end
   bool near = false;        // ... or another vehicle
   double travel_m = 0.0;    // upper bound of the displacement until then

@@ -13,7 +13,7 @@ namespace {
 
 std::string px(double value) { return number_text(value, 1); }
 
-// Of the points [begin, end) in one pixel column, keeps the first, the extremes and the last.
+// Keeps the first, the extremes and the last of the points [begin, end), which lie in one pixel column.
 void keep_column(const std::vector<PointPx>& points, std::size_t begin, std::size_t end, std::vector<PointPx>& out) {
   if (end - begin <= 4) {
     out.insert(out.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),

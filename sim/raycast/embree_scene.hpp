@@ -56,7 +56,7 @@ struct TriangleScene {
   /// Absolute part of the distance that a ray continues beyond a proposal; another part grows with its range
   float slack_m = 0.0F;
   EmbreeScene scene;
-  mutable EmbreeScene for_scattered_rays;  ///< the same triangles in a tree optimized for them; created on demand
+  mutable EmbreeScene for_scattered_rays;  ///< copy in a tree optimized for scattered rays; created on demand
 
   std::size_t size() const { return corners_m.size(); }
   /// Builds the acceleration structure on all cores. The triangles must not change afterwards.

@@ -80,7 +80,7 @@ TriangleScene flatten(const Scene& scene, std::vector<std::uint32_t>& first_tria
 }
 
 EmbreeDevice make_device() {
-  // By default, Embree uses 4-wide trees where it assumes that wider registers reduce the clock rate (Xeons of the
+  // Embree by default uses 4-wide trees where it assumes that wider registers reduce the clock rate (Xeons of the
   // Skylake family). 8-wide trees are a fifth faster there; on processors without AVX the option has no effect.
   // SWIFTLET_EMBREE overrides this, such as "isa=avx", for tests that results do not depend on it.
   const char* chosen = std::getenv("SWIFTLET_EMBREE");
@@ -130,7 +130,7 @@ bool visit_nearest(RTCPointQueryFunctionArguments* args) {
   const auto& [a, b, c] = query.world->corners_m[args->primID];
   const Vector3 point = closest_point_on_triangle(query.p, a.cast<double>(), b.cast<double>(), c.cast<double>());
   const double distance_sq = (point - query.p).squaredNorm();
-  // Of equally near triangles the first in the scene wins, independent of the order of visits.
+  // At equal distance the first triangle in the scene wins, independent of the order of visits.
   if (distance_sq > query.best_sq) return false;
   if (distance_sq == query.best_sq && args->primID > query.best_triangle) return false;
   query.best_sq = distance_sq;

@@ -89,7 +89,7 @@ class McapRecorder : public Recorder, public RosSink {
 
   McapConfig config_;
   std::filesystem::path directory_;
-  Json shown_ = Json::object();  // by topic
+  Json shown_ = Json::object();  // indexed by topic
   std::optional<RosTopics> topics_;
   std::optional<McapWriter> writer_;
 };

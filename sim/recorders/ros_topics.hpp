@@ -70,7 +70,7 @@ class RosTopics {
   std::vector<TimeNs> last_estimate_;  // indexed by VehicleId
   std::map<std::string, Channel> channels_;
   std::vector<const Series*> series_;
-  std::map<std::string, int> num_scans_;  // by topic
+  std::map<std::string, int> num_scans_;  // indexed by topic
   std::vector<StaticTransform> static_transforms_;
   const Scene* scene_;
   std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes_;

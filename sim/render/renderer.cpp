@@ -141,7 +141,7 @@ struct Renderer::Impl {
   Target resolved;                        // one sample per pixel
   Target openness;                        // ambient occlusion, at half resolution
   Target softened;                        // ambient occlusion without its noise pattern
-  std::map<float, Shadow> world_shadows;  // by height of the cut; world and sun are static
+  std::map<float, Shadow> world_shadows;  // indexed by height of the cut; world and sun are static
   Shadow vehicle_shadow;
 
   Impl(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> shapes)

@@ -25,8 +25,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kAreaOpacity = 0.3F;         // of areas drawn in the vehicle's color
-constexpr int kLeastWidth_px = 32;           // of a picture without its legend
+constexpr float kAreaOpacity = 0.3F;         // opacity of areas drawn in the vehicle's color
+constexpr int kLeastWidth_px = 32;           // least width of a picture without its legend
 constexpr TimeNs kHistoryStep = 20'000'000;  // sampling interval for trails and follow cameras
 
 bool of_all_vehicles(const CameraConfig& camera) {
@@ -110,7 +110,7 @@ class SnapshotRecorder : public Recorder {
   std::optional<TimeNs> remembered_;
   std::vector<std::filesystem::path> written_;
   double video_frames_per_s_ = 0.0;
-  std::map<std::string, std::unique_ptr<VideoWriter>> videos_;  // by camera
+  std::map<std::string, std::unique_ptr<VideoWriter>> videos_;  // indexed by camera
 };
 
 void SnapshotRecorder::begin(const RunInfo& info) {

@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr TimeNs kChunk = 2'000'000'000, kLiveChunk = 200'000'000;
 constexpr TimeNs kRadioBin = 200'000'000;   // interval for counting messages of a pair of vehicles
-constexpr std::size_t kFirstPoints = 2500;  // of a scan, before their size is measured
+constexpr std::size_t kFirstPoints = 2500;  // points per scan, before their size is measured
 constexpr std::size_t kFewestPoints = 200, kMostPoints = 60000;
 
 /// Names may come from files in any encoding: invalid UTF-8 is replaced.
@@ -180,11 +180,12 @@ class ReplayRecorder : public Recorder {
   PointBudget budget_;
   OverlayTables overlays_;
   std::vector<Rows> states_;                                      // indexed by vehicle
-  std::map<std::pair<std::string, VehicleId>, Rows> series_;      // by table and vehicle
+  std::map<std::pair<std::string, VehicleId>, Rows> series_;      // indexed by table and vehicle
   std::map<std::string, TimeNs> series_taken_;                    // time of the last rows written, by table
-  std::map<std::pair<VehicleId, std::string>, Gate> scan_gates_;  // by vehicle and sensor
+  std::map<std::pair<VehicleId, std::string>, Gate> scan_gates_;  // indexed by vehicle and sensor
   std::map<std::pair<VehicleId, std::string>, std::uint64_t> scan_counts_;
-  std::map<std::pair<VehicleId, VehicleId>, Traffic> traffic_;  // by sender and receiver, in the current interval
+  // Indexed by sender and receiver, in the current interval
+  std::map<std::pair<VehicleId, VehicleId>, Traffic> traffic_;
   TimeNs bin_ = 0, chunk_ = 0, now_ = 0;
   ReplayBlock scans_{R"({"kind":"scans"})"};
   ReplayTable detections_{R"({"table":"detections"})",

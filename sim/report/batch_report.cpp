@@ -29,7 +29,7 @@ constexpr std::size_t kMostBoxes = 12;      // points side by side in one box pl
 constexpr std::size_t kMostIntervals = 40;  // rows of a figure of intervals
 // Values of a parameter that are averaged; with more, single episodes are plotted
 constexpr std::size_t kMostLevels = 20;
-constexpr std::size_t kMostGroupRows = 200;  // of a table in the page; the CSV contains all
+constexpr std::size_t kMostGroupRows = 200;  // in a table of the page; the CSV contains all
 
 std::string plural(std::uint64_t count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
@@ -238,7 +238,7 @@ std::string box_plot(const BatchTable& table, const Quantity& quantity) {
     panel.x.categories = table.info.variants;
     panel.legend = plot::Legend::kNone;
   }
-  std::map<std::pair<std::size_t, std::string>, std::vector<double>> samples;  // by point (0: all) and variant
+  std::map<std::pair<std::size_t, std::string>, std::vector<double>> samples;  // indexed by point (0: all) and variant
   for (const EpisodeGroup& group : table.groups) {
     auto& own = samples[{by_point ? group.point : 0, group.variant}];
     for (const double x : numbers_only(values_of(quantity, group))) own.push_back(x);

@@ -22,7 +22,7 @@ constexpr const char* kPartial = ".partial-";
 constexpr const char* kReplaced = ".replaced";  // suffix, beside the partial directory
 /// Lock file of a run in its partial directory. Directories without it do not belong to runs.
 constexpr const char* kLock = ".unfinished-run";
-constexpr std::size_t kSuffixDigits = 16;  // of hex64()
+constexpr std::size_t kSuffixDigits = 16;  // digits of hex64()
 
 /// A dangling link is not a free name: its disk may not be mounted.
 bool is_replaceable(const fs::path& directory) {

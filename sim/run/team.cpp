@@ -17,7 +17,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kHistoryMargin_s = 0.05;
-constexpr double kMaxStates = 1e9;  // of a vehicle in the history, with indices of type int
+constexpr double kMaxStates = 1e9;  // states of a vehicle in the history, whose indices are of type int
 
 }  // namespace
 

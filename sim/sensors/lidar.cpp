@@ -159,7 +159,7 @@ class Lidar final : public Sensor {
   ExternalPoses external_poses_;
   Random range_random_, detection_random_;
   std::vector<SurfaceLookUp> surfaces_;  // indexed by surface number of SweepScene
-  std::shared_ptr<BeamTable> beams_;     // of a repeating pattern; otherwise of the first sweep
+  std::shared_ptr<BeamTable> beams_;     // beams of a repeating pattern, otherwise of the first sweep
   LidarTiler tiler_;
   std::vector<LidarTile> tiles_;
   std::vector<float> range_normals_;  // (beams), of the current sweep

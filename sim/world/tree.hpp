@@ -34,7 +34,7 @@ struct Crown {
   double lean_y = 0.0;
 
   double outer_radius_m(double z_m) const;
-  double inner_radius_m(double z_m) const;  ///< of the leafless core
+  double inner_radius_m(double z_m) const;  ///< leafless core
   bool contains(const Eigen::Vector3d& point_tree_m) const;
 };
 

@@ -33,7 +33,8 @@ struct RosConfig {
 /// A valid name for ROS topics and frames: letters, digits and underscores; any other character becomes an underscore.
 std::string ros_name(std::string name);
 
-/// The expectation for a vehicle's or LiDAR's name that ROS does not accept beside the others; empty: it is accepted.
+/// Expectation for messages when ROS does not accept the name of a vehicle or LiDAR together with `taken`; empty:
+/// accepted.
 /// @param taken  accepted names by their ROS form; `name` is added
 std::string expected_ros_name(const std::string& name, std::map<std::string, std::string>& taken);
 
