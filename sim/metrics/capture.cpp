@@ -13,16 +13,15 @@ namespace swiftlet::sim {
 namespace {
 
 // Reported metrics:
-constexpr MetricDefinition kCaptures = {
-    "captures", "",
-    "how often another vehicle flew into the net; the same one counts again once it has "
-    "been farther than the net's rearm_m"};
-constexpr MetricDefinition kTimeToFirstCapture = {"time_to_first_capture_s", "s", "when the first one did"};
+constexpr MetricDefinition kCaptures = {"captures", "",
+                                        "number of times that another vehicle flew into the net; a vehicle counts "
+                                        "again once it has been farther than the net's rearm_m"};
+constexpr MetricDefinition kTimeToFirstCapture = {"time_to_first_capture_s", "s", "time of the first capture"};
 constexpr MetricDefinition kCapturesPerMin = {"captures_per_min", "1/min", "captures / time until the own crash"};
 constexpr MetricDefinition kCaptureMiss = {"capture_miss_mean_m", "m",
-                                           "mean distance from the middle of the net to where a target met it"};
+                                           "mean distance from the center of the net to the meeting point of a target"};
 constexpr MetricDefinition kLeastNetDistance = {
-    "least_net_distance_m", "m", "least distance from the middle of the net to another vehicle in any tick"};
+    "least_net_distance_m", "m", "least distance from the center of the net to another vehicle in any tick"};
 constexpr MetricDefinition kCaptureDefinitions[] = {kCaptures, kTimeToFirstCapture, kCapturesPerMin, kCaptureMiss,
                                                     kLeastNetDistance};
 
@@ -105,7 +104,7 @@ class CaptureMetric final : public Metric {
 }  // namespace
 
 MetricType capture_metric() {
-  return {"capture", "who was caught in whose net, and when", make_metric<CaptureMetric>, kCaptureDefinitions};
+  return {"capture", "captures of vehicles by the nets of others", make_metric<CaptureMetric>, kCaptureDefinitions};
 }
 
 }  // namespace swiftlet::sim

@@ -10,25 +10,23 @@ namespace swiftlet::sim {
 namespace {
 
 // Reported metrics:
-constexpr MetricDefinition kSeparation = {
-    "min_separation_m", "m",
-    "least distance between the centers of two vehicles in any tick; of a vehicle: from "
-    "it to any other, until it crashes"};
+constexpr MetricDefinition kSeparation = {"min_separation_m", "m",
+                                          "least distance between the centers of two vehicles in any tick; for a "
+                                          "vehicle: to any other one, until it crashes"};
 constexpr MetricDefinition kSeparationTime = {"min_separation_time_s", "s",
-                                              "when the least separation of the run was reached first"};
+                                              "time at which the least separation of the run is first reached"};
 constexpr MetricDefinition kSeparationPair = {"min_separation_pair", "",
                                               "the two vehicles of the least separation of the run, or none"};
-constexpr MetricDefinition kSurface = {
-    "min_clearance_surface_m", "m",
-    "least distance from the circumscribed sphere of the vehicle to a surface of the world, "
-    "once it has been clear of all; at most metrics.clearance_max_m"};
-constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s", "when that was reached first"};
+constexpr MetricDefinition kSurface = {"min_clearance_surface_m", "m",
+                                       "least distance from the circumscribed sphere of the vehicle to a surface of "
+                                       "the world, from its first positive value on; at most metrics.clearance_max_m"};
+constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s", "time at which it is first reached"};
 constexpr MetricDefinition kOther = {
     "min_clearance_vehicle_m", "m",
     "least distance between the circumscribed spheres of the vehicle and another one; negative: they overlap"};
-constexpr MetricDefinition kOtherTime = {"min_clearance_vehicle_time_s", "s", "when that was reached first"};
+constexpr MetricDefinition kOtherTime = {"min_clearance_vehicle_time_s", "s", "time at which it is first reached"};
 constexpr MetricDefinition kOtherPartner = {"min_clearance_vehicle_partner", "",
-                                            "the other vehicle of that moment, or none"};
+                                            "the other vehicle at that time, or none"};
 constexpr MetricDefinition kSeparationPartner = {"min_separation_partner", "",
                                                  "the other vehicle of the least separation, or none"};
 constexpr MetricDefinition kClearanceDefinitions[] = {kSeparation, kSeparationTime, kSeparationPair,

@@ -17,64 +17,63 @@ constexpr MetricDefinition kDetectionRecall = {
     "share of flying vehicles within metrics.detection_range_m for which there is a "
     "detection, counted for each scan [Vrba 2025, eq. 71]"};
 constexpr MetricDefinition kDetectionRecallVisible = {"detection_recall_visible", "",
-                                                      "the same, of the vehicles that have a return in the scan"};
+                                                      "recall over the vehicles with a return in the scan"};
 constexpr MetricDefinition kDetectionPrecision = {
     "detection_precision", "",
-    "share of detections that are a flying vehicle's; those of vehicles on the ground do not count"};
+    "share of detections assigned to a flying vehicle; detections of vehicles on the ground are not counted"};
 constexpr MetricDefinition kDetectionErrorMean = {
     "detection_error_mean_m", "m",
-    "mean of |estimated - true position| of what was found; truth at the instant of the detection, in the frame that "
-    "the observer believes in [Vrba 2025, eq. 68]"};
+    "mean of |estimated - true position| of found vehicles; truth at the time of the detection, transformed to the "
+    "observer's estimated world [Vrba 2025, eq. 68]"};
 constexpr MetricDefinition kDetectionErrorStd = {"detection_error_std_m", "m", "standard deviation of that error"};
 constexpr MetricDefinition kDetectionLatency = {
-    "detection_latency_s", "s",
-    "mean time from the instant of which a detection tells to the tick in which it is there"};
-constexpr MetricDefinition kFalseDetections = {
-    "false_detections_per_min", "1/min",
-    "detections a minute that are nobody's: farther than metrics.true_positive_m "
-    "from every vehicle, or a second one of it [Vrba 2025, eq. 67]"};
+    "detection_latency_s", "s", "mean time from the time of validity of a detection to the tick of its report"};
+constexpr MetricDefinition kFalseDetections = {"false_detections_per_min", "1/min",
+                                               "false detections per minute: farther than metrics.true_positive_m from "
+                                               "every vehicle, or a second one of a vehicle [Vrba 2025, eq. 67]"};
 constexpr MetricDefinition kTimeToFirstDetection = {
     "time_to_first_detection_s", "s",
-    "mean time from the first scan that shows a vehicle within metrics.detection_range_m to its first detection, of "
-    "those that were found"};
+    "mean time from the first scan with a return of a vehicle within metrics.detection_range_m to its first detection, "
+    "over found vehicles"};
 constexpr MetricDefinition kTrackRecall = {
     "track_recall", "",
     "share of flying vehicles within metrics.detection_range_m for which there is a "
     "track, counted for each scan [Vrba 2025, eq. 71]"};
 constexpr MetricDefinition kTrackRecallVisible = {"track_recall_visible", "",
-                                                  "the same, of the vehicles that have a return in the scan"};
+                                                  "recall over the vehicles with a return in the scan"};
 constexpr MetricDefinition kTrackPrecision = {
-    "track_precision", "", "share of tracks that are a flying vehicle's; those of vehicles on the ground do not count"};
+    "track_precision", "",
+    "share of tracks assigned to a flying vehicle; tracks of vehicles on the ground are not counted"};
 constexpr MetricDefinition kTrackErrorMean = {
     "track_error_mean_m", "m",
-    "mean of |estimated - true position| of what was found; truth at the instant of "
-    "the track, in the frame that the observer believes in [Vrba 2025, eq. 68]"};
+    "mean of |estimated - true position| of found vehicles; truth at the time of the track, transformed to the "
+    "observer's estimated world [Vrba 2025, eq. 68]"};
 constexpr MetricDefinition kTrackErrorStd = {"track_error_std_m", "m", "standard deviation of that error"};
-constexpr MetricDefinition kTrackLatency = {
-    "track_latency_s", "s", "mean time from the instant of which a track tells to the tick in which it is there"};
+constexpr MetricDefinition kTrackLatency = {"track_latency_s", "s",
+                                            "mean time from the time of validity of a track to the tick of its report"};
 constexpr MetricDefinition kTrackSpeedError = {"track_speed_error_mean_mps", "m/s",
                                                "mean of |estimated speed - true speed| [Vrba 2025, eq. 69]"};
 constexpr MetricDefinition kTrackDirectionError = {
     "track_direction_error_mean_rad", "rad",
-    "mean angle between estimated and true velocity, of vehicles that move [Vrba 2025, eq. 70]"};
+    "mean angle between estimated and true velocity of moving vehicles [Vrba 2025, eq. 70]"};
 constexpr MetricDefinition kFalseTracks = {"false_tracks_per_min", "1/min",
-                                           "tracks a minute that never were a vehicle's"};
+                                           "tracks per minute that are never assigned to a vehicle"};
 constexpr MetricDefinition kTimeToFirstTrack = {
     "time_to_first_track_s", "s",
-    "mean time from the first scan that shows a vehicle to its first track, of those that were found"};
+    "mean time from the first scan with a return of a vehicle to its first track, over found vehicles"};
 constexpr MetricDefinition kIdentitySwitches = {"track_identity_switches", "",
-                                                "how often a vehicle's track had another number than its last one"};
+                                                "number of changes of the track number assigned to a vehicle"};
 constexpr MetricDefinition kCrossAssociations = {"track_cross_associations", "",
-                                                 "how often a track went from one vehicle to another"};
+                                                 "number of changes of the vehicle assigned to a track"};
 constexpr MetricDefinition kTrackOspa = {
     "track_ospa_m", "m",
     "mean optimal subpattern assignment of order 1 between vehicles in range and tracks, "
     "cut off at metrics.true_positive_m (Schuhmacher et al. 2008)"};
 constexpr MetricDefinition kTrackNees = {
-    "track_nees", "", "mean normalized error squared of tracked positions; 3 when the covariances are right"};
+    "track_nees", "", "mean normalized error squared of tracked positions; 3 for correct covariances"};
 constexpr MetricDefinition kTrackNeesWithin95 = {
     "track_nees_within_95", "",
-    "share of these within 95 % of chi-square with 3 degrees of freedom; 0.95 when the covariances are right"};
+    "share of these within the 95 % quantile of chi-square with 3 degrees of freedom; 0.95 for correct covariances"};
 constexpr MetricDefinition kDetectionDefinitions[] = {kDetectionRecall,    kDetectionRecallVisible,
                                                       kDetectionPrecision, kDetectionErrorMean,
                                                       kDetectionErrorStd,  kDetectionLatency,
@@ -558,7 +557,7 @@ class DetectionMetric final : public Metric {
 }  // namespace
 
 MetricType detection_metric() {
-  return {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
+  return {"detection", "detections and tracks against the true vehicles [Vrba 2025, eqs. 67-71]",
           make_metric<DetectionMetric>, kDetectionDefinitions};
 }
 

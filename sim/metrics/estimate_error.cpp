@@ -19,7 +19,7 @@ constexpr MetricDefinition kAteRmse = {
     "absolute trajectory error: root mean square after the best alignment in position and "
     "yaw (Zhang and Scaramuzza 2018, sec. III)"};
 constexpr MetricDefinition kYawRmse = {"estimate_yaw_rmse_rad", "rad",
-                                       "root mean square of the estimated less the true heading, within half a turn"};
+                                       "root mean square of estimated minus true heading, wrapped to half a turn"};
 constexpr MetricDefinition kYawMax = {"estimate_yaw_max_rad", "rad", "greatest error of the heading"};
 constexpr MetricDefinition kVelocityRmse = {"estimate_velocity_rmse_mps", "m/s",
                                             "root mean square of |estimated - true velocity|, world frame"};

@@ -17,22 +17,22 @@ namespace {
 
 // Reported metrics:
 constexpr MetricDefinition kJoinedAt = {"joined_s", "s",
-                                        "when the map was joined with that of another vehicle for the first time"};
+                                        "time at which the map was first joined with that of another vehicle"};
 constexpr MetricDefinition kJoinedRmse = {
     "joined_position_rmse_m", "m",
-    "root mean square of |told - true place of another vehicle|, by its local frame as joined with the own one, seen "
-    "from the own body, over the ticks in which the maps are joined"};
-constexpr MetricDefinition kJoinedMax = {"joined_position_max_m", "m", "greatest of the same"};
-constexpr MetricDefinition kJoinedEnd = {"joined_position_end_m", "m", "the same in the last of these ticks"};
+    "root mean square of |estimated - true position of another vehicle|, computed from the joined local frames, "
+    "relative to the own body, over the ticks with joined maps"};
+constexpr MetricDefinition kJoinedMax = {"joined_position_max_m", "m", "greatest of these errors"};
+constexpr MetricDefinition kJoinedEnd = {"joined_position_end_m", "m", "error in the last of these ticks"};
 constexpr MetricDefinition kJoinedYawRmse = {
-    "joined_yaw_rmse_rad", "rad", "root mean square of the error of that vehicle's heading, seen from the own one"};
-constexpr MetricDefinition kJoinedYawEnd = {"joined_yaw_end_rad", "rad", "the same in the last of these ticks"};
-constexpr MetricDefinition kJoinedNees = {
-    "joined_nees", "", "mean normalized error squared of that place; 3 when the covariances are right"};
-constexpr MetricDefinition kLooksSent = {"map_looks_bytes", "B", "descriptors of submaps that it sent, with headers"};
-constexpr MetricDefinition kCloudsSent = {"map_clouds_bytes", "B", "clouds of submaps that it sent, with headers"};
+    "joined_yaw_rmse_rad", "rad", "root mean square error of that vehicle's heading relative to the own one"};
+constexpr MetricDefinition kJoinedYawEnd = {"joined_yaw_end_rad", "rad", "error in the last of these ticks"};
+constexpr MetricDefinition kJoinedNees = {"joined_nees", "",
+                                          "mean normalized error squared of that position; 3 for correct covariances"};
+constexpr MetricDefinition kLooksSent = {"map_looks_bytes", "B", "sent descriptors of submaps, with headers"};
+constexpr MetricDefinition kCloudsSent = {"map_clouds_bytes", "B", "sent clouds of submaps, with headers"};
 constexpr MetricDefinition kWordsSent = {
-    "map_words_bytes", "B", "all else that it said about maps: places, requests and closures, with headers"};
+    "map_words_bytes", "B", "all other sent messages about maps: positions, requests and closures, with headers"};
 constexpr MetricDefinition kJoinedMapsDefinitions[] = {kJoinedAt,      kJoinedRmse,   kJoinedMax,  kJoinedEnd,
                                                        kJoinedYawRmse, kJoinedYawEnd, kJoinedNees, kLooksSent,
                                                        kCloudsSent,    kWordsSent};
@@ -116,7 +116,7 @@ class JoinedMapsMetric final : public Metric {
 }  // namespace
 
 MetricType joined_maps_metric() {
-  return {"joined_maps", "maps of SLAM that vehicles joined by radio, against truth", make_metric<JoinedMapsMetric>,
+  return {"joined_maps", "maps of SLAM joined by radio, against truth", make_metric<JoinedMapsMetric>,
           kJoinedMapsDefinitions};
 }
 

@@ -31,10 +31,11 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 }  // namespace
 
 void MetricsConfig::visit(ConfigVisitor& v) {
-  v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
+  v.field("clearance_max_m", clearance_max_m, "[m] larger clearances are reported as this", Range::positive());
   v.field("true_positive_m", true_positive_m,
-          "[m] a detection or track nearer than this to a vehicle is that vehicle's", Range::positive());
-  v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
+          "[m] largest distance of a detection or track from the vehicle that it is assigned to", Range::positive());
+  v.field("detection_range_m", detection_range_m, "[m] vehicles within this distance count for recall",
+          Range::positive());
   v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
           Range::between(0.001, 1e6));
   v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");

@@ -9,16 +9,14 @@ namespace {
 constexpr MetricDefinition kFlightTime = {
     "flight_time_s", "s",
     "time off the ground and not crashed: a vehicle at rest nearer to a surface than its own radius stands on it"};
-constexpr MetricDefinition kPathLength = {
-    "path_length_m", "m", "length of the true path while it flies, summed from tick to tick; world frame"};
-constexpr MetricDefinition kMeanSpeed = {"mean_speed_mps", "m/s",
-                                         "path_length_m / flight_time_s; 0 when it never flew"};
+constexpr MetricDefinition kPathLength = {"path_length_m", "m",
+                                          "length of the true path in flight, summed over ticks; world frame"};
+constexpr MetricDefinition kMeanSpeed = {"mean_speed_mps", "m/s", "path_length_m / flight_time_s; 0 without flight"};
 constexpr MetricDefinition kMaxSpeed = {"max_speed_mps", "m/s",
-                                        "greatest true speed in any tick while it flies; world frame"};
+                                        "greatest true speed in any tick in flight; world frame"};
 constexpr MetricDefinition kMaxAcceleration = {
     "max_acceleration_mps2", "m/s^2",
-    "greatest change of the true velocity over a tick, divided by the tick, while "
-    "it flies; world frame, without gravity"};
+    "greatest change of the true velocity over a tick in flight, divided by the tick; world frame, without gravity"};
 constexpr MetricDefinition kMotionDefinitions[] = {kFlightTime, kPathLength, kMeanSpeed, kMaxSpeed, kMaxAcceleration};
 
 /// True motion during flight. Accelerations are averaged over a tick.

@@ -9,26 +9,23 @@ namespace swiftlet::sim {
 namespace {
 
 // Reported metrics:
-constexpr MetricDefinition kOutcome = {"outcome", "",
-                                       "how the run ended for a vehicle; for the run: the worst of its vehicles"};
-constexpr MetricDefinition kTimeToDone = {
-    "time_to_done_s", "s",
-    "when the agent first said that its mission is done; the time from the start of the run; none for a vehicle that "
-    "crashed"};
+constexpr MetricDefinition kOutcome = {"outcome", "", "outcome of a vehicle; for the run: the worst of its vehicles"};
+constexpr MetricDefinition kTimeToDone = {"time_to_done_s", "s",
+                                          "time from the start of the run to the agent's first report that its mission "
+                                          "is done; none for a vehicle that crashed"};
 constexpr MetricDefinition kCrashTime = {"crash_time_s", "s",
-                                         "the first contact that counts as a crash, exact within the tick"};
+                                         "time of the first contact that counts as a crash, exact within the tick"};
 constexpr MetricDefinition kCrashPartner = {"crash_partner", "",
-                                            "what it touched: a vehicle, a class of surfaces, or none"};
+                                            "other party of the crash: a vehicle, a class of surfaces, or none"};
 constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCrashTime, kCrashPartner};
 
 // From best to worst: the outcome of a run is the worst of its vehicles.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
 constexpr std::array<OutcomeWord, 4> kOutcomes = {{
-    {"done",
-     "the agent said that its mission is done, or nets caught as many targets as they should, by true positions"},
-    {"timeout", "the run ended before the agent said that its mission is done or has failed"},
-    {"failed", "the agent gave up; its last mission event in events.jsonl tells why"},
-    {"crashed", "the vehicle touched something; that outweighs whatever its mission says, also after it was done"},
+    {"done", "the agent reported its mission as done, or all required captures were made, by true positions"},
+    {"timeout", "the run ended before the agent reported its mission as done or failed"},
+    {"failed", "the agent reported failure; its last mission event in events.jsonl gives the reason"},
+    {"crashed", "the vehicle crashed; overrides the status of its mission, even after it was done"},
 }};
 
 const char* word_for(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
@@ -118,8 +115,7 @@ class OutcomeMetric final : public Metric {
 std::span<const OutcomeWord> outcome_words() { return kOutcomes; }
 
 MetricType outcome_metric() {
-  return {"outcome", "how the mission of each vehicle ended, and when", make_metric<OutcomeMetric>,
-          kOutcomeDefinitions};
+  return {"outcome", "outcome and end time of each vehicle's mission", make_metric<OutcomeMetric>, kOutcomeDefinitions};
 }
 
 }  // namespace swiftlet::sim

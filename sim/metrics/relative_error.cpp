@@ -11,18 +11,16 @@ namespace swiftlet::sim {
 namespace {
 
 // Reported metrics:
-constexpr MetricDefinition kRelativeMae = {
-    "relative_position_mae_m", "m",
-    "mean of |believed - true place of the other vehicle|, both seen from the own body, "
-    "over the ticks with an estimate"};
-constexpr MetricDefinition kRelativeRmse = {"relative_position_rmse_m", "m", "root mean square of the same"};
-constexpr MetricDefinition kRelativeMax = {"relative_position_max_m", "m", "greatest of the same"};
+constexpr MetricDefinition kRelativeMae = {"relative_position_mae_m", "m",
+                                           "mean of |estimated - true position of the other vehicle|, both relative to "
+                                           "the own body, over the ticks with an estimate"};
+constexpr MetricDefinition kRelativeRmse = {"relative_position_rmse_m", "m", "root mean square of these errors"};
+constexpr MetricDefinition kRelativeMax = {"relative_position_max_m", "m", "greatest of these errors"};
 constexpr MetricDefinition kRelativeYawRmse = {
-    "relative_yaw_rmse_rad", "rad",
-    "root mean square of the error of the other vehicle's heading, seen from the own one"};
+    "relative_yaw_rmse_rad", "rad", "root mean square error of the other vehicle's heading relative to the own one"};
 constexpr MetricDefinition kRelativeNees = {
-    "relative_nees", "", "mean normalized error squared of that place; 3 when the covariances are right"};
-constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "how long there was an estimate"};
+    "relative_nees", "", "mean normalized error squared of that position; 3 for correct covariances"};
+constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "time with an estimate"};
 constexpr MetricDefinition kRelativeErrorDefinitions[] = {kRelativeMae,     kRelativeRmse, kRelativeMax,
                                                           kRelativeYawRmse, kRelativeNees, kRelativeKnown};
 
@@ -103,8 +101,8 @@ class RelativeErrorMetric final : public Metric {
 }  // namespace
 
 MetricType relative_error_metric() {
-  return {"relative_error", "relative localization against where the other vehicle is",
-          make_metric<RelativeErrorMetric>, kRelativeErrorDefinitions};
+  return {"relative_error", "relative localization against the true relative pose", make_metric<RelativeErrorMetric>,
+          kRelativeErrorDefinitions};
 }
 
 }  // namespace swiftlet::sim

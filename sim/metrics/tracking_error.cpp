@@ -6,15 +6,14 @@ namespace swiftlet::sim {
 namespace {
 
 // Reported metrics:
-constexpr MetricDefinition kTrackingRms = {
-    "tracking_error_rms_m", "m",
-    "root mean square of |true position - reference|, behind the reference governor, "
-    "while it flies with a valid estimate; world frame"};
+constexpr MetricDefinition kTrackingRms = {"tracking_error_rms_m", "m",
+                                           "root mean square of |true position - reference| after the reference "
+                                           "governor, in flight with a valid estimate; world frame"};
 constexpr MetricDefinition kTrackingMax = {"tracking_error_max_m", "m",
                                            "greatest |true position - reference| of these ticks"};
 constexpr MetricDefinition kControlRms = {
     "control_error_rms_m", "m",
-    "root mean square of |estimated position - reference|: the share of the controller alone"};
+    "root mean square of |estimated position - reference|: the contribution of the controller"};
 constexpr MetricDefinition kControlMax = {"control_error_max_m", "m",
                                           "greatest |estimated position - reference| of these ticks"};
 constexpr MetricDefinition kTrackingErrorDefinitions[] = {kTrackingRms, kTrackingMax, kControlRms, kControlMax};

@@ -16,11 +16,11 @@ struct CaptureRecord {
   Vector3 p_world_m = Vector3::Zero();  ///< position of the target
 
   static void visit(auto& c, auto& v) {
-    v.time("t_s", c.t, "[s] when");
-    v.vehicle("target", c.target, "[-] who was caught");
-    v.field("number", c.number, "[-] of the interceptor's captures, from 1");
-    v.field("miss_m", c.miss_m, "[m] from the middle of the net to where it was met");
-    v.field("relative_speed_mps", c.relative_speed_mps, "[m/s] of target and net");
+    v.time("t_s", c.t, "[s] time of the capture");
+    v.vehicle("target", c.target, "[-] captured vehicle");
+    v.field("number", c.number, "[-] running number of the interceptor's captures, from 1");
+    v.field("miss_m", c.miss_m, "[m] distance from the center of the net to the meeting point");
+    v.field("relative_speed_mps", c.relative_speed_mps, "[m/s] relative speed of target and net");
     v.field("position_*_m", c.p_world_m, "[m] true position of the target in the world");
   }
 };

@@ -25,19 +25,20 @@ struct DetectionScore {
 
   static void visit(auto& s, auto& v) {
     static constexpr const char* kStages[] = {"detector", "tracker"};
-    v.time("t_s", s.t, "[s] for which the estimate holds; the middle of the sweep for a target that was missed");
+    v.time("t_s", s.t, "[s] time of validity of the estimate; for a missed target, the middle of the sweep");
     v.choice("stage", s.stage, kStages, "[-] detector or tracker");
     v.vehicle("target", s.target, "[-] empty: a false estimate");
     v.field("distance_m", s.distance_m,
-            "[m] true, from the observer to the target (a false estimate: to the estimate)");
-    v.field("visible_points", s.visible_points, "[-] returns of the scan on the target; -1: there was no scan");
-    v.field("found", s.found, "[-] 1: an estimate lies near enough");
+            "[m] true distance from the observer to the target (false estimate: to the estimate)");
+    v.field("visible_points", s.visible_points, "[-] returns of the scan on the target; -1: no scan");
+    v.field("found", s.found, "[-] 1: an estimate lies within metrics.true_positive_m");
     v.field("id", s.track_id, "[-] identity of the track");
-    v.field("position_error_m", s.position_error_m, "[m] of the position [Vrba 2025, eq. 68]");
-    v.field("speed_error_mps", s.speed_error_mps, "[m/s] eq. 69");
-    v.field("direction_error_rad", s.direction_error_rad, "[rad] eq. 70, of targets that move");
-    v.field("nees", s.nees, "[-] squared error of the position over its covariance");
-    v.field("latency_s", s.latency_s, "[s] from t_s until it was told");
+    v.field("position_error_m", s.position_error_m, "[m] error of the position [Vrba 2025, eq. 68]");
+    v.field("speed_error_mps", s.speed_error_mps, "[m/s] error of the speed [eq. 69]");
+    v.field("direction_error_rad", s.direction_error_rad,
+            "[rad] error of the direction of motion [eq. 70], only for moving targets");
+    v.field("nees", s.nees, "[-] normalized estimation error squared of the position");
+    v.field("latency_s", s.latency_s, "[s] from t_s to the report");
   }
 };
 

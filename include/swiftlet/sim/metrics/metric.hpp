@@ -95,10 +95,10 @@ std::span<const OutcomeWord> outcome_words();
 
 /// Radio metrics in tables of batches.
 struct RadioMetrics {
-  MetricDefinition sent = {"radio_sent", "", "messages that vehicles handed to their radios"};
+  MetricDefinition sent = {"radio_sent", "", "messages posted by the vehicles"};
   MetricDefinition delivered = {"radio_delivered", "",
                                 "receptions: a message that three vehicles receive counts three times"};
-  MetricDefinition bytes = {"radio_bytes", "B", "of the messages sent, headers included"};
+  MetricDefinition bytes = {"radio_bytes", "B", "size of the sent messages, headers included"};
   MetricDefinition mean_delay = {"radio_mean_delay_s", "s", "mean time from sending to reception"};
 };
 inline constexpr RadioMetrics kRadioMetrics;

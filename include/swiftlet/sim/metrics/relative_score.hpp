@@ -19,17 +19,16 @@ struct RelativeScore {
   double unseen_s = 0.0;
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when");
-    v.vehicle("other", s.other, "[-] who was localized");
+    v.time("t_s", s.t, "[s] time of the score");
+    v.vehicle("other", s.other, "[-] localized vehicle");
     v.field("distance_m", s.distance_m, "[m] true distance between the two");
     v.field("error_*_m", s.error_world_m,
             "[m] error of the position relative to the observer, in the axes of the world");
     v.field("yaw_error_rad", s.yaw_error_rad, "[rad] error of the heading relative to the observer");
-    v.field("sigma_m", s.sigma_m, "[m] standard deviation of the position that was told, over all axes");
-    v.field("sigma_yaw_rad", s.sigma_yaw_rad, "[rad] standard deviation of the heading that was told");
-    v.field("nees", s.nees,
-            "[-] squared error of the position in standard deviations; 3 in the mean when they are true");
-    v.field("unseen_s", s.unseen_s, "[s] since it was last seen");
+    v.field("sigma_m", s.sigma_m, "[m] reported standard deviation of the position, over all axes");
+    v.field("sigma_yaw_rad", s.sigma_yaw_rad, "[rad] reported standard deviation of the heading");
+    v.field("nees", s.nees, "[-] normalized estimation error squared of the position; mean 3 for a correct covariance");
+    v.field("unseen_s", s.unseen_s, "[s] time since the last sighting");
   }
 };
 
