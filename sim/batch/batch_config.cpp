@@ -48,22 +48,23 @@ std::string element(const char* list, std::size_t index, const char* key) {
 }  // namespace
 
 void VariantConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] unique word");
-  v.field("scenario", scenario, "[-] file or name of its scenario, normally one with `base:`; empty: the batch's");
+  v.field("name", name, "[-] unique name of the variant");
+  v.field("scenario", scenario,
+          "[-] file or name of its scenario, normally one with `base:`; empty: the batch's scenario");
   v.changes("set", set, "[-] changes to the scenario");
 }
 
 void ParameterConfig::visit(ConfigVisitor& v) {
-  v.field("key", key, "[-] of the scenario: world.stems_per_ha, vehicles[*].agent.guidance.speed_mps, ...");
-  v.field("name", name, "[-] of its column in the results; empty: the last word of the key");
-  v.choice("law", law, kLaws, "[-] where its values come from: the list, or a distribution");
+  v.field("key", key, "[-] key of the scenario: world.stems_per_ha, vehicles[*].agent.guidance.speed_mps, ...");
+  v.field("name", name, "[-] name of the column in the results; empty: the last word of the key");
+  v.choice("law", law, kLaws, "[-] source of the values: the list, or a distribution");
   v.field("values", values, "[-] law values: the list; drawn with equal probability when sampled");
   v.field("min", min, "[-] uniform, log_uniform, integer: least value, in the unit of the key");
   v.field("max", max, "[-] uniform, log_uniform, integer: greatest value");
-  v.field("mean", mean, "[-] normal: in the unit of the key");
-  v.field("sd", sd, "[-] normal: standard deviation before the cut", Range::positive());
-  v.field("cut_sd", cut_sd, "[-] normal: nothing is drawn beyond mean -+ cut_sd * sd", Range{0.0, 8.0, true});
-  v.field("steps", steps, "[-] grid, list: a uniform, log_uniform or integer law as so many evenly spaced values",
+  v.field("mean", mean, "[-] normal: mean, in the unit of the key");
+  v.field("sd", sd, "[-] normal: standard deviation before truncation", Range::positive());
+  v.field("cut_sd", cut_sd, "[-] normal: truncated at mean -+ cut_sd * sd", Range{0.0, 8.0, true});
+  v.field("steps", steps, "[-] grid, list: number of evenly spaced values of a uniform, log_uniform or integer law",
           Range::between(1, 100'000));
   v.check(!key.empty(), "key", "the key that is swept");
   v.check(law != ParameterConfig::Law::kValues || !values.empty(), "values", "at least one value");
@@ -78,10 +79,10 @@ void ParameterConfig::visit(ConfigVisitor& v) {
 
 void SweepConfig::visit(ConfigVisitor& v) {
   v.choice("method", method, {"grid", "list", "latin_hypercube", "random"},
-           "[-] all combinations; the lists side by side; stratified or independent samples of the laws");
+           "[-] all combinations; i-th values of all lists; stratified or independent samples of the laws");
   v.field("samples", samples, "[-] latin_hypercube, random: number of points", Range::between(1, 1'000'000));
-  v.field("seed", seed, "[-] latin_hypercube, random: of the sampling");
-  v.list("parameters", parameters, "what is swept; none: a single point");
+  v.field("seed", seed, "[-] latin_hypercube, random: seed of the sampling");
+  v.list("parameters", parameters, "swept parameters; none: a single point");
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const bool sampled = method == SweepConfig::Method::kLatinHypercube || method == SweepConfig::Method::kRandom;
     v.check(sampled || parameters[i].law != ParameterConfig::Law::kNormal, element("parameters", i, "law").c_str(),
@@ -107,14 +108,15 @@ void SeedsConfig::visit(ConfigVisitor& v) {
 void SlurmConfig::visit(ConfigVisitor& v) {
   v.field("partition", partition, "[-] empty: the cluster's default");
   v.field("account", account, "[-] empty: the user's default");
-  v.field("episodes_per_task", episodes_per_task, "[-] of one array task; 0: 20 for each of its processors",
+  v.field("episodes_per_task", episodes_per_task, "[-] episodes per array task; 0: 20 for each of its processors",
           Range::non_negative());
   v.field("cpus_per_task", cpus_per_task, "[-] worker processes of a task", Range::between(1, 4096));
-  v.field("max_running_tasks", max_running_tasks, "[-] tasks that run at a time; 0: no limit", Range::non_negative());
-  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] asked for; a worker is held below 90 % of it",
-          Range::positive());
-  v.field("time_limit_min", time_limit_min, "[min] of one task; 0: what its episodes need if each takes timeout_s",
+  v.field("max_running_tasks", max_running_tasks, "[-] largest number of concurrent tasks; 0: no limit",
           Range::non_negative());
+  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] requested memory; workers are limited to 90 % of it",
+          Range::positive());
+  v.field("time_limit_min", time_limit_min,
+          "[min] time limit of one task; 0: sufficient if each episode takes timeout_s", Range::non_negative());
   v.field("options", options, "[-] more options of sbatch, such as --constraint=avx2");
   v.check(is_slurm_name(partition), "partition", "names of letters, digits, '_', '-' and '.', separated by commas");
   v.check(is_slurm_name(account), "account", "names of letters, digits, '_', '-' and '.', separated by commas");
@@ -125,30 +127,31 @@ void SlurmConfig::visit(ConfigVisitor& v) {
 }
 
 void ReportConfig::visit(ConfigVisitor& v) {
-  v.field("metrics", metrics, "[-] shown with plots; none: those that vary most tellingly");
+  v.field("metrics", metrics, "[-] metrics shown with plots; none: chosen by their variance between groups");
   v.field("worst_by", worst_by, "[-] metric by which the worst episodes are chosen; empty: the first of the metrics");
-  v.choice("worst_is", worst_is, {"high", "low"}, "[-] which end of it is bad");
+  v.choice("worst_is", worst_is, {"high", "low"}, "[-] whether high or low values of that metric are worst");
 }
 
 void BatchConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] of the batch");
-  v.field("description", description, "[-] one sentence about it");
+  v.field("name", name, "[-] name of the batch");
+  v.field("description", description, "[-] one sentence about the batch");
   v.field("scenario", scenario, "[-] file (relative to this one) or name of a scenario");
   v.changes("set", set, "[-] changes to the scenario, for every episode");
-  v.list("variants", variants,
-         "settings that are compared, the first being the reference; none: the scenario as it is");
-  v.object("sweep", sweep, "parameters of which every value is flown");
-  v.object("seeds", seeds, "every point and variant is flown with each of them");
-  v.field("threads", threads, "[-] of one episode; workers (--jobs) are what makes a batch fast",
+  v.list("variants", variants, "compared settings, the first is the reference; none: the unchanged scenario");
+  v.object("sweep", sweep, "swept parameters and the choice of points");
+  v.object("seeds", seeds, "random seeds of the episodes, combined with the points by pairing");
+  v.field("threads", threads, "[-] threads per episode; more workers (--jobs) speed up a batch better",
           Range::between(1, 1024));
-  v.field("timeout_s", timeout_s, "[s] of wall time for one episode, which is then recorded as timed_out; 0: none",
+  v.field("timeout_s", timeout_s,
+          "[s] wall time limit of one episode, beyond which it is recorded as timed_out; 0: none",
           Range::non_negative());
   v.field("memory_limit_mb", memory_limit_mb,
-          "[MiB] of one worker; beyond it an episode is recorded as out_of_memory; 0: none", Range::non_negative());
-  v.field("episodes_per_worker", episodes_per_worker, "[-] after which a worker process is replaced; 0: never",
+          "[MiB] limit of one worker, beyond which an episode is recorded as out_of_memory; 0: none",
           Range::non_negative());
-  v.object("slurm", slurm, "what a cluster is asked for");
-  v.object("report", report, "what the report shows");
+  v.field("episodes_per_worker", episodes_per_worker,
+          "[-] number of episodes after which a worker process is replaced; 0: never", Range::non_negative());
+  v.object("slurm", slurm, "resources requested from a Slurm cluster");
+  v.object("report", report, "content of the report");
 
   v.check(is_word(name), "name", "a word of letters, digits, '_', '-' and '.'");
   bool has_scenario = !variants.empty();

@@ -70,15 +70,15 @@ std::string draw(const VariationConfig& variation, const Random& random, std::ui
 }  // namespace
 
 void VariationConfig::visit(ConfigVisitor& v) {
-  v.field(
-      "key", key,
-      "[-] key path in the scenario, such as world.stems_per_ha; vehicles[*]. stands for every vehicle, each with a "
-      "draw of its own");
-  v.choice("law", law, kLaws,
-           "[-] uniform in [min, max]; log_uniform: its logarithm is; whole: whole numbers; choice: one of choices");
+  v.field("key", key,
+          "[-] key path in the scenario, such as world.stems_per_ha; vehicles[*]. stands for every vehicle, with "
+          "independent draws");
+  v.choice(
+      "law", law, kLaws,
+      "[-] uniform in [min, max]; log_uniform: uniform in the logarithm; whole: whole numbers; choice: one of choices");
   v.field("min", min, "[-] least value, in the unit of the key");
   v.field("max", max, "[-] greatest value");
-  v.field("choices", choices, "[-] values of law choice, as one would write them in the scenario");
+  v.field("choices", choices, "[-] values of law choice, in the syntax of the scenario");
   v.check(!key.empty(), "key", "a key path of the scenario");
   v.check(min <= max, "max", "a number that is not below min");
   v.check(law != VariationConfig::Law::kLogUniform || min > 0.0, "min", "a number > 0 for law log_uniform");
@@ -89,30 +89,32 @@ void VariationConfig::visit(ConfigVisitor& v) {
 }
 
 void FlightConfig::visit(ConfigVisitor& v) {
-  v.field("speed_min_mps", speed_min_mps, "[m/s] slowest cruise; each vehicle draws its own", Range::positive());
-  v.field("speed_max_mps", speed_max_mps, "[m/s] fastest cruise", Range::positive());
-  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest, horizontal", Range::positive());
+  v.field("speed_min_mps", speed_min_mps, "[m/s] least cruise speed, drawn for each vehicle", Range::positive());
+  v.field("speed_max_mps", speed_max_mps, "[m/s] greatest cruise speed", Range::positive());
+  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest horizontal acceleration", Range::positive());
   v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] greatest", Range::positive());
   v.field("vertical_acceleration_mps2", vertical_acceleration_mps2, "[m/s^2] greatest", Range::positive());
   v.field("height_min_m", height_min_m, "[m] lowest flight above the ground", Range::positive());
   v.field("height_max_m", height_max_m, "[m] highest flight above the ground", Range::positive());
-  v.field("margin_m", margin_m, "[m] least distance from the sphere around the vehicle to any surface, as planned",
+  v.field("margin_m", margin_m, "[m] least planned distance from the sphere around the vehicle to any surface",
           Range::positive());
-  v.field("border_m", border_m, "[m] strip along the edge of the world where nobody flies", Range::non_negative());
+  v.field("border_m", border_m, "[m] width of the excluded strip along the edge of the world", Range::non_negative());
   v.choice("indoors", indoors, {"auto", "true", "false"},
            "[-] fly only inside walls; auto: in worlds whose walls enclose at least a tenth of the ground");
-  v.field("leg_min_m", leg_min_m, "[m] shortest distance from one goal to the next, in a straight line",
-          Range::positive());
-  v.field("leg_max_m", leg_max_m, "[m] longest", Range::positive());
-  v.field("revisit_share", revisit_share, "[-] share of goals that were visited before (closes loops)",
+  v.field("leg_min_m", leg_min_m, "[m] least straight-line distance between successive goals", Range::positive());
+  v.field("leg_max_m", leg_max_m, "[m] greatest straight-line distance between successive goals", Range::positive());
+  v.field("revisit_share", revisit_share, "[-] share of goals at already visited positions (closes loops)",
           Range::probability());
-  v.field("separation_m", separation_m, "[m] least distance between the centers of two vehicles, as planned",
+  v.field("separation_m", separation_m, "[m] least planned distance between the centers of two vehicles",
           Range::positive());
-  v.field("partner_min_m", partner_min_m,
-          "[m] the other vehicles choose goals at distances from the first one between this ...", Range::positive());
-  v.field("partner_max_m", partner_max_m, "[m] ... and this, evenly over the logarithm", Range::positive());
-  v.field("in_view_share", in_view_share, "[-] share of those goals that the first one can see", Range::probability());
-  v.field("cell_m", cell_m, "[m] grid in which paths are searched", Range::positive());
+  v.field("partner_min_m", partner_min_m, "[m] least distance of the other vehicles' goals from the first vehicle",
+          Range::positive());
+  v.field("partner_max_m", partner_max_m,
+          "[m] greatest distance of the other vehicles' goals from the first vehicle; uniform in the logarithm",
+          Range::positive());
+  v.field("in_view_share", in_view_share, "[-] share of the other vehicles' goals visible from the first vehicle",
+          Range::probability());
+  v.field("cell_m", cell_m, "[m] cell size of the grid for path search", Range::positive());
   v.check(speed_min_mps <= speed_max_mps, "speed_max_mps", "a number that is not below speed_min_mps");
   v.check(height_min_m < height_max_m, "height_max_m", "a number above height_min_m");
   v.check(leg_min_m < leg_max_m, "leg_max_m", "a number above leg_min_m");
@@ -121,23 +123,25 @@ void FlightConfig::visit(ConfigVisitor& v) {
 }
 
 void FamilyConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] of the family, for the data card");
+  v.field("name", name, "[-] name of the family, for the data card");
   v.file("scenario", scenario, "[-] scenario file: world, vehicles, sensors; starts and guidance are replaced");
-  v.field("weight", weight, "[-] how often it is drawn against the other families", Range::positive());
-  v.field("vehicles_min", vehicles_min, "[-] the first n vehicles fly, n drawn from here to all; 0: always all",
+  v.field("weight", weight, "[-] relative frequency among the families", Range::positive());
+  v.field("vehicles_min", vehicles_min,
+          "[-] least number of vehicles; the first n fly, with n drawn from here to all; 0: always all",
           Range{0, 1000, false, false});
   v.field("reflectivity_spread", reflectivity_spread,
           "[-] the world's materials: each reflectivity is multiplied by exp(spread * normal)",
           Range::between(0.0, 2.0));
   v.object("flight", flight, "paths through the free space");
-  v.list("vary", vary, "what each flight draws anew");
+  v.list("vary", vary, "values drawn anew for each flight");
   v.check(!scenario.empty(), "scenario", "a scenario file");
 }
 
 void SplitConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] train, valid and test are what readers of SemanticKITTI know");
-  v.field("flights", flights, "[-] how many", Range{0, 10000, false, false});
-  v.field("first_seed", first_seed, "[-] flight k has seed first_seed + k, which decides its world and all else");
+  v.field("name", name, "[-] name of the split; readers of SemanticKITTI expect train, valid and test");
+  v.field("flights", flights, "[-] number of flights", Range{0, 10000, false, false});
+  v.field("first_seed", first_seed,
+          "[-] seed of the first flight; flight k has seed first_seed + k, which determines its world and all draws");
 }
 
 void ContentConfig::visit(ConfigVisitor& v) {
@@ -145,14 +149,16 @@ void ContentConfig::visit(ConfigVisitor& v) {
   v.choice(
       "remission", remission, {"reflectivity", "intensity"},
       "[-] fourth number of a point: range-corrected, 1 = white Lambertian; or as received, 1 = such a wall at 10 m");
-  v.field("deskew", deskew, "[-] move each point to where the true pose at the start of the sweep would have seen it");
+  v.field("deskew", deskew,
+          "[-] transform each point to the true sensor pose at the start of the sweep (motion compensation)");
   v.field("point_truth", point_truth,
           "[-] write point_truth/: time, ring, column, true range, incidence of each point");
   v.field("images", images, "[-] write images/: range and intensity as 16-bit PNG, for LiDARs with rows");
-  v.field("range_unit_m", range_unit_m, "[m] of a range image", Range::positive());
-  v.field("intensity_unit", intensity_unit, "[-] of an intensity image, 1 = white Lambertian wall at 10 m",
-          Range::positive());
-  v.field("trajectory_rate_hz", trajectory_rate_hz, "[Hz] of the TUM files; 0: every tick", Range::between(0.0, 1e5));
+  v.field("range_unit_m", range_unit_m, "[m] range per unit of a range image", Range::positive());
+  v.field("intensity_unit", intensity_unit,
+          "[-] intensity per unit of an intensity image, 1 = white Lambertian wall at 10 m", Range::positive());
+  v.field("trajectory_rate_hz", trajectory_rate_hz, "[Hz] pose rate of the TUM files; 0: every tick",
+          Range::between(0.0, 1e5));
   v.check(trajectory_rate_hz == 0.0 || trajectory_rate_hz >= 1e-3, "trajectory_rate_hz", "0, or at least 0.001");
   v.field("tables", tables, "[-] csv/: topics of the recorder csv");
   v.field("snapshots", snapshots, "[-] take the pictures of the scenario in every sequence");
@@ -161,7 +167,7 @@ void ContentConfig::visit(ConfigVisitor& v) {
 }
 
 void PicturesConfig::visit(ConfigVisitor& v) {
-  v.field("flights_per_split", flights_per_split, "[-] how many of the first flights of each split",
+  v.field("flights_per_split", flights_per_split, "[-] number of first flights of each split with pictures",
           Range{0, 1000, false, false});
   v.list("cameras", cameras, "pictures for the data card");
   v.check(flights_per_split == 0 || cameras.empty() || !picture_library().empty(), "flights_per_split",
@@ -169,15 +175,17 @@ void PicturesConfig::visit(ConfigVisitor& v) {
 }
 
 void DatasetConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] of the dataset");
+  v.field("name", name, "[-] name of the dataset");
   v.field("description", description, "[-] a sentence for the data card");
-  v.field("max_attempts", max_attempts, "[-] a flight that cannot be planned or ends in a crash is drawn anew so often",
+  v.field("max_attempts", max_attempts,
+          "[-] largest number of draws of a flight that cannot be planned or ends in a crash",
           Range{1, 1000, false, false});
-  v.list("splits", splits, "by seed");
+  v.list("splits", splits, "splits of the dataset, by seed");
   v.list("families", families, "worlds and teams");
-  v.object("content", content, "what is written of each sequence");
-  v.modules("recorders", recorders, recorder_module_types(), "[-] more formats in every sequence, such as mcap");
-  v.object("pictures", pictures, "taken for the data card");
+  v.object("content", content, "files and labels of each sequence");
+  v.modules("recorders", recorders, recorder_module_types(),
+            "[-] additional recorders in every sequence, such as mcap");
+  v.object("pictures", pictures, "pictures for the data card");
   check_recorders(v, recorders, nullptr);
   v.check(is_name(name), "name", "a name of letters, digits, '_' and '-'");
   v.check(!families.empty(), "families", "at least one family");

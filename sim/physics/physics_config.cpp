@@ -17,9 +17,9 @@ void PhysicsConfig::visit(ConfigVisitor& v) {
   v.field("downwash", downwash, "[-] rotor wakes push vehicles below");
   v.field("contacts", contacts, "[-] vehicles touch the world and each other");
   v.field("contact_friction", contact_friction, "[-] Coulomb friction of a vehicle", Range::between(0.0, 100.0));
-  v.field("contact_restitution", contact_restitution, "[-] part of the normal speed that a contact gives back",
+  v.field("contact_restitution", contact_restitution, "[-] coefficient of restitution of contacts",
           Range::between(0.0, 1.0));
-  v.field("crash_speed_mps", crash_speed_mps, "[m/s] a contact at more than this normal speed is a crash",
+  v.field("crash_speed_mps", crash_speed_mps, "[m/s] normal speed above which a contact is a crash",
           Range::non_negative());
   v.field("propeller_contact_is_crash", propeller_contact_is_crash,
           "[-] a turning propeller that touches anything is a crash at any speed");

@@ -12,15 +12,18 @@
 namespace swiftlet::sim {
 
 void RadioConfig::visit(ConfigVisitor& v) {
-  v.field("rate_kbps", rate_kbps, "[kbit/s] of each sender; a message occupies it for size / rate", Range::positive());
+  v.field("rate_kbps", rate_kbps,
+          "[kbit/s] transmission rate of each sender; a message occupies the sender for size / rate",
+          Range::positive());
   v.field("delay_s", delay_s, "[s] fixed part of the delay", Range::non_negative());
   v.field("jitter_s", jitter_s, "[s] standard deviation of the random part, whose absolute value is added",
           Range::non_negative());
-  v.field("loss_probability", loss_probability, "[-] of any message to any receiver", Range::probability());
-  v.field("range_m", range_m, "[m] no reception beyond", Range::positive());
-  v.field("line_of_sight", line_of_sight, "[-] does the world block it?");
-  v.field("queue_limit_kB", queue_limit_kB, "[kB] a sender's waiting messages beyond this are dropped, oldest first",
-          Range::positive());
+  v.field("loss_probability", loss_probability, "[-] probability that a receiver loses a message",
+          Range::probability());
+  v.field("range_m", range_m, "[m] largest distance of reception", Range::positive());
+  v.field("line_of_sight", line_of_sight, "[-] surfaces of the static world block reception");
+  v.field("queue_limit_kB", queue_limit_kB,
+          "[kB] transmission queue of a sender; beyond it the oldest messages are dropped", Range::positive());
 }
 
 namespace {

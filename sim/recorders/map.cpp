@@ -146,14 +146,13 @@ class MapRecorder : public Recorder {
 
 void MapConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles whose maps are written; empty: all");
-  v.field("maps", maps, "[-] names of the stages that keep them (detector, mapping); empty: all");
-  v.field("times_s", times_s, "[s] instants", Range::non_negative());
-  v.field("at_end", at_end, "[-] also when the run ends");
-  v.choice("voxels", voxels, {"all", "occupied"}, "[-] every voxel that was ever seen, or only occupied ones");
-  v.choice(
-      "format", format, kFormats,
-      "[-] of the files: points with x, y, z, state and value (ply, pcd), or octrees of OctoMap (ot with log-odds, bt "
-      "with states only)");
+  v.field("maps", maps, "[-] names of the stages whose maps are written (detector, mapping); empty: all");
+  v.field("times_s", times_s, "[s] times of recording", Range::non_negative());
+  v.field("at_end", at_end, "[-] also record at the end of the run");
+  v.choice("voxels", voxels, {"all", "occupied"}, "[-] every observed voxel, or only occupied ones");
+  v.choice("format", format, kFormats,
+           "[-] file format: points with x, y, z, state and value (ply, pcd), or octrees of OctoMap (ot with log-odds, "
+           "bt with states only)");
   v.field("folder", folder, "[-] folder in the run directory; two recorders of the same format need two");
 }
 

@@ -99,7 +99,7 @@ class McapRecorder : public Recorder, public RosSink {
 void McapConfig::visit(ConfigVisitor& v) {
   visit_common(v);
   v.field("file", file, "[-] name of the file in the run directory");
-  v.choice("compression", compression, {"zstd", "none"}, "[-] of the chunks");
+  v.choice("compression", compression, {"zstd", "none"}, "[-] compression of the chunks");
 }
 
 std::unique_ptr<Recorder> make_mcap_recorder(const ModuleConfig& config) {

@@ -159,16 +159,17 @@ void RosConfig::visit_common(ConfigVisitor& v) {
     return std::find(names.begin(), names.end(), topic) != names.end();
   });
   v.check(known, "topics", "a list of " + listed(names));
-  v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
+  v.field("rate_hz", rate_hz, "[Hz] rate of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
   v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
-           "[-] fields of a point as that maker's driver has them; auto goes by the rows; small: returns alone, as "
-           "x, y, z, intensity");
+           "[-] point layout of the manufacturer's driver; auto: selected by the rows; small: only returns, as x, y, "
+           "z, intensity");
   v.field("points_step_m", points_step_m,
-          "[m] coordinates are rounded to multiples of this, so that they compress; 0: not", Range::between(0.0, 1.0));
-  v.field("world_triangles", world_triangles, "[-] of the world; where it has more, it gets coarser",
-          Range{1000, 1e7, false, false});
+          "[m] coordinates are rounded to multiples of this for better compression; 0: no rounding",
+          Range::between(0.0, 1.0));
+  v.field("world_triangles", world_triangles,
+          "[-] largest number of triangles of the world; a larger world is coarsened", Range{1000, 1e7, false, false});
   v.field("datum_deg", datum_deg, "[deg] latitude and longitude of the world's origin (WGS 84)",
           Range::between(-180, 180));
   v.check(datum_deg.x() >= -90.0 && datum_deg.x() <= 90.0, "datum_deg", "a latitude within -90..90");

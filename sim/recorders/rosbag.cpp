@@ -43,7 +43,7 @@ class RosbagRecorder : public Recorder, public RosSink {
 void RosbagConfig::visit(ConfigVisitor& v) {
   visit_common(v);
   v.field("file", file, "[-] name of the file in the run directory");
-  v.choice("compression", compression, {"lz4", "none"}, "[-] of the chunks");
+  v.choice("compression", compression, {"lz4", "none"}, "[-] compression of the chunks");
 }
 
 std::unique_ptr<Recorder> make_rosbag_recorder(const ModuleConfig& config) {

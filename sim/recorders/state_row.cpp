@@ -19,7 +19,7 @@ struct StateColumns : Columns {
 void put_state(const VehicleState& state, double clearance_m, const Action& action, int num_rotors, ColumnSink& sink) {
   StateColumns truth(sink), estimate(sink, "est_");
   VehicleState::visit(state, truth);
-  Columns(sink).field("clearance_m", clearance_m, "[m] to the nearest surface or vehicle");
+  Columns(sink).field("clearance_m", clearance_m, "[m] clearance to the nearest surface or vehicle");
   const WorldEstimate told = in_world(action.estimate);
   WorldEstimate::visit(told, estimate);
   put_columns(action.reference, sink, "ref_");

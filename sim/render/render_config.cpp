@@ -31,13 +31,13 @@ void CameraConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("dpi", dpi, "paper: pixels per 25.4 mm", Range::between(30.0, 2400.0));
   v.field("text_pt", text_pt, "[pt] paper: size of the letters as printed", Range::between(3.0, 40.0));
-  v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the color scale; 0: from the picture",
+  v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the color scale; 0: fitted to the picture",
           Range::non_negative());
   v.field("times_s", times_s, "[s] pictures at these times", Range::non_negative());
-  v.field("every_s", every_s, "[s] and at every multiple of this; 0: none", Range::non_negative());
+  v.field("every_s", every_s, "[s] period of further pictures; 0: none", Range::non_negative());
   v.choice("cloud", cloud, {"none", "height", "label", "intensity", "vehicle"},
            "latest scans drawn in the world, and what their colors mean");
-  v.field("point_px", point_px, "[px] diameter of the points of clouds; 0: smaller the farther they are",
+  v.field("point_px", point_px, "[px] diameter of the points of clouds; 0: decreases with distance",
           Range::between(0.0, 64.0));
   v.field("trails", trails, "draw the path of each vehicle so far; an onboard camera shows none");
   v.field("names", names, "write the vehicles' names beside them");
@@ -46,7 +46,7 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.field("vehicle_scale", vehicle_scale, "vehicles are drawn this many times their size",
           Range{0.0, 1000.0, true, false});
   v.field("vehicle_min_px", vehicle_min_px,
-          "[px] a vehicle that looks smaller gets a ring of this diameter in its color; 0: none",
+          "[px] vehicles smaller than this on the picture get a ring of this diameter in their color; 0: none",
           Range::non_negative());
   v.field("cut_above", cut_above, "hide what is higher than cut_height_m, to look under crowns and roofs");
   v.field("cut_height_m", cut_height_m, "[m] height of the cut, world frame");

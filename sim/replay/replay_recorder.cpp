@@ -381,16 +381,17 @@ std::vector<std::filesystem::path> ReplayRecorder::finish() {
 }  // namespace
 
 void ReplayConfig::visit(ConfigVisitor& v) {
-  v.field("rate_hz", rate_hz, "[Hz] states of the vehicles and tables of the metrics", Range::between(1.0, 1000.0));
-  v.field("scan_rate_hz", scan_rate_hz, "[Hz] scans of each LiDAR; 0: none", Range::between(0.0, 1000.0));
-  v.field("scan_budget_kBps", scan_budget_kBps, "[kB/s] that all scans together may take; they are thinned to that",
+  v.field("rate_hz", rate_hz, "[Hz] rate of the states of the vehicles and of the tables of metrics",
+          Range::between(1.0, 1000.0));
+  v.field("scan_rate_hz", scan_rate_hz, "[Hz] rate of the scans of each LiDAR; 0: none", Range::between(0.0, 1000.0));
+  v.field("scan_budget_kBps", scan_budget_kBps, "[kB/s] data rate of all scans together; larger scans are thinned",
           Range::between(1.0, 1e5));
-  v.field("overlay_rate_hz", overlay_rate_hz, "[Hz] cells, paths and whatever agents draw; 0: none",
+  v.field("overlay_rate_hz", overlay_rate_hz, "[Hz] rate of overlays such as cells and paths; 0: none",
           Range::between(0.0, 1000.0));
-  v.field("map_period_s", map_period_s, "[s] between two copies of what is large: maps, voxels; 0: none",
+  v.field("map_period_s", map_period_s, "[s] period of large overlays such as maps and voxels; 0: none",
           Range::between(0.0, 1e6));
-  v.field("world_triangles", world_triangles, "[-] of the world; where it has more, it gets coarser",
-          Range::between(1000, 10000000));
+  v.field("world_triangles", world_triangles,
+          "[-] largest number of triangles of the world; a larger world is coarsened", Range::between(1000, 10000000));
 }
 
 std::unique_ptr<Recorder> make_replay_recorder(const ModuleConfig& config) {

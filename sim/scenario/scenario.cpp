@@ -163,7 +163,7 @@ std::filesystem::path folder_of(const std::string& place) {
 
 void read_plugins(ConfigVisitor& v) {
   std::vector<std::string> plugins = loaded_plugins();
-  v.field("plugins", plugins, "[-] shared libraries with modules of one's own; --allow-plugins loads them");
+  v.field("plugins", plugins, "[-] shared libraries with additional modules; loading requires --allow-plugins");
   const auto* teller = dynamic_cast<const PlaceTeller*>(&v);
   if (teller == nullptr) return;
   for (const std::string& plugin : plugins) {
@@ -262,15 +262,16 @@ void check_time(ConfigVisitor& v, const Scenario& scenario) {
 
 void StartConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
-          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground",
+          "[m] position of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground",
           Range::between(-1e5, 1e5));
-  v.field("above_ground", above_ground, "[-] does z count from the ground below?");
+  v.field("above_ground", above_ground, "[-] z is relative to the ground below");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
-  v.field("velocity_mps", velocity_mps, "[m/s] world frame", Range::between(-200.0, 200.0));
-  v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
+  v.field("velocity_mps", velocity_mps, "[m/s] velocity, world frame", Range::between(-200.0, 200.0));
+  v.field("flying", flying, "[-] rotors turn at hover speed at the start");
   v.choice("known", known, {"pose", "position", "nothing"},
-           "[-] what the vehicle's software is told of this: position_m and yaw_deg, position_m, or nothing");
-  v.field("spacing_m", spacing_m, "[m] along x and y between the vehicles of a count", Range::between(-1e4, 1e4));
+           "[-] start state known to the vehicle's software: position_m and yaw_deg, position_m, or nothing");
+  v.field("spacing_m", spacing_m, "[m] distance along x and y between the vehicles of a count",
+          Range::between(-1e4, 1e4));
   v.field("columns", columns, "[-] vehicles of a count in a row along x, before the next row; 0: all of them",
           Range::between(0, kMaxVehicles));
 }
@@ -282,12 +283,12 @@ VehicleConfig::VehicleConfig() : agent(agent_module_types(), agent_module_types(
 void VehicleConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "vehicles", "[-] airframe and controller gains");
   v.field("name", name, "[-] unique; empty: uav1, uav2, ...");
-  v.field("count", count, "[-] so many of it, NAME1, NAME2, ..., with starts in a row or a grid (docs/scenarios.md)",
+  v.field("count", count, "[-] number of copies NAME1, NAME2, ..., with starts in a row or a grid (docs/scenarios.md)",
           Range::between(1, kMaxVehicles));
   v.object("airframe", airframe, "physical data, normally from the model");
-  v.object("markers", markers, "what other vehicles' LiDARs know it by");
+  v.object("markers", markers, "retro-reflective markers detectable by other vehicles' LiDARs");
   v.object("start", start, "state at time 0");
-  v.modules("sensors", sensors, sensor_module_types(), "[-] what it carries");
+  v.modules("sensors", sensors, sensor_module_types(), "[-] sensors aboard");
   v.module("agent", agent, agent_module_types(), "[-] its software");
   if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) {
     for (const char* key : {"start.position_m", "agent"}) places[key] = teller->place_of(key);
@@ -300,27 +301,27 @@ void VehicleConfig::visit(ConfigVisitor& v) {
 Scenario::Scenario() : world(world_module_types(), "field"), vehicles(1) { vehicles[0].name = "uav1"; }
 
 void Scenario::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] of the run, and of its directory");
-  v.field("description", description, "[-] one sentence about it");
+  v.field("name", name, "[-] name of the run and of its directory");
+  v.field("description", description, "[-] one sentence about the scenario");
   read_plugins(v);  // the following keys may name modules of plugins
-  v.field("seed", seed, "[-] of every random number");
-  v.field("world_seed", world_seed, "[-] of the world alone, so that runs with other seeds share it; 0: the seed");
+  v.field("seed", seed, "[-] random seed of the run; equal seeds give equal results");
+  v.field("world_seed", world_seed, "[-] random seed of the world, for equal worlds at different seeds; 0: as seed");
   v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});
-  v.field("tick_s", tick_s, "[s] period of sensing and deciding; a whole multiple of physics.step_s",
+  v.field("tick_s", tick_s, "[s] period of sensing and control; a whole multiple of physics.step_s",
           Range{0.0, 1.0, true});
   v.field("start_time_s", start_time_s,
           "[s] added to every time in recordings, such as 1700000000 for seconds since 1970; replays, pictures and "
           "summaries count from 0",
           Range::between(0.0, 2e9));
-  v.object("physics", physics, "which effects act on the vehicles");
+  v.object("physics", physics, "simulated physical effects");
   v.module("world", world, world_module_types(), "[-] the static world, from a generator");
   v.object("wind", wind, "mean wind and gusts");
   v.object("radio", radio, "messages between vehicles");
   v.list("vehicles", vehicles, "the team, in the order of their numbers");
-  v.modules("recorders", recorders, recorder_module_types(), "[-] what is written into the run directory");
+  v.modules("recorders", recorders, recorder_module_types(), "[-] recorders that write into the run directory");
   v.list("snapshots", snapshots, "cameras that take pictures");
   if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) snapshots_place = teller->place_of("snapshots");
-  v.object("metrics", metrics, "what is measured and when the run ends");
+  v.object("metrics", metrics, "settings of the metrics, and conditions that end the run");
 
   v.check(is_file_name(name), "name", kNameRule);
   check_time(v, *this);

@@ -9,12 +9,12 @@ namespace swiftlet::sim {
 void AltimeterConfig::visit(ConfigVisitor& v) {
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
-  v.field("position_m", position_m, "[m] where it is mounted, body frame");
-  v.choice("beam", beam, {"vertical", "body"}, "[-] along the world's vertical, or the body's");
-  v.field("range_min_m", range_min_m, "[m] nothing nearer is measured", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] nothing farther is measured", Range::positive());
+  v.field("position_m", position_m, "[m] mounting position, body frame");
+  v.choice("beam", beam, {"vertical", "body"}, "[-] direction of the beam: the world's vertical, or the body's");
+  v.field("range_min_m", range_min_m, "[m] least measured range", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] greatest measured range", Range::positive());
   v.field("sigma_m", sigma_m, "[m] standard deviation of the range", Range::non_negative());
-  v.field("sigma_relative", sigma_relative, "[-] standard deviation that grows with the range, added in quadrature",
+  v.field("sigma_relative", sigma_relative, "[-] standard deviation proportional to the range, added in quadrature",
           Range::non_negative());
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
 }

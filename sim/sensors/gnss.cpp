@@ -18,7 +18,7 @@ void GnssConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: gnss_m8p, gnss_rtk, gnss_mrs");
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] fixes per second", Range::between(1e-3, 1e5));
-  v.field("position_m", position_m, "[m] of the antenna, body frame");
+  v.field("position_m", position_m, "[m] position of the antenna, body frame");
   v.field("sigma_xy_m", sigma_xy_m, "[m] white noise of east and north", Range::non_negative());
   v.field("sigma_z_m", sigma_z_m, "[m] white noise of the altitude", Range::non_negative());
   v.field("drift_sigma_xy_m", drift_sigma_xy_m, "[m] standard deviation of the slow error of east and north",
@@ -37,11 +37,12 @@ void GnssConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("random_outage_mean_s", random_outage_mean_s, "[s] mean length of a random outage (exponential)",
           Range::positive());
-  v.field("sky_view", sky_view, "[-] does the world block satellites?");
-  v.field("num_satellites", num_satellites, "[-] above the mask", Range::between(4, 64));
-  v.field("elevation_mask_deg", elevation_mask_deg, "[deg] no satellites below", Range::between(0.0, 80.0));
-  v.field("multipath_sigma_m", multipath_sigma_m, "[m] standard deviation by axis under a sky that is wholly blocked",
-          Range::non_negative());
+  v.field("sky_view", sky_view, "[-] surfaces of the static world block satellites");
+  v.field("num_satellites", num_satellites, "[-] number of satellites above the elevation mask", Range::between(4, 64));
+  v.field("elevation_mask_deg", elevation_mask_deg, "[deg] elevation mask: least elevation of the satellites",
+          Range::between(0.0, 80.0));
+  v.field("multipath_sigma_m", multipath_sigma_m,
+          "[m] standard deviation of multipath per axis when all satellites are blocked", Range::non_negative());
   v.field("multipath_time_s", multipath_time_s, "[s] correlation time of multipath", Range::positive());
 }
 

@@ -9,8 +9,8 @@ void ImuConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs, imu_perfect");
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::between(1e-3, 1e6));
-  v.field("position_m", position_m, "[m] where it is mounted, body frame");
-  v.field("rotation_rpy_deg", rotation_rpy_deg, "[deg] how its axes are turned against the body's: roll, pitch, yaw");
+  v.field("position_m", position_m, "[m] mounting position, body frame");
+  v.field("rotation_rpy_deg", rotation_rpy_deg, "[deg] mounting attitude in the body frame: roll, pitch, yaw");
   v.field("gyro_noise_density_radps_psqrthz", gyro_noise_density_radps_psqrthz,
           "[rad/s/sqrt(Hz)] white noise of the rates", Range::non_negative());
   v.field("gyro_bias_walk_radps2_psqrthz", gyro_bias_walk_radps2_psqrthz, "[rad/s^2/sqrt(Hz)] random walk of the bias",
@@ -29,7 +29,7 @@ void ImuConfig::visit(ConfigVisitor& v) {
   v.field("accel_turn_on_bias_mps2", accel_turn_on_bias_mps2, "[m/s^2] standard deviation of the constant bias",
           Range::non_negative());
   v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation by axis", Range::positive());
-  v.field("gravity_mps2", gravity_mps2, "[m/s^2] downward acceleration that the sensor feels at rest",
+  v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravitational acceleration in the specific force",
           Range::non_negative());
 }
 

@@ -24,15 +24,15 @@ void LidarConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] sweeps per second", Range::between(0.1, 1000));
   v.field("rolling", rolling, "[-] every beam at its own time; false: the whole sweep in one instant");
   v.field("ideal", ideal, "[-] no noise, no lost returns, thin beams, true poses");
-  v.field("self_mask", self_mask, "[-] no returns from beams that can meet the own vehicle");
-  v.field("range_min_m", range_min_m, "[m] no range below this is returned", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] nothing beyond is returned", Range::positive());
-  v.object("mount", mount, "where the sensor sits on its vehicle");
+  v.field("self_mask", self_mask, "[-] remove returns of beams that can intersect the own vehicle");
+  v.field("range_min_m", range_min_m, "[m] least measured range", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] greatest measured range", Range::positive());
+  v.object("mount", mount, "mounting on the vehicle");
   v.module("pattern", pattern, lidar_pattern_types(), "where and when it fires");
   v.object("noise", noise, "noise of the range");
-  v.object("detection", detection, "which returns are noticed");
+  v.object("detection", detection, "detection of returns by the receiver");
   v.object("beam", beam, "width of the beam");
-  v.object("external_pose", external_pose, "pose that comes with each scan from an outside localization");
+  v.object("external_pose", external_pose, "pose of an external localization, delivered with each scan");
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
 }
 

@@ -15,14 +15,14 @@ Vector3 normals_of(const Random& random, std::uint32_t sweep, std::uint32_t pose
 }  // namespace
 
 void ExternalPoseConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] scans carry poses of the body from outside");
+  v.field("enabled", enabled, "[-] scans contain poses of an external localization");
   v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position by axis",
           Range::non_negative());
   v.field("sigma_rotation_rad", sigma_rotation_rad, "[rad] standard deviation of each Euler angle",
           Range::non_negative());
-  v.field("correlation_time_s", correlation_time_s, "[s] of Gauss-Markov noise; 0: white, one draw for each sweep",
-          Range::non_negative());
-  v.field("spacing_s", spacing_s, "[s] between the poses of a rolling sweep", Range::between(1e-5, 1e3));
+  v.field("correlation_time_s", correlation_time_s,
+          "[s] correlation time of Gauss-Markov noise; 0: white, one draw for each sweep", Range::non_negative());
+  v.field("spacing_s", spacing_s, "[s] interval between the poses of a rolling sweep", Range::between(1e-5, 1e3));
 }
 
 ExternalPoses::ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed,

@@ -33,25 +33,27 @@ double linear(const std::vector<double>& x, const std::vector<double>& y, double
 }  // namespace
 
 void RangeNoiseConfig::visit(ConfigVisitor& v) {
-  v.choice("law", law, {"constant", "signal"}, "[-] of the standard deviation: constant (or table), or by signal");
-  v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range if constant; what the agent is told",
+  v.choice("law", law, {"constant", "signal"}, "[-] law of the standard deviation: constant (or table), or by signal");
+  v.field("sigma_range_m", sigma_range_m,
+          "[m] standard deviation of the range if constant; the value known to the agent", Range::non_negative());
+  v.field("floor_m", floor_m, "[m] signal: least standard deviation, for strong signals", Range::non_negative());
+  v.field("floor_rise_m", floor_rise_m,
+          "[m] signal: increase of the floor per tenfold decrease of the signal below floor_snr",
           Range::non_negative());
-  v.field("floor_m", floor_m, "[m] signal: standard deviation that no signal undercuts", Range::non_negative());
-  v.field("floor_rise_m", floor_rise_m, "[m] signal: the floor is higher by this for a tenth of floor_snr",
-          Range::non_negative());
-  v.field("floor_snr", floor_snr, "[-] signal: over the receiver's noise, from which on the floor is floor_m",
+  v.field("floor_snr", floor_snr, "[-] signal: signal-to-noise ratio above which the floor is floor_m",
           Range::positive());
-  v.field("sigma_at_reference_m", sigma_at_reference_m, "[m] signal: what is added to it in squares at reference_snr",
+  v.field("sigma_at_reference_m", sigma_at_reference_m, "[m] signal: part added in quadrature at reference_snr",
           Range::non_negative());
-  v.field("reference_snr", reference_snr, "[-] signal: over the receiver's noise, where sigma_at_reference_m is added",
-          Range::positive());
-  v.field("exponent", exponent, "[-] signal: by which the added part falls with the signal", Range::between(0, 4));
+  v.field("reference_snr", reference_snr,
+          "[-] signal: signal-to-noise ratio at which the added part is sigma_at_reference_m", Range::positive());
+  v.field("exponent", exponent, "[-] signal: exponent of the decrease of the added part with the signal",
+          Range::between(0, 4));
   v.field("table_range_m", table_range_m, "[m] ranges of table_sigma_m, ascending; empty: constant sigma_range_m",
           Range::non_negative());
   v.field("table_sigma_m", table_sigma_m, "[m] standard deviation at these ranges", Range::non_negative());
   v.field("table_incidence_deg", table_incidence_deg, "[deg] incidences of table_incidence_factor, ascending",
           Range::between(0, 90));
-  v.field("table_incidence_factor", table_incidence_factor, "[-] the standard deviation is this many times larger",
+  v.field("table_incidence_factor", table_incidence_factor, "[-] factors of the standard deviation at these incidences",
           Range::non_negative());
   v.check(table_sigma_m.size() == table_range_m.size(), "table_sigma_m", "as many values as table_range_m");
   v.check(ascending(table_range_m), "table_range_m", "ascending ranges");
@@ -63,19 +65,21 @@ void RangeNoiseConfig::visit(ConfigVisitor& v) {
 void DetectionConfig::visit(ConfigVisitor& v) {
   v.field("always", always, "[-] everything within range_max_m is detected");
   v.field("range_10_percent_m", range_10_percent_m,
-          "[m] 9 of 10 shots on a Lambertian surface of 10 % reflectivity return", Range::positive());
-  v.field("range_80_percent_m", range_80_percent_m, "[m] the same at 80 % reflectivity", Range::positive());
+          "[m] range at which 9 of 10 shots on a Lambertian surface of 10 % reflectivity return", Range::positive());
+  v.field("range_80_percent_m", range_80_percent_m,
+          "[m] range at which 9 of 10 shots on a Lambertian surface of 80 % reflectivity return", Range::positive());
   v.field("threshold_snr", threshold_snr, "[-] detection threshold in standard deviations of the receiver's noise",
           Range::positive());
-  v.field("retro_gain", retro_gain, "[-] signal of a retro-reflector against a Lambertian one of its reflectivity",
-          Range::positive());
+  v.field("retro_gain", retro_gain,
+          "[-] signal of a retro-reflector relative to a Lambertian surface of its reflectivity", Range::positive());
   v.check(range_80_percent_m > range_10_percent_m, "range_80_percent_m", "more than range_10_percent_m");
 }
 
 void BeamWidthConfig::visit(ConfigVisitor& v) {
-  v.field("sub_rays", sub_rays, "[-] rays a beam: 1, 5 or 9", Range::between(1, 9));
+  v.field("sub_rays", sub_rays, "[-] rays per beam: 1, 5 or 9", Range::between(1, 9));
   v.field("divergence_deg", divergence_deg, "[deg] full width of the beam at half maximum", Range::between(0, 10));
-  v.field("pulse_length_m", pulse_length_m, "[m] echoes closer than this melt into one", Range::non_negative());
+  v.field("pulse_length_m", pulse_length_m, "[m] echoes closer together than this merge into one",
+          Range::non_negative());
   v.check(sub_rays == 1 || sub_rays == 5 || sub_rays == 9, "sub_rays", "1, 5 or 9");
 }
 

@@ -50,9 +50,10 @@ double lowest_elevation_rad(const Module& pattern) {
 }  // namespace
 
 void MountConfig::visit(ConfigVisitor& v) {
-  v.field("position_m", position_m, "[m] of the sensor in the body frame");
+  v.field("position_m", position_m, "[m] position of the sensor in the body frame");
   v.field("rpy_deg", rpy_deg, "[deg] roll, pitch, yaw of the sensor in the body frame: R = Rz(yaw) Ry(pitch) Rx(roll)");
-  v.field("clear_of_hull", clear_of_hull, "[-] raised on its airframe until no beam can meet the own vehicle");
+  v.field("clear_of_hull", clear_of_hull,
+          "[-] raise the sensor on its airframe until no beam can intersect the own vehicle");
 }
 
 Pose MountConfig::T_body_lidar() const { return make_pose(position_m, rotation_of_rpy(rpy_deg * kRadPerDeg)); }

@@ -332,15 +332,16 @@ Registry<LidarPatternType>& patterns() {
 
 void OusterConfig::visit(ConfigVisitor& v) {
   v.field("columns", columns, "[-] firings per turn: 512, 1024 or 2048", Range::between(16, 8192));
-  v.field("rows", rows, "[-] beams of a firing", Range::between(1, 256));
-  v.field("elevation_top_deg", elevation_top_deg, "[deg] of the first row", Range::between(-90, 90));
-  v.field("elevation_bottom_deg", elevation_bottom_deg, "[deg] of the last row, equal steps between",
+  v.field("rows", rows, "[-] beams per firing", Range::between(1, 256));
+  v.field("elevation_top_deg", elevation_top_deg, "[deg] elevation of the first row", Range::between(-90, 90));
+  v.field("elevation_bottom_deg", elevation_bottom_deg, "[deg] elevation of the last row, with equal steps between",
           Range::between(-90, 90));
-  v.field("elevations_deg", elevations_deg, "[deg] of every row instead, top to bottom; empty: equal steps",
+  v.field("elevations_deg", elevations_deg, "[deg] explicit elevation of every row, top to bottom; empty: equal steps",
           Range::between(-90, 90));
-  v.field("azimuths_deg", azimuths_deg, "[deg] of the beams against the encoder, clockwise; repeats over the rows",
+  v.field("azimuths_deg", azimuths_deg,
+          "[deg] azimuth of the beams relative to the encoder, clockwise; repeats over the rows",
           Range::between(-180, 180));
-  v.field("beam_origin_m", beam_origin_m, "[m] the beams start at this distance from the axis", Range::non_negative());
+  v.field("beam_origin_m", beam_origin_m, "[m] distance of the beams' origin from the axis", Range::non_negative());
   v.field("connector_deg", connector_deg, "[deg] azimuth of the connector, at which column 0 and the sweep begin",
           Range::between(-180, 180));
   v.check(rows < 1 || elevations_deg.size() % rows == 0, "elevations_deg",
@@ -348,7 +349,7 @@ void OusterConfig::visit(ConfigVisitor& v) {
 }
 
 void LivoxMid360Config::visit(ConfigVisitor& v) {
-  v.field("first_step", first_step, "[-] where in the pattern the first sweep begins, steps of 20 us",
+  v.field("first_step", first_step, "[-] start of the first sweep in the pattern, in steps of 20 us",
           Range::non_negative());
 }
 
@@ -356,10 +357,13 @@ void VelodynePuckConfig::visit(ConfigVisitor&) {}
 
 void UniformConfig::visit(ConfigVisitor& v) {
   v.field("columns", columns, "[-] firings per sweep", Range::between(1, 16384));
-  v.field("rows", rows, "[-] beams of a firing", Range::between(1, 4096));
-  v.field("fov_vertical_deg", fov_vertical_deg, "[deg] from the first to the last row", Range::between(0, 180));
-  v.field("elevation_center_deg", elevation_center_deg, "[deg] of the middle of the rows", Range::between(-90, 90));
-  v.field("fov_horizontal_deg", fov_horizontal_deg, "[deg] 360: a full turn from +x; less: symmetric to +x",
+  v.field("rows", rows, "[-] beams per firing", Range::between(1, 4096));
+  v.field("fov_vertical_deg", fov_vertical_deg, "[deg] elevation angle between the first and the last row",
+          Range::between(0, 180));
+  v.field("elevation_center_deg", elevation_center_deg, "[deg] elevation of the middle of the rows",
+          Range::between(-90, 90));
+  v.field("fov_horizontal_deg", fov_horizontal_deg,
+          "[deg] horizontal field of view; 360: a full turn from +x; less: symmetric to +x",
           Range{0.0, 360.0, true, false});
 }
 

@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 
 void NeighborCamera::visit(ConfigVisitor& v) {
   v.field("yaw_deg", yaw_deg, "[deg] direction of the optical axis, counter-clockwise from the body's x axis");
-  v.field("pitch_deg", pitch_deg, "[deg] of the optical axis above the body's horizontal plane",
+  v.field("pitch_deg", pitch_deg, "[deg] elevation of the optical axis above the body's x-y plane",
           Range::between(-90.0, 90.0));
   v.field("fov_deg", fov_deg, "[deg] full angle of the cone", Range{0.0, 360.0, true, false});
 }
@@ -21,25 +21,27 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: neighbors_uvdar, neighbors_ideal");
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
-  v.field("ideal", ideal, "[-] the truth of all other vehicles, without anything below but the latency");
-  v.field("range_max_m", range_max_m, "[m] vehicles farther than this are not seen", Range::positive());
-  v.field("range_min_m", range_min_m, "[m] vehicles nearer than this are not seen", Range::non_negative());
+  v.field("ideal", ideal, "[-] the truth of all other vehicles; ignores all following settings except the latency");
+  v.field("range_max_m", range_max_m, "[m] greatest range of detection", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] least range of detection", Range::non_negative());
   v.field("sigma_bearing_deg", sigma_bearing_deg, "[deg] standard deviation of the bearing by tangential axis",
           Range::non_negative());
   v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range, constant part", Range::non_negative());
-  v.field("sigma_range_relative", sigma_range_relative, "[-] part that grows with the range, added in quadrature",
-          Range::non_negative());
+  v.field("sigma_range_relative", sigma_range_relative,
+          "[-] standard deviation of the range proportional to it, added in quadrature", Range::non_negative());
   v.list("cameras", cameras, "fields of view; none: all around between the elevations");
   v.field("elevation_min_deg", elevation_min_deg, "[deg] lowest bearing in body axes when there are no cameras",
           Range::between(-90.0, 90.0));
   v.field("elevation_max_deg", elevation_max_deg, "[deg] highest bearing in body axes when there are no cameras",
           Range::between(-90.0, 90.0));
-  v.field("occlusion", occlusion, "[-] do the world and other vehicles hide a vehicle?");
+  v.field("occlusion", occlusion, "[-] the world and other vehicles occlude a vehicle");
   v.field("occluder_scale", occluder_scale,
-          "[-] radius of the sphere that hides, of the vehicle's circumscribed radius", Range::between(0.0, 1.0));
-  v.field("dropout_probability", dropout_probability, "[-] of missing a vehicle that is in view", Range::probability());
-  v.field("id_swap_probability", id_swap_probability, "[-] of taking a vehicle for another one seen at the same time",
+          "[-] radius of the occluding sphere, relative to the vehicle's circumscribed radius",
+          Range::between(0.0, 1.0));
+  v.field("dropout_probability", dropout_probability, "[-] probability of missing a vehicle in view",
           Range::probability());
+  v.field("id_swap_probability", id_swap_probability,
+          "[-] probability of confusing a vehicle with another one in the same sample", Range::probability());
   v.field("latency_s", latency_s, "[s] from the time of validity to the delivery", Range::non_negative());
   v.check(elevation_max_deg >= elevation_min_deg, "elevation_max_deg", "at least elevation_min_deg");
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");

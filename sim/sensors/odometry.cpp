@@ -17,7 +17,7 @@ void OdometryConfig::visit(ConfigVisitor& v) {
           "[deg] frame: random. Its heading against the world is uniform within +- this", Range::between(0.0, 180.0));
   v.field("drift_reference_m", drift_reference_m, "[m] length of path for drift_percent and yaw_drift_deg",
           Range::positive());
-  v.field("drift_percent", drift_percent, "[%] RMS position error after the reference path, of its length",
+  v.field("drift_percent", drift_percent, "[%] RMS position error after the reference path, relative to its length",
           Range::non_negative());
   v.field("drift_per_turn_m", drift_per_turn_m, "[m] RMS position error after a full turn", Range::non_negative());
   v.field("drift_m_psqrts", drift_m_psqrts, "[m/sqrt(s)] RMS position error by time, in hover as well",
@@ -31,7 +31,7 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("sigma_position_m", sigma_position_m, "[m] white noise of the position by axis", Range::non_negative());
   v.field("sigma_tilt_deg", sigma_tilt_deg, "[deg] standard deviation of the error of roll and pitch",
           Range::non_negative());
-  v.field("tilt_time_s", tilt_time_s, "[s] its correlation time", Range::positive());
+  v.field("tilt_time_s", tilt_time_s, "[s] correlation time of the error of roll and pitch", Range::positive());
   v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] white noise of the velocity by axis", Range::non_negative());
 }
 

@@ -15,8 +15,8 @@ void PoseConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] standard deviation by axis", Range::non_negative());
   v.field("sigma_rate_radps", sigma_rate_radps, "[rad/s] standard deviation by axis", Range::non_negative());
-  v.field("correlation_time_s", correlation_time_s, "[s] of the noise of position and rotation; 0: white",
-          Range::non_negative());
+  v.field("correlation_time_s", correlation_time_s,
+          "[s] correlation time of the noise of position and rotation; 0: white", Range::non_negative());
 }
 
 namespace {

@@ -278,20 +278,22 @@ void CampusConfig::visit(ConfigVisitor& v) {
           Range::between(4.0, 1000.0));
   v.field("wall_height_m", wall_height_m, "[m] height of the walls below the roof", Range::between(2.0, 100.0));
   v.field("roof_height_m", roof_height_m, "[m] ridge above the walls", Range::positive());
-  v.field("eaves_m", eaves_m, "[m] the roof reaches out over the walls by this", Range::non_negative());
-  v.field("path_distance_m", path_distance_m, "[m] of the paved path from the walls", Range::between(0.2, 100.0));
+  v.field("eaves_m", eaves_m, "[m] overhang of the roof beyond the walls", Range::non_negative());
+  v.field("path_distance_m", path_distance_m, "[m] distance of the paved path from the walls",
+          Range::between(0.2, 100.0));
   v.field("path_width_m", path_width_m, "[m]", Range::positive());
   v.field("kerb_height_m", kerb_height_m, "[m]", Range::positive());
-  v.field("free_ring_m", free_ring_m, "[m] nothing taller than a kerb and a door's step stands nearer to the walls",
+  v.field("free_ring_m", free_ring_m,
+          "[m] width of the ring around the walls without obstacles taller than a kerb or a doorstep",
           Range::non_negative());
-  v.field("num_trees", num_trees, "[-] trees, as far as they find room", Range::between(0, 10000));
+  v.field("num_trees", num_trees, "[-] largest number of trees, limited by space", Range::between(0, 10000));
   v.field("tree_spacing_m", tree_spacing_m, "[m] smallest distance between trees, lamp posts and cars",
           Range::positive());
-  v.field("num_lamps", num_lamps, "[-] lamp posts, as far as they find room", Range::between(0, 10000));
-  v.field("num_cars", num_cars, "[-] parked cars, as far as they find room", Range::between(0, 10000));
+  v.field("num_lamps", num_lamps, "[-] largest number of lamp posts, limited by space", Range::between(0, 10000));
+  v.field("num_cars", num_cars, "[-] largest number of parked cars, limited by space", Range::between(0, 10000));
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
-  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
-  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
+  v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
+  v.object("keep_clear", keep_clear, "zones kept free for flights");
   v.check((building_size_m.array() + 2.0 * (path_distance_m + path_width_m) < size_m.array()).all(), "size_m",
           "a ground larger than the building with its path");
 }

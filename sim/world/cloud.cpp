@@ -131,10 +131,10 @@ void add_faces(Mesh& mesh, std::vector<Strip> strips, int axis, int side, double
 void CloudConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "[-] point cloud: .pcd (ascii, binary, binary_compressed) or .ply (ascii, binary)");
   v.field("leaf_m", leaf_m, "[m] edge of a voxel", Range::between(0.005, 100.0));
-  v.field("min_points", min_points, "[-] points that make a voxel solid", Range::between(1, 1000000));
-  v.field("scale", scale, "[-] meters for a unit of the file", Range::positive());
+  v.field("min_points", min_points, "[-] least number of points in a solid voxel", Range::between(1, 1000000));
+  v.field("scale", scale, "[-] meters per unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
-  v.field("position_m", position_m, "[m] where the file's origin goes");
+  v.field("position_m", position_m, "[m] position of the file's origin in the world");
   v.choice("class", surface_class, static_class_names(), "[-] truth class of everything");
   v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of everything", Range::probability());
 }

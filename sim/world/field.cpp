@@ -69,14 +69,15 @@ void add_bushes(SceneBuilder& scene, const FieldConfig& config, std::uint64_t se
 void FieldConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] extent along x and y, centered at the origin", Range::positive());
   v.object("relief", relief, "hills");
-  v.field("ground_cell_m", ground_cell_m, "[m] mesh of the ground where it is not flat", Range::between(0.1, 100.0));
-  v.field("num_trees", num_trees, "[-] trees, as far as they find room", Range::between(0, 20000));
+  v.field("ground_cell_m", ground_cell_m, "[m] cell size of the ground mesh where it is not flat",
+          Range::between(0.1, 100.0));
+  v.field("num_trees", num_trees, "[-] largest number of trees, limited by space", Range::between(0, 20000));
   v.field("min_distance_m", min_distance_m, "[m] smallest distance between two trees", Range::non_negative());
-  v.field("num_bushes", num_bushes, "[-] bushes, as far as they find room", Range::between(0, 60000));
-  v.field("clear_radius_m", clear_radius_m, "[m] nothing grows this near to the origin", Range::non_negative());
+  v.field("num_bushes", num_bushes, "[-] largest number of bushes, limited by space", Range::between(0, 60000));
+  v.field("clear_radius_m", clear_radius_m, "[m] radius around the origin without plants", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
-  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
-  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
+  v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
+  v.object("keep_clear", keep_clear, "zones kept free for flights");
 }
 
 Scene make_field(const FieldConfig& config, std::uint64_t seed) {

@@ -265,7 +265,7 @@ void add_surroundings(SceneBuilder& scene, const ForestConfig& config, std::uint
 void ForestConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] extent along x and y, centered at the origin", Range::between(1.0, 2000.0));
   v.object("relief", relief, "hills");
-  v.field("ground_cell_m", ground_cell_m, "[m] mesh of the ground", Range::between(0.1, 100.0));
+  v.field("ground_cell_m", ground_cell_m, "[m] cell size of the ground mesh", Range::between(0.1, 100.0));
   v.field("stems_per_ha", stems_per_ha, "[1/ha] trees before trails and clearings are cut",
           Range::between(0.0, 20000.0));
   v.field("min_spacing_m", min_spacing_m, "[m] smallest distance between the axes of two trunks",
@@ -279,12 +279,12 @@ void ForestConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("broadleaf_share", broadleaf_share, "[-] weight in the mixture: wide crowns on forked boughs",
           Range::non_negative());
-  v.field("lean_max_deg", lean_max_deg, "[deg] trunks leave the vertical by up to this", Range::between(0.0, 20.0));
+  v.field("lean_max_deg", lean_max_deg, "[deg] largest lean of the trunks", Range::between(0.0, 20.0));
   v.field("leaf_area_density_per_m", leaf_area_density_per_m,
           "[m^2/m^3] one-sided leaf area in a volume of crown; a ray passes a crown of depth s with probability "
           "exp(-density s / 2)",
           Range::between(0.0, 10.0));
-  v.field("variants", variants, "[-] different trees of a species; all further trees are scaled and turned copies",
+  v.field("variants", variants, "[-] distinct trees per species; all other trees are scaled and rotated copies",
           Range::between(1, 200));
   v.field("bushes_per_ha", bushes_per_ha, "[1/ha]", Range::non_negative());
   v.field("grass_per_ha", grass_per_ha, "[1/ha] clumps of grass", Range::non_negative());
@@ -292,12 +292,11 @@ void ForestConfig::visit(ConfigVisitor& v) {
   v.field("rocks_per_ha", rocks_per_ha, "[1/ha]", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default; the leaf area stays",
           Range::between(0.05, 20.0));
-  v.field(
-      "surroundings_m", surroundings_m,
-      "[m] the forest goes on this far beyond size_m with trees of few triangles, its ground twice as far; 0: it ends",
-      Range::between(0.0, 200.0));
-  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
-  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
+  v.field("surroundings_m", surroundings_m,
+          "[m] width of the surrounding belt of trees with few triangles; its ground extends twice as far; 0: no belt",
+          Range::between(0.0, 200.0));
+  v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
+  v.object("keep_clear", keep_clear, "zones kept free for flights");
   v.check(pine_share + spruce_share + broadleaf_share > 0.0, "pine_share", "at least one share above 0");
 }
 

@@ -77,11 +77,11 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
   v.field("tree_height_spread_m", tree_height_spread_m, "[m] see spread", Range::non_negative());
   v.field("crown_radius_m", crown_radius_m, "[m] mean radius of the crowns", Range::positive());
   v.field("crown_radius_spread_m", crown_radius_spread_m, "[m] see spread", Range::non_negative());
-  v.choice(
-      "spread", spread, {"uniform", "normal"},
-      "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions cut at two of them");
+  v.choice("spread", spread, {"uniform", "normal"},
+           "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions truncated at "
+           "two of them");
   v.field("ground_margin_m", ground_margin_m, "[m] ground around the area", Range::non_negative());
-  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
+  v.object("keep_clear", keep_clear, "zones kept free for flights");
   const double widest = spread == ForestThesisConfig::Spread::kNormal ? 2.0 : 1.0;
   v.check(area_max_m.x() > area_min_m.x() && area_max_m.y() > area_min_m.y(), "area_max_m", "more than area_min_m");
   v.check(trunk_radius_m > widest * trunk_radius_spread_m, "trunk_radius_spread_m",

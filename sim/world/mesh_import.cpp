@@ -206,20 +206,21 @@ class Converter {
 
 void SurfaceRuleConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] part of the name of a mesh, object, group or material in the file");
-  v.choice("class", surface_class, static_class_names(), "[-] its truth class");
-  v.field("reflectivity", reflectivity, "[-] its Lambertian reflectivity", Range::probability());
-  v.field("retroreflective", retroreflective, "[-] sends the beam back to its source");
+  v.choice("class", surface_class, static_class_names(), "[-] truth class of the matching parts");
+  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the matching parts", Range::probability());
+  v.field("retroreflective", retroreflective, "[-] retro-reflective: returns the beam to its source");
 }
 
 void MeshImportConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "[-] mesh: .obj, .ply or .stl");
   v.choice("up_axis", up_axis, {"z", "y"}, "[-] axis of the file that points up");
-  v.field("scale", scale, "[-] meters for a unit of the file", Range::positive());
+  v.field("scale", scale, "[-] meters per unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
-  v.field("position_m", position_m, "[m] where the file's origin goes");
-  v.choice("class", surface_class, static_class_names(), "[-] truth class of what no rule names");
-  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of what no rule names", Range::probability());
-  v.list("surfaces", surfaces, "rules for parts of the file; the first that matches holds");
+  v.field("position_m", position_m, "[m] position of the file's origin in the world");
+  v.choice("class", surface_class, static_class_names(), "[-] truth class of parts without a matching rule");
+  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of parts without a matching rule",
+          Range::probability());
+  v.list("surfaces", surfaces, "rules for parts of the file; the first matching one applies");
 }
 
 Scene make_mesh_import(const MeshImportConfig& config, std::uint64_t) {

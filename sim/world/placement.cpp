@@ -9,7 +9,7 @@ namespace swiftlet::sim {
 
 void TrailConfig::visit(ConfigVisitor& v) {
   v.field("points_m", points_m, "[m] corners of the trail's center line; z is not used");
-  v.field("width_m", width_m, "[m] width that stays free", Range::positive());
+  v.field("width_m", width_m, "[m] width of the free zone", Range::positive());
 }
 
 void ClearingConfig::visit(ConfigVisitor& v) {

@@ -67,7 +67,8 @@ std::vector<float> widened(const Lines& lines, double width_m, bool flat) {
 void ReliefConfig::visit(ConfigVisitor& v) {
   v.field("amplitude_m", amplitude_m, "[m] highest ground above (and lowest below) z = 0", Range::non_negative());
   v.field("wavelength_m", wavelength_m, "[m] size of the largest hills", Range::positive());
-  v.field("octaves", octaves, "[-] levels of ever smaller bumps", Range::between(1, 8));
+  v.field("octaves", octaves, "[-] number of noise octaves, each of half the wavelength and half the height",
+          Range::between(1, 8));
 }
 
 Relief::Relief(const ReliefConfig& config, std::uint64_t seed) : config_(config), random_(seed, "world.relief") {}

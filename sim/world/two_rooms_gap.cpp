@@ -18,7 +18,7 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
   v.field("map_resolution_m", map_resolution_m, "[m] voxel size of the planner's map in that formula",
           Range::positive());
   v.field("gap_height_m", gap_height_m, "[m] height of the gap; 0: up to the ceiling", Range::non_negative());
-  v.field("gap_offset_m", gap_offset_m, "[m] the rooms are shifted by this along the wall with the gap");
+  v.field("gap_offset_m", gap_offset_m, "[m] offset of the rooms along the wall with the gap");
   v.field("room_size_m", room_size_m, "[m] inner size of each room: along the path through the gap, and across it",
           Range::positive());
   v.field("height_m", height_m, "[m] inner height", Range::positive());

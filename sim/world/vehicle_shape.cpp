@@ -151,12 +151,12 @@ bool VehicleShape::blade_covers(const RotorShape& rotor, float x, float y, doubl
 }
 
 void MarkersConfig::visit(ConfigVisitor& v) {
-  v.choice("place", place, {"none", "legs"}, "[-] where there are retro-reflective sleeves: nowhere, or on each leg");
-  v.field("length_m", length_m, "[m] of a sleeve along its leg, four fifths of the leg at most",
+  v.choice("place", place, {"none", "legs"}, "[-] positions of retro-reflective sleeves: none, or on each leg");
+  v.field("length_m", length_m, "[m] length of a sleeve along its leg, at most four fifths of the leg",
           Range::between(0.001, 1.0));
-  v.field("width_m", width_m, "[m] of a sleeve across", Range::between(0.001, 0.1));
+  v.field("width_m", width_m, "[m] width of a sleeve", Range::between(0.001, 0.1));
   v.field("reflectivity", reflectivity,
-          "[-] of the foil at the LiDAR's wavelength; the LiDAR's detection.retro_gain is how much brighter it looks",
+          "[-] reflectivity of the foil at the LiDAR's wavelength; multiplied by the LiDAR's detection.retro_gain",
           Range::probability());
 }
 

@@ -101,18 +101,18 @@ void WallConfig::visit(ConfigVisitor& v) {
 void MazeConfig::visit(ConfigVisitor& v) {
   v.field("columns", columns, "[-] cells along x; 0: there is no maze", Range::between(0, 200));
   v.field("rows", rows, "[-] cells along y", Range::between(0, 200));
-  v.field("cell_m", cell_m, "[m] from the middle of a wall to that of the next", Range::positive());
+  v.field("cell_m", cell_m, "[m] cell size: distance between the middle planes of adjacent walls", Range::positive());
   v.field("first_m", first_m, "[m] middle of the cell with the smallest x and y");
-  v.field("height_m", height_m, "[m] of its walls", Range::positive());
-  v.field("loops", loops, "[-] share of the walls that are left out, so that more than one way leads on",
+  v.field("height_m", height_m, "[m] height of the walls", Range::positive());
+  v.field("loops", loops, "[-] share of the walls that are removed, which creates alternative paths",
           Range::probability());
   v.check((columns > 0) == (rows > 0), "rows", "cells along both axes, or along none");
 }
 
 void WallsConfig::visit(ConfigVisitor& v) {
-  v.list("walls", walls, "walls with corners");
+  v.list("walls", walls, "walls along polylines");
   v.object("maze", maze, "a maze, drawn from the seed");
-  v.field("thickness_m", thickness_m, "[m] of all walls", Range::positive());
+  v.field("thickness_m", thickness_m, "[m] thickness of all walls", Range::positive());
   v.field("size_m", size_m, "[m] extent of the ground along x and y, centered at the origin", Range::positive());
   v.check(maze.columns == 0 || maze.cell_m > thickness_m, "thickness_m", "less than maze.cell_m");
 }

@@ -254,19 +254,22 @@ void WarehouseConfig::visit(ConfigVisitor& v) {
   v.field("aisle_width_m", aisle_width_m, "[m] least width of the aisles between the racks", Range::positive());
   v.field("end_aisle_m", end_aisle_m, "[m] least width of the cross aisles at both ends", Range::positive());
   v.field("rack_depth_m", rack_depth_m, "[m]", Range::between(0.5, 3.0));
-  v.field("bay_width_m", bay_width_m, "[m] between the uprights of a rack; from 1.9 m on it holds two pallets",
+  v.field("bay_width_m", bay_width_m, "[m] distance between the uprights of a rack; from 1.9 m it holds two pallets",
           Range::between(0.5, 10.0));
   v.field("levels", levels, "[-] levels of a rack, the floor being the first", Range::between(1, 20));
-  v.field("level_height_m", level_height_m, "[m] from level to level", Range::between(0.5, 5.0));
-  v.field("fill", fill, "[-] probability that a place holds a pallet", Range::probability());
+  v.field("level_height_m", level_height_m, "[m] height difference between levels", Range::between(0.5, 5.0));
+  v.field("fill", fill, "[-] probability that a storage place holds a pallet", Range::probability());
   v.field("gate_width_m", gate_width_m,
-          "[m] opening in the east wall, closed by the leaves of the gate but for the door", Range::positive());
+          "[m] width of the opening in the east wall, closed by the leaves of the gate except for the door",
+          Range::positive());
   v.field("gate_height_m", gate_height_m, "[m]", Range::positive());
-  v.field("door_width_m", door_width_m, "[m] what the leaves leave open [Pritzl 2024, Table III: 1.2, 1.1, 1.0, 0.9]",
+  v.field("door_width_m", door_width_m,
+          "[m] width left open by the leaves of the gate [Pritzl 2024, Table III: 1.2, 1.1, 1.0, 0.9]",
           Range::positive());
   v.field("door_height_m", door_height_m, "[m]", Range::positive());
   v.field("door_offset_m", door_offset_m, "[m] y of the middle of the door");
-  v.field("pillar_width_m", pillar_width_m, "[m] pillars at the ends of the rows", Range::positive());
+  v.field("pillar_width_m", pillar_width_m, "[m] edge length of the pillars at the ends of the rows",
+          Range::positive());
   v.field("tape", tape, "[-] retro-reflective tape on the floor and on the uprights");
   v.check(door_width_m <= gate_width_m, "door_width_m", "at most gate_width_m");
   v.check(door_height_m <= gate_height_m, "door_height_m", "at most gate_height_m");

@@ -29,12 +29,12 @@ struct Event {
   std::string note;
 
   static void visit(auto& e, auto& v) {
-    v.time("t_s", e.t, "[s] when it happened");
-    v.field("kind", e.kind, "[-] crash, mission, ...");
-    v.vehicle("vehicle", e.vehicle, "[-] to whom; none: to the whole run");
-    v.field("partner", e.partner, "[-] what or whom it crashed into");
+    v.time("t_s", e.t, "[s] time of the event");
+    v.field("kind", e.kind, "[-] kind: crash, mission, ...");
+    v.vehicle("vehicle", e.vehicle, "[-] vehicle concerned; none: the whole run");
+    v.field("partner", e.partner, "[-] object or vehicle hit in a crash");
     v.field("position_*_m", e.p_world_m, "[m] true position in the world");
-    v.field("note", e.note, "[-] more about it");
+    v.field("note", e.note, "[-] details");
   }
 };
 

@@ -21,14 +21,14 @@ struct VehicleState {
   bool crashed = false;
 
   static void visit(auto& s, auto& v) {
-    v.time("t_s", s.t, "[s] when it holds");
+    v.time("t_s", s.t, "[s] time of validity");
     v.field("*_m", s.p_world_m, "[m] true position in the world");
     v.field("*", s.q_world_body, "[-] true rotation from body to world axes");
     v.field("v*_mps", s.v_world_mps, "[m/s] true velocity, in world axes");
     v.field("omega_*_radps", s.omega_body_radps, "[rad/s] true body rate, in body axes");
     v.array("rotor*_radps", s.rotor_speed_radps, "[rad/s] true rotor speed");
-    v.array("rotor*_rad", s.rotor_angle_rad, "[rad] turned since the start");
-    v.field("crashed", s.crashed, "[-] 1: it has crashed");
+    v.array("rotor*_rad", s.rotor_angle_rad, "[rad] rotation since the start");
+    v.field("crashed", s.crashed, "[-] 1: crashed");
   }
 
   Pose T_world_body() const { return make_pose(p_world_m, q_world_body); }
