@@ -1,5 +1,5 @@
 #version 450 core
-// Triangles that are projected already (lines, rotor discs).
+// Triangles in clip coordinates (lines, rotor discs).
 in vec4 v_color;
 uniform float u_opacity;
 out vec4 o_color;

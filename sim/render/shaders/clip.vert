@@ -1,5 +1,5 @@
 #version 450 core
-// Triangles that are projected already (lines, rotor discs).
+// Triangles in clip coordinates (lines, rotor discs).
 layout(location = 0) in vec4 a_clip;
 layout(location = 1) in vec4 a_color;
 out vec4 v_color;

@@ -1,3 +1,3 @@
 #version 450 core
-// Only depth, for shadow maps and depth pictures.
+// Writes only depth, for shadow maps and depth pictures.
 void main() {}

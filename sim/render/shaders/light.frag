@@ -1,13 +1,13 @@
 #version 450 core
-// Light, once for each pixel whatever lies behind it: sun with shadow, hemisphere and occlusion, haze; the sky.
+// Deferred shading, once per pixel: sun with shadow, ambient light with occlusion, haze; the sky.
 in vec2 v_clip;
 uniform sampler2D u_base;
 uniform sampler2D u_normal;
 uniform sampler2D u_depth;
 uniform sampler2D u_open;
 uniform vec4 u_depth_m;               // depth in meters of a depth z of the buffer: (x z + y) / (z z + w)
-uniform vec2 u_spread;                // half width and height of what is seen, 1 m away
-uniform vec3 u_right;                 // of the camera, in the world
+uniform vec2 u_spread;                // half width and height of the view at 1 m
+uniform vec3 u_right;                 // right axis of the camera, world frame
 uniform vec3 u_up;
 uniform vec3 u_eye_m;
 uniform vec3 u_forward;
@@ -15,7 +15,7 @@ uniform float u_parallel;
 uniform vec3 u_sun;                   // unit vector towards the sun
 uniform float u_haze_per_m;
 uniform vec3 u_haze_color;            // sRGB
-uniform float u_white;                // 1: on paper, nothing behind the world
+uniform float u_white;                // 1: white background, for paper
 uniform mat4 u_shadow_world;
 uniform mat4 u_vehicle_shadow_world;
 uniform float u_shadow_texel_m;
@@ -35,7 +35,7 @@ vec3 sky(vec3 d) {
 }
 
 float lit(vec3 world_m) {
-  // Two bilinear taps: a penumbra of about two texels. Behind the map's last caster all is lit.
+  // Two bilinear taps: a penumbra of about two texels. Points beyond the last shadow caster are lit.
   vec3 at = mat4x3(u_shadow_world) * vec4(world_m, 1.0);
   at.z = min(at.z, 1.0);
   vec2 texel = 1.0 / vec2(textureSize(u_shadow, 0));
@@ -43,7 +43,7 @@ float lit(vec3 world_m) {
                 texture(u_shadow, vec3(at.xy + texel * vec2(0.7, 0.4), at.z)));
 }
 
-// From half as many pixels a side: those around of like depth.
+// Upsamples from half resolution: averages neighbors of similar depth.
 float openness(ivec2 at, float here_m) {
   ivec2 last = textureSize(u_open, 0) - 1;
   ivec2 corner = at / 2;
@@ -74,8 +74,8 @@ void main() {
   float plant = smoothstep(0.6, 0.9, normal_kind.w);
   float shiny = 1.0 - abs(2.0 * normal_kind.w - 1.0);
 
-  // The resolved depth is that of one sample; at an edge it may have missed the surface. A loop is left early, a branch
-  // never in software.
+  // The resolved depth is that of one sample, which at an edge may miss the surface. A loop instead of a branch, because
+  // software rasterizers leave loops early but execute both sides of branches.
   float z = texelFetch(u_depth, at, 0).r;
   int around = z <= 0.0 ? 4 : 0;
   for (int i = 0; i < around; ++i) {
@@ -87,14 +87,14 @@ void main() {
   float distance_m = length(world_m - u_eye_m);
   vec3 V = -ray;
 
-  // The sun, with the shadows of the world and of the vehicles; looked up a little above the surface.
+  // Sunlight, with the shadows of world and vehicles; sampled slightly above the surface.
   float facing = dot(N, u_sun);
   float sun = max(0.0, mix(facing, 0.65 * facing + 0.35, plant));
   sun *= lit(world_m + N * (1.5 * u_shadow_texel_m) + u_sun * (0.25 * plant));
   vec3 of_vehicles = mat4x3(u_vehicle_shadow_world) * vec4(world_m + N * 0.01, 1.0);
   sun *= texture(u_vehicle_shadow, vec3(of_vehicles.xy, min(of_vehicles.z, 1.0)));
 
-  // Ambient light: blue from above, warm from below, and a little from the camera so that no side is flat.
+  // Ambient light: blue from above, warm from below, and a little from the camera so that all sides are shaded.
   vec3 ambient = mix(vec3(0.29, 0.26, 0.22), vec3(0.56, 0.63, 0.73), 0.5 + 0.5 * N.z);
   ambient += 0.12 * max(0.0, dot(N, V));
   float open = openness(at, depth_m);
@@ -102,13 +102,13 @@ void main() {
   float mirrored = max(0.0, dot(N, normalize(V + u_sun)));
   mirrored *= mirrored;
   mirrored *= mirrored;
-  mirrored *= mirrored;  // to the 8th
+  mirrored *= mirrored;  // power of 8
   float gloss = mirrored * mirrored;
   color += shiny * 0.14 * gloss * gloss * mirrored * step(0.001, sun);
 
   color = color * (1.0 + color * 0.12) / (1.0 + 0.45 * color);  // highlights saturate softly
   vec3 root = sqrt(color);
-  color = 0.85 * root + 0.15 * sqrt(root);  // to the power of 1 / 2.2, within a hundredth
+  color = 0.85 * root + 0.15 * sqrt(root);  // approximates the power of 1 / 2.2 within 0.01
   float thick = distance_m * u_haze_per_m;
   float haze = (1.0 - exp(-thick * sqrt(thick))) * (1.0 - u_parallel);
   color = mix(color, u_haze_color, haze);

@@ -1,11 +1,11 @@
 #version 450 core
-// World and vehicles: color and normal; light comes later.
+// World and vehicles: writes color and normal; light.frag shades them.
 in vec3 v_world_m;
 in vec3 v_normal;
 in float v_open;
 flat in vec4 v_color;
 uniform vec3 u_eye_m;
-uniform vec3 u_forward;               // used instead of the eye in parallel projections
+uniform vec3 u_forward;               // viewing direction of parallel projections
 uniform float u_parallel;
 uniform float u_grid;                 // strength of the grid on the ground
 layout(location = 0) out vec4 o_base;    // square root of the linear color; covered
@@ -24,7 +24,7 @@ float noise(vec2 p) {
   return mix(mix(hash(i), hash(i + vec2(1, 0)), f.x), mix(hash(i + vec2(0, 1)), hash(i + vec2(1, 1)), f.x), f.y);
 }
 
-// 1 on the lines of a grid, anti-aliased; fades where lines come closer than a few pixels.
+// Anti-aliased grid: 1 on its lines; fades where they are only a few pixels apart.
 float grid(vec2 p, float spacing, float half_width_px) {
   vec2 q = p / spacing;
   vec2 per_px = fwidth(q);

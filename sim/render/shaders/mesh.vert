@@ -1,18 +1,18 @@
 #version 450 core
-// World and vehicles: color and normal; light comes later.
+// World and vehicles: color and normal; light.frag shades them.
 layout(location = 0) in vec3 a_position_m;
 layout(location = 1) in vec4 a_normal_open;
 layout(location = 2) in vec4 a_leaf_offset_m;
 layout(location = 3) in vec4 a_row0;   // T_world_mesh, row by row
 layout(location = 4) in vec4 a_row1;
 layout(location = 5) in vec4 a_row2;
-layout(location = 6) in vec4 a_color;  // linear, and the kind of surface: 0 plain, 1 ground, 2 plant, 3 shiny
+layout(location = 6) in vec4 a_color;  // linear color, and the surface kind: 0 plain, 1 ground, 2 plant, 3 shiny
 uniform mat4 u_clip_world;
-uniform float u_leaf_growth;           // leaves drawn larger by this share, because others are left out
+uniform float u_leaf_growth;           // relative enlargement of leaves that compensates omitted ones
 uniform float u_leaf_unit_m;
 uniform float u_cut_m;
 uniform vec3 u_eye_m;
-uniform vec4 u_watched[16];            // what leaves must not hide: position and radius of free sight
+uniform vec4 u_watched[16];            // vehicles that leaves must not hide: position and radius
 uniform int u_num_watched;
 out vec3 v_world_m;
 out vec3 v_normal;
@@ -20,7 +20,7 @@ out float v_open;
 flat out vec4 v_color;
 out float gl_ClipDistance[2];
 
-// How far a leaf is out of the lines of sight; negative: in the way.
+// Distance of a leaf from the nearest line of sight to a watched vehicle; negative: blocks the view.
 float out_of_sight_m(vec3 leaf_m) {
   float least = 1e9;
   for (int i = 0; i < u_num_watched; ++i) {
@@ -38,7 +38,7 @@ float out_of_sight_m(vec3 leaf_m) {
 void main() {
   vec4 p = vec4(a_position_m + a_leaf_offset_m.xyz * (u_leaf_unit_m * u_leaf_growth), 1.0);
   v_world_m = vec3(dot(a_row0, p), dot(a_row1, p), dot(a_row2, p));
-  // Normals turn with the cofactors of the matrix, right for any scaling.
+  // Normals are transformed by the cofactors of the matrix, which is correct for any scaling.
   v_normal = vec3(dot(cross(a_row1.xyz, a_row2.xyz), a_normal_open.xyz),
                   dot(cross(a_row2.xyz, a_row0.xyz), a_normal_open.xyz),
                   dot(cross(a_row0.xyz, a_row1.xyz), a_normal_open.xyz));

@@ -1,13 +1,13 @@
 #version 450 core
-// Ambient occlusion from the depth: how much of the hemisphere over a pixel is filled by near surfaces.
+// Ambient occlusion from the depth: the share of the hemisphere over a pixel that is covered by near surfaces.
 uniform sampler2D u_depth;
 uniform sampler2D u_base;
 uniform sampler2D u_normal;
 uniform vec4 u_depth_m;         // depth in meters of a depth z of the buffer: (x z + y) / (z z + w)
-uniform vec2 u_spread;          // half width and height of what is seen, 1 m away
+uniform vec2 u_spread;          // half width and height of the view at 1 m
 uniform mat4 u_camera_world;
 uniform float u_radius_m;
-uniform float u_pixels_at_1m;   // of the full picture
+uniform float u_pixels_at_1m;   // pixels per meter at 1 m, in the full picture
 uniform float u_parallel;
 out vec4 o_open;
 vec3 camera_at(ivec2 pixel, ivec2 size, vec2 spread_per_px) {

@@ -1,5 +1,5 @@
 #version 450 core
-// Round points of a cloud. Mesa 22 and 26 disagree on gl_PointCoord of several samples a pixel, not on gl_FragCoord.
+// Round points of a cloud. Mesa 22 and 26 disagree on gl_PointCoord with several samples per pixel, not on gl_FragCoord.
 in vec4 v_color;
 flat in vec3 v_disc_px;
 out vec4 o_color;

@@ -1,6 +1,6 @@
 #version 450 core
-// Smooths the edges of a finished picture: averages along them, the more the stronger they are. For pictures of one
-// sample a pixel.
+// Smooths edges of a finished picture by averaging along them, with a weight that grows with their contrast. For pictures with one
+// sample per pixel.
 uniform sampler2D u_picture;
 out vec4 o_color;
 

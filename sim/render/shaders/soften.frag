@@ -1,5 +1,5 @@
 #version 450 core
-// Averages the 4 x 4 pattern of the occlusion pass over pixels of like depth.
+// Averages the 4 x 4 pattern of the occlusion pass over pixels of similar depth.
 uniform sampler2D u_open;
 out vec4 o_open;
 void main() {

@@ -7,7 +7,7 @@ uniform vec3 u_eye_m;
 uniform vec3 u_sun;
 out vec4 o_color;
 void main() {
-  // A zero normal asks for the one of the flat triangle.
+  // A zero normal is replaced by the normal of the flat triangle.
   vec3 N = dot(v_normal, v_normal) > 0.0 ? normalize(v_normal) : normalize(cross(dFdx(v_world_m), dFdy(v_world_m)));
   if (dot(N, u_eye_m - v_world_m) < 0.0) N = -N;
   float light = 0.62 + 0.18 * N.z + 0.28 * max(0.0, dot(N, u_sun));

@@ -1,6 +1,6 @@
 #version 450 core
 // Cubes and spheres of overlays, instanced; triangles of overlays.
-layout(location = 0) in vec3 a_position;       // of the unit solid
+layout(location = 0) in vec3 a_position;       // vertex of the unit solid
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 a_center_size_m;
 layout(location = 3) in vec4 a_color;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: reads the blocks, holds instant, speed and camera, and draws when one of them has changed.
+// The page: reads the blocks, keeps time, speed and camera, and redraws when one of them changes.
 'use strict';
 
 const byId = (id) => document.getElementById(id);
@@ -48,12 +48,12 @@ class App {
     this.fill();
   }
 
-  /** A run that goes on: block after block from the server of the page. */
+  /** A run in progress: fetches block after block from the page's server. */
   async follow() {
     this.following = true;
     for (let k = 0; !this.run.complete;) {
       const answer = await fetch('blocks/' + k, {cache: 'no-store'}).catch(() => null);
-      if (!answer || answer.status > 204) break;  // the run has ended, or was stopped
+      if (!answer || answer.status > 204) break;  // the run has ended or was stopped
       if (answer.status === 204) {
         await new Promise((resolve) => setTimeout(resolve, 150));
         continue;
@@ -71,7 +71,7 @@ class App {
     this.fill();
   }
 
-  /** One block more. The first chunk of states opens the page. */
+  /** Adds a block. The first chunk of states opens the page. */
   take(block) {
     this.run.add(block);
     this.dirty = true;
@@ -101,7 +101,7 @@ class App {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { this.dirty = true; });
   }
 
-  /** What is known only at the end. */
+  /** Completes the page after the last block. */
   fill() {
     const {run} = this, count = run.scans.reduce((n, s) => n + s.count, 0), all = run.scans.reduce((n, s) => n + s.returns, 0);
     byId('about').textContent = `${run.vehicles.length} vehicle${run.vehicles.length === 1 ? '' : 's'}, ${run.end_s.toFixed(1)} s`;
@@ -128,13 +128,13 @@ class App {
   }
 
   seek(t) {
-    if (this.following) this.following = false;  // until play is asked for at the end
+    if (this.following) this.following = false;  // until play is pressed at the end
     this.t = Math.max(0, Math.min(this.run.end_s, t));
     if (!this.playing) this.writeAddress();
     this.dirty = true;
   }
 
-  /** To the next scan, or half a second where there is none. */
+  /** Steps to the next scan, or by half a second without scans. */
   step(sign) {
     this.play(false);
     const {points} = this.scene, ends = this.run.scans.filter((s) => !points.hidden.has(Points.sensorOf(s))).map((s) => s.end_s);
@@ -211,7 +211,7 @@ class App {
   hurry(now) {
     const took_ms = now - (this.moved_at ?? 0);
     this.moved_at = now;
-    if (took_ms > 1500) this.slow = 0;  // the first of a motion
+    if (took_ms > 1500) this.slow = 0;  // first frame of a motion
     else if (took_ms > 90) this.slow = Math.min(3, (this.slow ?? 0) + 1);
     this.scene.hurried = this.slow >= 3;
   }
@@ -235,7 +235,7 @@ class App {
     this.plot.draw(this.t);
   }
 
-  /** The view with its names and its instant, as a canvas. */
+  /** The view with names and time, as a canvas. */
   picture() {
     this.draw();
     return this.captions.picture(this.t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera: its kinds, its motion by a pointer, its projection.
+// The camera: its types, its control by a pointer, its projection.
 'use strict';
 
 class Camera {
@@ -9,7 +9,7 @@ class Camera {
 
   get follows() { return this.kind === 'follow' || this.kind === 'onboard'; }
 
-  /** Changes kind and vehicle. `place` is the followed position, at which orbit and top go on. */
+  /** Changes type and vehicle. `place` is the followed position, the new target of orbit and top. */
   change(kind, vehicle, place, scale) {
     if (this.follows && kind !== 'follow' && kind !== 'onboard' && place) this.target = place;
     if (kind === 'follow' && this.kind !== 'follow') {
@@ -23,7 +23,7 @@ class Camera {
     this.vehicle = vehicle;
   }
 
-  /** Orbits by a drag of so many pixels. */
+  /** Orbits by a drag in pixels. */
   turn(dx, dy) {
     this.yaw -= 0.006 * dx;
     this.pitch = Math.max(-1.5, Math.min(1.56, this.pitch + 0.006 * dy));
@@ -31,7 +31,7 @@ class Camera {
 
   zoom(factor) { this.distance = Math.max(0.5, Math.min(2000, this.distance * factor)); }
 
-  /** Moves with a drag of so many pixels of CSS, so that what is at the target stays under the pointer. */
+  /** Pans by a drag in CSS pixels; points at the target's depth stay under the pointer. */
   pan(dx, dy, view, canvas) {
     const scale = this.distance / view.pixels_at_1m * canvas.height / canvas.clientHeight;
     const shift = [0, 1, 2].map((i) => (-dx * view.right[i] + dy * view.up[i]) * scale);
@@ -39,7 +39,7 @@ class Camera {
     else this.target = along(this.target, 1, shift);
   }
 
-  /** Eye and forward direction; `at` is the state of the vehicle of a camera that follows. */
+  /** Eye and forward direction; `at` is the state of the followed vehicle. */
   eye(at, scale) {
     if (this.kind === 'onboard' && at) {
       const ahead = -0.02 * scale, up = turn(at.R, [0, 0, 1]), forward = turn(at.R, [1, 0, 0]);
@@ -51,7 +51,7 @@ class Camera {
     return {eye: along(target, this.distance, back), forward: back.map((x) => -x), up: pitch > 1.55 ? [-Math.cos(yaw), -Math.sin(yaw), 0] : [0, 0, 1]};
   }
 
-  /** Axes and projection for a canvas. The field of view spans its shorter side, so a phone held upright shows no less. */
+  /** Axes and projection for a canvas. The field of view spans its shorter side, so that an upright phone does not show less. */
   view(at, canvas, scale, size_m) {
     const fov = this.kind === 'onboard' ? 1.35 : 0.9, aspect = canvas.width / Math.max(1, canvas.height);
     const half_height = Math.tan(fov / 2) / Math.min(1, aspect);

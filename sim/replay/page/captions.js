@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What lies over the picture: names, the legend, facts about a vehicle or a point; and the picture as PNG.
+// Overlays of the picture: names, legend, data of a vehicle or a point; and export of the picture as PNG.
 'use strict';
 
 const kLabelFont = '600 12px system-ui, "DejaVu Sans", sans-serif';
-/** Names are lighter than the colors of vehicles, so that they can be read over the world. */
+/** Names are lighter than the colors of vehicles, for readability over the world. */
 const labelColor = (color) => rgb(color.map((c) => Math.round(90 + 0.65 * c)));
 
 class Captions {
@@ -48,7 +48,7 @@ class Captions {
     }));
   }
 
-  /** Facts about what was picked; null closes the card. */
+  /** Shows data of the picked vehicle or point; null closes the card. */
   pick(picked, t) {
     this.picked = picked;
     this.showCard(t);
@@ -82,7 +82,7 @@ class Captions {
       ['clearance', f('clearance_m') + ' m'], ['estimate error', f('estimate_error_m', 3) + ' m'], ['distance to reference', f('reference_error_m') + ' m']]};
   }
 
-  /** The view with its names and its instant, as a canvas. */
+  /** The view with names and time, as a canvas. */
   picture(t) {
     const view = byId('view'), out = make('canvas', {width: view.width, height: view.height}), c = out.getContext('2d');
     const ratio = view.width / view.clientWidth;

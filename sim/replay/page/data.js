@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the run recorded: blocks of the page become tables, and tables what is asked for by time.
+// Recorded data: decodes the blocks of the page into tables and looks up their values by time.
 'use strict';
 
-/** A list of numbers that grows. */
+/** A growing list of numbers. */
 class Numbers {
   constructor(type = Float32Array) { this.array = new type(256); this.length = 0; }
   push(values) {
@@ -83,7 +83,7 @@ function fromBase64(text) {
   return bytes;
 }
 
-/** Interpolates unit quaternions that lie near each other. */
+/** Interpolates nearby unit quaternions. */
 function mixTurns(a, b, s) {
   const sign = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0 ? -1 : 1;
   const q = a.map((x, i) => (1 - s) * x + s * sign * b[i]);
@@ -91,7 +91,7 @@ function mixTurns(a, b, s) {
   return q.map((x) => x / n);
 }
 
-/** The points of a scan in the world, with what is known of each. */
+/** The points of a scan in the world, with their attributes. */
 class Scan {
   constructor(points, poses) {
     const {vehicle, sensor, t_s, duration_s, returns} = points.about;
@@ -126,16 +126,16 @@ class Scan {
   }
 }
 
-/** Rows of a rotation, from x, y, z, w. */
+/** Rotation matrix by rows, from a quaternion x, y, z, w. */
 function matrixOf([x, y, z, w]) {
   return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
           2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
           2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)];
 }
 
-const kRotorSlowness = 0.04;  // rotors turn too fast to be seen turning
+const kRotorSlowness = 0.04;  // drawn rotor speed / true speed, slow enough to be visible
 
-/** Everything that is known of the run so far. */
+/** All data of the run received so far. */
 class Run {
   constructor() {
     this.head = null;
@@ -148,7 +148,7 @@ class Run {
     this.events = [];
     this.end_s = 0;
     this.complete = false;
-    this.blocks = 0;  // that were read
+    this.blocks = 0;  // number of blocks read
   }
 
   add({about, tables}) {
@@ -179,7 +179,7 @@ class Run {
     }
   }
 
-  /** Vertices, triangles and, in a world, places follow each other. */
+  /** Tables in the order vertices, triangles and, for a world, placements. */
   static meshes(tables) {
     const meshes = [];
     for (const table of tables) {
@@ -241,7 +241,7 @@ class Run {
     this.overlays.get(key).push({t_s: table.about.t_s, about: table.about, p_world_m: p, colors: table.columns.get('color'), count: table.rows});
   }
 
-  /** Place, turn and whatever else a vehicle is doing at t; null before its first state. */
+  /** Interpolated state of a vehicle at t; null before its first state. */
   vehicleAt(index, t) {
     const vehicle = this.vehicles[index], state = vehicle.state, row = Math.max(0, state.rowAt(t));
     if (state.rows === 0) return null;
@@ -254,7 +254,7 @@ class Run {
             turned: (1 - s) * turned[row] + s * turned[next], crashed: state.get('crashed')[row] > 0.5};
   }
 
-  /** What of an overlay holds at t. */
+  /** The version of an overlay that is valid at t. */
   overlayAt(key, t) {
     const list = this.overlays.get(key);
     let found = null;

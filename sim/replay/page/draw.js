@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// WebGL2: meshes at many places, points, wide lines, translucent triangles. Knows nothing of a run.
+// WebGL2 drawing, independent of the run: instanced meshes, points, wide lines, translucent triangles.
 'use strict';
 
 const Mat = {
@@ -97,7 +97,7 @@ void main() {
 }`],
 };
 
-/** Smooth edges cost four times as much where there is no graphics card. */
+/** Antialiasing takes four times as long without a graphics card. */
 function drawsInSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return false;
@@ -165,7 +165,7 @@ class Painter {
     gl.vertexAttribDivisor(location, divisor || 0);
   }
 
-  /** A mesh, and buffers for the places where it stands: 12 numbers (rows) and 4 of color each. */
+  /** A mesh, and buffers for its placements: 12 numbers (rows of the transform) and 4 of color each. */
   mesh(positions, indices) {
     const gl = this.gl, array = gl.createVertexArray();
     gl.bindVertexArray(array);
@@ -192,7 +192,7 @@ class Painter {
     this.gl.drawElementsInstanced(this.gl.TRIANGLES, mesh.count, this.gl.UNSIGNED_INT, 0, mesh.number);
   }
 
-  /** 16 bytes a point: three floats and a color. */
+  /** 16 bytes per point: three floats and a color. */
   points(bytes) {
     const gl = this.gl, array = gl.createVertexArray();
     gl.bindVertexArray(array);
@@ -220,7 +220,7 @@ class Painter {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.scratch[key].buffer);
   }
 
-  /** 11 numbers a line: from, to, color, width in pixels. */
+  /** 11 numbers per line: from, to, color, width in pixels. */
   drawLines(numbers, camera) {
     if (!numbers.length) return;
     const gl = this.gl;
@@ -234,7 +234,7 @@ class Painter {
     gl.disable(gl.BLEND);
   }
 
-  /** 7 numbers a corner: position and color; translucent. */
+  /** Translucent triangles with 7 numbers per corner: position and color. */
   drawAreas(numbers, camera) {
     if (!numbers.length) return;
     const gl = this.gl, at = this.use('point', camera);
@@ -248,7 +248,7 @@ class Painter {
     gl.disable(gl.BLEND);
   }
 
-  /** The same as points of a size in meters. */
+  /** Points with a size in meters. */
   drawDots(numbers, size_m, camera, least_px = 2) {
     if (!numbers.length) return;
     const gl = this.gl, at = this.use('point', camera);
@@ -273,7 +273,7 @@ class Painter {
   }
 }
 
-/** Edge 1. */
+/** Cube with edge 1. */
 function cube() {
   const p = [], i = [];
   for (let k = 0; k < 8; ++k) p.push((k & 1) - 0.5, (k >> 1 & 1) - 0.5, (k >> 2) - 0.5);
@@ -281,7 +281,7 @@ function cube() {
   return [new Float32Array(p), new Uint32Array(i)];
 }
 
-/** Radius 1. */
+/** Sphere with radius 1. */
 function ball(slices = 14, stacks = 9) {
   const p = [], i = [];
   for (let s = 0; s <= stacks; ++s) for (let k = 0; k <= slices; ++k) {
@@ -309,7 +309,7 @@ function blades(number, chord) {
   return [new Float32Array(p), new Uint32Array(i)];
 }
 
-/** Radius 1, flat. */
+/** Flat disc with radius 1. */
 function disc(corners = 28) {
   const p = [0, 0, 0], i = [];
   for (let k = 0; k < corners; ++k) p.push(Math.cos(2 * Math.PI * k / corners), Math.sin(2 * Math.PI * k / corners), 0);

@@ -2,9 +2,9 @@
 // Pointers, fingers and keys.
 'use strict';
 
-/** A press that moves by less is a click or a tap [px]; fingers tremble more than a mouse. */
+/** A press that moves by less is a click or a tap [px]; larger for fingers than for a mouse. */
 const kMouseSlack = 4, kFingerSlack = 12;
-/** Two taps within this time are a double tap; browsers take the same for a double click. */
+/** Two taps within this time are a double tap, as double clicks in browsers. */
 const kDoubleTap_ms = 500;
 
 /**
@@ -52,7 +52,7 @@ function onGestures(element, {drag, pinch, tap = () => {}, end = () => {}}) {
   element.addEventListener('pointercancel', lift);
 }
 
-/** The 3D view: one pointer turns, or moves where there is nothing to turn; two fingers move and zoom. */
+/** The 3D view: one pointer rotates, or pans in views without rotation; two fingers pan and zoom. */
 function listenToView(app) {
   const canvas = byId('view'), {scene} = app, {camera} = scene;
   const pan = (dx, dy) => camera.pan(dx, dy, scene.last_view, canvas);
@@ -77,7 +77,7 @@ function listenToView(app) {
   }, {passive: false});
 }
 
-/** The time line: press and drag go to an instant; a tick under the pointer shows its event. */
+/** The time line: press and drag set the time; a tick under the pointer shows its event. */
 function listenToTimeline(app) {
   const {track} = app.panel, {timeline} = app, go = (e) => app.seek(timeline.timeAt(e.clientX - track.getBoundingClientRect().left));
   track.addEventListener('pointerdown', go);
@@ -88,7 +88,7 @@ function listenToTimeline(app) {
   });
 }
 
-/** The plots: values under the pointer or finger, a click goes there, wheel, pinch and drag zoom, a double click shows the whole run. */
+/** The plots: values under the pointer or finger, a click sets the time, wheel, pinch and drag zoom, a double click shows the whole run. */
 function listenToPlot(app) {
   const {plot} = app, {canvas} = plot, redraw = () => app.drawPlot();
   const read = (e) => { if (e.isPrimary) { showValues(plot, {x: e.offsetX, y: e.offsetY}); redraw(); } };
@@ -120,7 +120,7 @@ function listenToPlot(app) {
   });
   canvas.addEventListener('pointermove', read);
   canvas.addEventListener('pointerdown', read);
-  // The values under a finger stay until the next touch elsewhere.
+  // Values at a touched position stay visible until the next touch elsewhere.
   canvas.addEventListener('pointerleave', (e) => { if (e.pointerType === 'mouse') leave(); });
   document.addEventListener('pointerdown', (e) => { if (e.target !== canvas && plot.pointer !== null) leave(); });
   canvas.addEventListener('wheel', (e) => {
@@ -134,7 +134,7 @@ function listenToPlot(app) {
   }, {passive: false});
 }
 
-/** Controls keep the keys that they have everywhere; all others are shortcuts. */
+/** Controls keep their standard keys; all others are shortcuts. */
 function keepsKey(target, key) {
   if (target.tagName === 'SELECT') return key !== 'Escape';
   return /^(BUTTON|INPUT|SUMMARY)$/.test(target.tagName) && (key === ' ' || key === 'Enter');
@@ -161,7 +161,7 @@ function listenToKeys(app) {
     e.preventDefault();
     actions[e.key](e);
   });
-  // A mouse leaves the focus in the view, so that shortcuts go on working after a click on a control.
+  // A mouse click keeps the focus in the view, so that shortcuts still work after using a control.
   let by_pointer = false;
   document.addEventListener('mousedown', (e) => { if (e.target.tagName !== 'SELECT' && e.target.closest('button, label, summary')) e.preventDefault(); });
   document.addEventListener('pointerdown', () => { by_pointer = true; });

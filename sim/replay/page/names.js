@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names for readers: layers with a hint of what they show, events as text, units of signals.
+// Displayed names: layers with a description, events as text, units of signals.
 'use strict';
 
 /** Layers of the page: key, name, hint, and whether they are on at first. */
@@ -63,14 +63,14 @@ const kOverlays = {
   'map.localization': ['map of the localization', 'Copy of the saved map every few seconds'],
 };
 
-/** {text, hint} of an overlay. One of a plugin reads as words, "survey.next_goal" as "survey: next goal"; its legend is the hint. */
+/** {text, hint} of an overlay. Names of plugins are shown as words, "survey.next_goal" as "survey: next goal", with the legend as hint. */
 function describeOverlay(name, meanings) {
   const words = name.replace(/_/g, ' ').replace('.', ': ').replace(/\./g, ' ');
   const [text, about] = Object.hasOwn(kOverlays, name) ? kOverlays[name] : [words, [...meanings].join(', ')];
   return {text, hint: (about ? about + '. ' : '') + `Overlay ${name}`};
 }
 
-/** An event in one line, without its time and vehicle. The note of a mission says all. */
+/** An event in one line, without its time and vehicle. For missions the note suffices. */
 function describeEvent({kind, partner, note}) {
   if (kind === 'mission' && note) return note;
   return kind.replace(/_/g, ' ') + (partner ? (kind === 'crash' ? ' into ' : ' ') + partner : '') + (note ? ': ' + note : '');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Controls around the picture: the bar, the panel with layers, events and help, the choice of signals.
+// Controls: the bar, the panel with layers, events and help, the selection of signals.
 'use strict';
 
 /** Windows in which the panel lies over the picture and is closed at first; those in which plots are too. As in replay.css. */
@@ -34,7 +34,7 @@ class Panel {
     this.open(kNarrow.matches ? '' : 'layers');
   }
 
-  /** Everything that depends on what the run has. */
+  /** Builds everything that depends on the content of the run. */
   update() {
     this.buildLayers();
     this.buildEvents();
@@ -65,7 +65,7 @@ class Panel {
     this.speed.value = String(this.app.speed);
   }
 
-  // --- Panel and plots: one of both where there is little room -----------------------------------------------------------
+  // --- Panel and plots: only one of them on small screens -------------------------------------------------------------
 
   /** Opens a tab; no name closes the panel. */
   open(tab) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Signals over time with their values under a pointer, and the time line: plain two-dimensional drawing.
+// Plots of signals over time with values at the pointer, and the time line, drawn on a 2D canvas.
 'use strict';
 
 /** A canvas whose pixels are the screen's. */
@@ -58,7 +58,7 @@ class Plot {
     this.show(about_s + (from - about_s) * factor + shift_s, about_s + (to - about_s) * factor + shift_s);
   }
 
-  /** While the run plays, the interval goes on with it. */
+  /** During playback, moves the interval with the time. */
   follow(t) {
     const [from, to] = this.span;
     if (this.shown && (t < from || t > to)) this.show(t - 0.05 * (to - from), t + 0.95 * (to - from));
@@ -170,7 +170,7 @@ class Plot {
 
   drawCurve(c, {signal: {t, y: values, loose}, first, last, color}, x, y, width) {
     c.strokeStyle = c.fillStyle = color; c.lineWidth = 1.4;
-    if (loose) {  // several rows at one instant: no curve
+    if (loose) {  // several rows at one time: no curve
       for (let i = first; i < last; ++i) if (Number.isFinite(values[i])) c.fillRect(x(t[i]) - 1.2, y(values[i]) - 1.2, 2.4, 2.4);
       return;
     }
@@ -186,7 +186,7 @@ class Plot {
   }
 }
 
-/** At most so many vehicles are listed, those with values nearest to the pointer. The list is so many pixels away from it. */
+/** Largest number of listed vehicles, those with values nearest to the pointer, and distance of the list from it [px]. */
 const kTipRows = 8, kTipAway = 14;
 
 /** Values of the signal under a place of the plots, beside it; null hides them. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points of the scans: which are shown at an instant, and in what colors.
+// Points of the scans: selection by time, and colors.
 'use strict';
 
 const kSensorColors = [[66, 133, 220], [240, 150, 40], [60, 170, 110], [200, 80, 170], [150, 120, 90], [90, 200, 200]];
@@ -58,7 +58,7 @@ class Points {
     return {low, high: Math.max(high, low + 1), range: Math.max(5, share(ranges, 0.95))};
   }
 
-  /** Scales are measured again when the scans have doubled and when all are there. Colors made before are discarded. */
+  /** Scales are recomputed when the number of scans has doubled and when all have arrived. Earlier colors are discarded. */
   update() {
     const number = this.run.scans.length, {color} = this.choices;
     const grown = number > 0 && (number >= 2 * this.measured || this.run.complete && number !== this.measured);
@@ -92,7 +92,7 @@ class Points {
     }
   }
 
-  /** A scan on the graphics card. */
+  /** The GPU buffer of a scan. */
   bufferOf(scan) {
     let made = this.buffers.get(scan);
     if (made) return made;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The picture at an instant: layers, overlays, and what lies under the pointer.
+// The picture at one time: layers, overlays, and picking at the pointer.
 'use strict';
 
 const kSkies = {
   day: {zenith: [0.46, 0.62, 0.84], horizon: [0.86, 0.90, 0.95], below: [0.80, 0.82, 0.84], dim: 1},
   dark: {zenith: [0.06, 0.07, 0.09], horizon: [0.10, 0.115, 0.14], below: [0.09, 0.10, 0.12], dim: 0.42},
 };
-// Distinguishable to most color-blind readers (Okabe and Ito 2008), as in the pictures.
+// Distinguishable with color blindness (Okabe and Ito 2008), as in the pictures.
 const kTrackColors = [[0.90, 0.62, 0], [0.34, 0.71, 0.91], [0, 0.62, 0.45], [0.94, 0.89, 0.26], [0.80, 0.47, 0.65], [0.84, 0.37, 0]];
 const kDetectionColor = [0.95, 0.2, 0.2];
 
 const kCuts = ['2', '4', '8', '15'];
 
-/** Overlays that hide more than they show. */
+/** Overlays that are off at first because they hide much of the picture. */
 const kOffAtFirst = /^(voxels|map)\.|^reference$|clusters|samples|sensing|window/;
 
 class Scene {
@@ -33,7 +33,7 @@ class Scene {
     this.legend = [];
   }
 
-  /** When head and world are known. */
+  /** Called when header and world are received. */
   begin() {
     const {head, world, vehicles} = this.run, {painter} = this;
     const bounds = head.bounds_m || [[-10, -10, 0], [10, 10, 10]];
@@ -49,18 +49,18 @@ class Scene {
     }
   }
 
-  /** At the first instant: a look at the whole team. */
+  /** Initial view: the whole team at the first time. */
   look() {
     const places = this.run.vehicles.map((_, i) => this.run.vehicleAt(i, 0)).filter(Boolean).map((v) => v.p);
     if (!places.length) return;
     const low = [0, 1, 2].map((i) => Math.min(...places.map((p) => p[i]))), high = [0, 1, 2].map((i) => Math.max(...places.map((p) => p[i])));
     this.camera.target = low.map((x, i) => (x + high[i]) / 2);
     this.camera.distance = Math.min(Math.max(9, 1.15 * Math.hypot(...sub(high, low))), 120);
-    // Crowns would hide a team that flies below them.
+    // Crowns would hide vehicles that fly below them.
     if (this.run.world.some((mesh) => mesh.about.kind === 'plant')) this.choices.cut = kCuts.find((cut) => Number(cut) > high[2] + 1) || 'none';
   }
 
-  /** Rows and color of each place; no two trees have quite the same color. */
+  /** Transform and color of each placement; colors of trees vary. */
   placesOf(mesh) {
     const {places, about} = mesh, out = new Float32Array(16 * places.rows);
     const column = (name) => places.columns.get(name);
@@ -77,7 +77,7 @@ class Scene {
     return out;
   }
 
-  /** Around what stands at each place: center and radius. */
+  /** Bounding sphere of each placement: center and radius. */
   static ballsOf({positions: p}, places) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < p.length; ++i) { low[i % 3] = Math.min(low[i % 3], p[i]); high[i % 3] = Math.max(high[i % 3], p[i]); }
@@ -90,7 +90,7 @@ class Scene {
     return out;
   }
 
-  /** The places that the view may see, gathered in `seen`. */
+  /** Collects the possibly visible placements in `seen`. */
   static inSight(view, places, balls, seen) {
     const {eye, forward: f} = view, sides = [];
     for (const [axis, half] of [[view.right, view.half_width], [view.up, view.half_height]]) for (const s of [-1, 1]) sides.push(unit(along(f.map((x) => half * x), s, axis)));
@@ -110,7 +110,7 @@ class Scene {
     return camera.view(at, this.painter.canvas, this.choices.scale, this.size_m);
   }
 
-  /** Pixels of CSS, and the depth; null behind the eye. */
+  /** Projection to CSS pixels, with depth; null behind the eye. */
   project(p, view) {
     const c = view.clip, w = c[3] * p[0] + c[7] * p[1] + c[11] * p[2] + c[15];
     if (w < 0.02) return null;
@@ -161,7 +161,7 @@ class Scene {
     if (layers.vehicles) now.forEach((state, i) => { if (state && i !== view.hidden) this.drawVehicle(i, state); });
   }
 
-  /** Draws the lines, bodies, dots and areas that layers have added. */
+  /** Draws the lines, bodies, dots and areas added by layers. */
   drawAdded(view) {
     const {painter} = this, gl = painter.gl, at = painter.use('mesh', view);
     gl.uniform1f(at.u_dim, 1);
@@ -259,7 +259,7 @@ class Scene {
   addTracks(t) {
     const {tracks, track_updates} = this.run.tables;
     if (!tracks.rows) return;
-    // Tracks of the latest update of each vehicle, predicted to t. Earlier ones are left as dots.
+    // Tracks of the latest update of each vehicle, predicted to t. Earlier ones are drawn as dots.
     const newest = new Map(), update_t = track_updates.get('t_s'), update_v = track_updates.get('vehicle');
     for (let i = track_updates.rowAt(t); i >= 0 && update_t[i] > t - 1; --i) if (!newest.has(update_v[i])) newest.set(update_v[i], update_t[i]);
     const times = tracks.get('t_s'), get = (name, i) => tracks.get(name)[i];
@@ -344,7 +344,7 @@ class Scene {
   /** The name of an overlay without the number of its part. */
   static groupOf(key) { return key.slice(key.indexOf('/') + 1).replace(/#\d+$/, ''); }
 
-  /** The group of an overlay, known from now on. */
+  /** The group of an overlay; created if new. */
   addGroup(key) {
     const group = Scene.groupOf(key);
     if (!this.groups.has(group)) this.groups.set(group, !kOffAtFirst.test(group));
