@@ -7,7 +7,7 @@ import numpy as np
 
 import swiftlet
 
-# A scenario by name, with changes as `--set` makes them. What is misspelt is refused with its place.
+# A scenario by name, with changes as by `--set`. Misspelt keys are rejected with their location.
 scenario = swiftlet.load("field", duration_s=2.0, seed=5)
 try:
     swiftlet.load("field", {"vehicles[0].start.yaw_dgr": 90})
@@ -15,7 +15,7 @@ except swiftlet.InputError as error:
     print(f"refused: {error}")
 
 simulator = swiftlet.Simulator(scenario)
-start_m = simulator.states.position_m.copy()  # `states` shows the present, so copy what is to stay
+start_m = simulator.states.position_m.copy()  # `states` is a view of the current tick, so copy it
 num_scans = 0
 while not simulator.finished:
     simulator.tick()

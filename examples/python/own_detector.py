@@ -30,7 +30,7 @@ class Hanging:
         found = []
         cells = np.floor(points / self.cell_m).astype(int)
         while len(points):
-            # Grow from the first point over cells that touch.
+            # Region growing from the first point over adjacent cells.
             group = np.zeros(len(points), bool)
             group[0] = True
             for _ in range(4):

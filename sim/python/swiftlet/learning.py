@@ -110,7 +110,7 @@ class _Episodes:
         self.seed = None
 
     def reset(self, seed):
-        # The seed of an episode that nobody chose is told as well, so that it can be flown again.
+        # A randomly drawn seed is reported as well, so that the episode can be repeated.
         self.seed = int(np.random.SeedSequence().entropy % 2**31) if seed is None else _operator.index(seed)
         scenario = load(self.scenario, seed=self.seed)
         key = _line(scenario.yaml, "world_seed") if _line(scenario.yaml, "world_seed") not in ("", "0") else None
@@ -252,7 +252,7 @@ def _work(pipe, make, arguments, count):
             pipe.send(("rows", rows))
     except (EOFError, KeyboardInterrupt):
         return
-    except BaseException:  # noqa: B902: told to whoever waits, whatever it is
+    except BaseException:  # noqa: B902: reported to the waiting parent process, whatever it is
         pipe.send(("error", _traceback.format_exc()))
 
 
@@ -268,7 +268,7 @@ class VectorEnv:
     def __init__(self, make, num_envs, arguments=(), workers=None):
         self.num_envs = num_envs
         workers = max(1, min(workers or _multiprocessing.cpu_count(), num_envs))
-        context = _multiprocessing.get_context("spawn")  # a copy of a process with threads may hang
+        context = _multiprocessing.get_context("spawn")  # a fork of a process with threads may hang
         shares = [num_envs // workers + (i < num_envs % workers) for i in range(workers)]
         self._workers = []
         for share in shares:

@@ -6,10 +6,10 @@
         center_m = swiftlet.key((0.0, 0.0, 3.0), "[m] of the circle, world")
         radius_m = swiftlet.key(5.0, "[m] of the circle", min=0.1)
 
-        def __init__(self, setup):       # what a vehicle is told before the start
+        def __init__(self, setup):       # setup: known to the vehicle before the start
             self.angle_rad = 0.0
 
-        def step(self, now):             # once a tick
+        def step(self, now):             # once per tick
             ...
             return swiftlet.Goal(position_m, velocity_mps=v, yaw_rad=yaw)
 
@@ -43,7 +43,7 @@ def key(default, doc, *, min=None, max=None, words=()):
         raise ValueError(f'a key is told with its unit in brackets first, such as "[m] of the circle"; found "{doc}"')
     if isinstance(words, str) or not all(isinstance(word, str) for word in words):
         raise TypeError(f"words: expected a tuple of texts, found {words!r}")
-    default = default.tolist() if hasattr(default, "tolist") else default  # a number or an array of numpy
+    default = default.tolist() if hasattr(default, "tolist") else default  # numpy number or array
     if isinstance(default, str):
         if words and default not in words:
             raise ValueError(f"default: expected one of {', '.join(words)}, found {default}")
@@ -77,7 +77,7 @@ def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=T
     needs = dict(clouds=clouds, map=map, relatives=relatives, world=world, true_pose=true_pose, true_neighbors=true_neighbors,
                  detects=detects)
 
-    if not isinstance(name, str):  # also where the decorator stands without its name
+    if not isinstance(name, str):  # also when the decorator is used without a name
         raise TypeError(f'expected the name of the {kind}, such as @swiftlet.{kind}("mine"), found {name!r}')
     if not isinstance(doc, str):
         raise TypeError(f"doc: expected a text, found {doc!r}")

@@ -44,7 +44,7 @@ def fly_many(source, runs, jobs=None):
     """
     runs = [dict(run) for run in runs]
     for run in runs:
-        load(source, run)  # what is wrong with one is told before the first flies
+        load(source, run)  # reports invalid scenarios before the first flight
     source = source if isinstance(source, dict) else str(source)
     with _futures.ProcessPoolExecutor(jobs, mp_context=_multiprocessing.get_context("spawn")) as pool:
         return Rows(pool.map(_fly_one, [source] * len(runs), runs))
