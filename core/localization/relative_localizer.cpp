@@ -281,7 +281,7 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
           "[-] name of the vehicle to localize, which tells its odometry (follow_guide); empty: the first other one");
   v.field("others", others,
-          "[-] names, when there are several; they are told apart by how they move, so let them move differently");
+          "[-] names, when there are several; they are distinguished by their motion, so let them move differently");
   v.choice("source", source, {"detections", "tracks", "markers"},
            "[-] source of sightings: detections, the clusters on which tracks were corrected, or all bright returns of "
            "a scan");
