@@ -20,9 +20,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kStartSpread_m = 0.1;
-constexpr double kForgotten_s = 3.0;  // and two periods: one not measured for so long is known anew
+constexpr double kForgotten_s = 3.0;  // plus two sensor periods: a longer gap restarts the warning time
 
-/// On the sphere evenly along a spiral of the golden angle.
+/// Evenly spaced on the circle, or along a golden-angle spiral on the sphere.
 Vector3 direction(const Formation& formation, int i) {
   const int n = formation.num_vehicles;
   if (!formation.sphere) {
@@ -83,11 +83,12 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
     double length_m = 0.0, time_s = 0.0;
     bool known = false, arrived = false;
   };
-  // When each vehicle came to know of a stranger who flies straight through, and the nearest that one came to anybody.
+  // The intruder flies straight through by waypoints: when each vehicle first and last measured it, and its least
+  // distance to an rbl vehicle.
   struct Stranger {
-    int index = -1;                 // -1: nobody
+    int index = -1;                 // -1: none
     std::vector<bool> avoids;       // flies by rbl
-    std::vector<TimeNs> forgotten;  // after which one not measured is known anew
+    std::vector<TimeNs> forgotten;  // longest gap between samples before warning restarts
     std::vector<TimeNs> first, last;
     double least_m = std::numeric_limits<double>::infinity(), warned_s = 0.0;
   };
@@ -139,7 +140,7 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       way.time_s = to_seconds(view.t);
     }
   };
-  // A pair a vehicle; NaN: it did not arrive. Then the stranger.
+  // Length and time of each vehicle (time NaN: not arrived), then the intruder's two numbers.
   const auto write = [&](std::size_t index) {
     std::vector<double> numbers;
     for (const Way& way : ways[index]) {

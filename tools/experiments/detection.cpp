@@ -18,15 +18,15 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr int kFewest = 30;          // detections of a bin that is judged
-constexpr double kCleared_m = 20.0;  // d_max: what the rays clear
+constexpr int kFewest = 30;          // fewest detections for a bin to be evaluated
+constexpr double kCleared_m = 20.0;  // d_max: range up to which rays clear the map
 
-// Detections lie on the near side of the target, by at most this.
+// Largest bias of a detection toward the sensor: it lies on the near side of the target.
 double published_bias_m() {
   return find_published("detection-ideal", "bias: circumscribed radius of the target [m]")->value;
 }
 
-// The document flew each case once; a quick version flies a part of it.
+// The document flies each case once; the quick version is shorter.
 Flights fly_agile(Experiment& experiment, const std::string& name, double full_s, const Overrides& overrides = {}) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= experiment.repetitions(3, 1); ++seed) {
@@ -42,7 +42,7 @@ Flights fly_agile(Experiment& experiment, const std::string& name, double full_s
 // the mean of many points of one sweep, whose pose noise they share and whose range noise averages out.
 double predicted_error_m(double range_m, double bias_m, const MeasurementNoise& noise) {
   const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise.Sigma_w());
-  const Vector3 sigma = Sigma.diagonal().cwiseSqrt();  // of a ray along x it is diagonal
+  const Vector3 sigma = Sigma.diagonal().cwiseSqrt();  // Sigma is diagonal for a ray along x
   const Random random(1, "predicted_error");
   constexpr std::uint32_t kSamples = 20000;
   double sum = 0.0;
@@ -60,7 +60,7 @@ struct Flown {
   const Flights* flights;
 };
 
-// Fig. 11: solid lines are the detector's, dashed ones the tracker's. The band is that of the quartiles.
+// Fig. 11: solid lines are the detector's, dashed ones the tracker's. The band spans the quartiles.
 void draw(Experiment& experiment, const std::string& name, const std::vector<Flown>& cases, const Curve& theory,
           const Curve& with_bias = {}) {
   sim::plot::Figure figure("", 2);
@@ -107,7 +107,7 @@ void write_bins(Experiment& experiment, const std::string& name, const Flights& 
   experiment.write(name + ".csv", csv);
 }
 
-// ---- sums ----------------------------------------------------------------------------------------------------------
+// ---- rows ----------------------------------------------------------------------------------------------------------
 
 double share_within(const std::vector<double>& errors_m, double limit_m) {
   if (errors_m.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -178,7 +178,7 @@ void detection_noisy(Experiment& experiment) {
              predicted_m});
     ++judged;
     const double off = std::abs(noisy.mean_error_m() / predicted_m - 1.0);
-    if (off <= worst) continue;  // false while nothing was judged
+    if (off <= worst) continue;  // false while worst is NaN
     worst = off;
     worst_m = noisy.middle_m();
   }
@@ -223,15 +223,15 @@ void detection_real(Experiment& experiment) {
 
 namespace {
 
-// High enough that no rule can take it for the ground: d_close and half its size above the lowest place.
+// Height above which no rule can take the target for the ground: d_close plus half its size above the lowest place.
 constexpr double kClear_m = 1.5;
 
-/// The target of one flight by scan: its height above where it started, and whether it was followed.
+/// The target of one flight by scan: height above its start, and whether a track follows it.
 struct Ascent {
   std::vector<double> t_s, height_m, seen_s, seen_m;
-  int up = 0, followed = 0;          // scans in which it is kClear_m up, and is followed
-  int up_since_found = 0, kept = 0;  // the same from the first in which it is followed
-  double found_s = -1.0;             // after it was kClear_m up; < 0: never
+  int up = 0, followed = 0;          // scans with the target above kClear_m; with a track as well
+  int up_since_found = 0, kept = 0;  // as above, from the first followed scan on
+  double found_s = -1.0;             // delay after it rises above kClear_m; < 0: never found
 
   Ascent(const std::vector<Sighting>& tracks, double ground_m) {
     double cleared_s = -1.0;
@@ -268,8 +268,8 @@ std::vector<Ascent> ascents_with(Experiment& experiment, const Overrides& overri
 
 }  // namespace
 
-// What becomes of separate background, the document says in two ways: unknown (the overview of sec. III) or free
-// (eq. 9). Here, where a target leaves a column of it, they differ most.
+// The document sets separate background to unknown (overview of sec. III) or to free (eq. 9). The two differ most
+// here, where the target leaves a column of background.
 void detection_takeoff(Experiment& experiment) {
   struct Interpretation {
     const char* name;

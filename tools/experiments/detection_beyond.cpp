@@ -14,8 +14,8 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kNear_m = 40.0;  // sightings up to here are summed up
-constexpr int kTarget = 1;        // vehicle
+constexpr double kNear_m = 40.0;  // range up to which sightings enter the totals
+constexpr int kTarget = 1;        // vehicle index
 
 struct Variation {
   const char* name;
@@ -25,7 +25,7 @@ struct Variation {
 
 const std::string kLidar = "vehicles[0].sensors[0]";
 
-// Each changes one thing of the flights of detection_real.yaml.
+// Each differs from detection_real.yaml in one setting.
 std::vector<Variation> variations() {
   return {{"as flown", {}},
           {"sweep in one instant", {{kLidar + ".rolling", "false"}}},
@@ -39,8 +39,8 @@ std::vector<Variation> variations() {
           {"six blades a propeller", {{"vehicles[1].airframe.propeller_blades", "6"}}}};
 }
 
-/// One target and two observers: of the scans in which any could see it, the share in which the first found it, the
-/// second, and either.
+/// One target and two observers: among scans in which either could see the target, the shares found by the first, by
+/// the second, and by either.
 std::array<double, 3> shares_found(const std::array<std::unique_ptr<DetectionLog>, 2>& logs,
                                    const std::array<int, 2>& target_of_log) {
   struct Scan {
@@ -82,7 +82,7 @@ void fly_variations(Experiment& experiment, double duration_s) {
   error.y.min = 0.0;
   error.y.max = 0.45;
   recall.x.max = error.x.max = kNear_m;
-  recall.legend = sim::plot::Legend::kNone;  // that of the other panel, which has the room
+  recall.legend = sim::plot::Legend::kNone;  // the panel beside it has the legend
   int color = 0;
   for (const Variation& variation : variations()) {
     std::vector<sim::Scenario> scenarios;

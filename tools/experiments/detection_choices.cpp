@@ -12,11 +12,11 @@ namespace {
 
 struct Interpretation {
   const char* name;
-  const char* key;    // of the detector
+  const char* key;    // detector setting
   const char* value;  // null: the defaults
 };
 
-// One key away from the defaults each.
+// Each changes one setting.
 constexpr Interpretation kInterpretations[] = {
     {"defaults", nullptr, nullptr},
     {"clustering: voxels", "choices.clustering", "voxels"},

@@ -10,7 +10,7 @@ namespace swiftlet::tools {
 
 std::vector<Judged> judged_sightings(const std::vector<Sighting>& sightings, double farthest_m) {
   std::vector<Judged> all;
-  std::map<int, int> since_return;  // scans, by target
+  std::map<int, int> since_return;  // scans since the last return of each target
   for (const Sighting& s : sightings) {
     int& since = since_return.try_emplace(s.target, kWindows_scans.back()).first->second;
     since = s.points > 0 ? 0 : since + 1;
@@ -26,8 +26,8 @@ std::vector<Judged> judged_sightings(const std::vector<Sighting>& sightings, dou
 
 Histories histories_of(const std::vector<Sighting>& tracks) {
   struct OfTarget {
-    std::uint32_t last = 0;              // identity
-    std::optional<std::size_t> waiting;  // the appearance, from it until the target is found
+    std::uint32_t last = 0;              // track identity
+    std::optional<std::size_t> waiting;  // index of the appearance until the target is found
   };
   Histories histories;
   std::map<int, OfTarget> targets;

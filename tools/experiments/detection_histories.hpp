@@ -6,7 +6,7 @@
 
 #include "detection_log.hpp"
 
-/// What the sightings of a flight tell in the order of time, of each target by itself.
+/// Sightings of a flight in temporal order, for each target separately.
 namespace swiftlet::tools {
 
 inline constexpr std::array<int, 4> kWindows_scans = {1, 3, 5, 10};  ///< at 10 Hz: up to a second
@@ -14,23 +14,23 @@ inline constexpr std::array<int, 4> kWindows_scans = {1, 3, 5, 10};  ///< at 10 
 /// A target that could be seen in a scan.
 struct Judged {
   double range_m = 0.0;
-  /// Whether it returned anything in the last 1, 3, 5 and 10 scans, this one included: no detector can know more.
+  /// Whether it has a return in the last 1, 3, 5 and 10 scans, this one included: the ceiling of any detector.
   std::array<bool, kWindows_scans.size()> returned{};
   bool found = false;
   double error_m = 0.0;
 };
-/// Those sightings that were in view and nearer than this, in their order.
+/// Sightings in view and nearer than `farthest_m`, in their order.
 std::vector<Judged> judged_sightings(const std::vector<Sighting>& sightings, double farthest_m);
 
-/// A target comes into view.
+/// One time that a target comes into view.
 struct Appearance {
   int target = 0;
-  double range_m = 0.0;        ///< where it did
-  double until_found_s = 0.0;  ///< infinite when it left again before that
+  double range_m = 0.0;        ///< distance at that moment
+  double until_found_s = 0.0;  ///< infinite when it leaves the view before
 };
 struct Histories {
   std::vector<Appearance> appearances;
-  int switches = 0;  ///< how often another identity went on with a target
+  int switches = 0;  ///< how often the track identity of a target changes
 };
 /// @param tracks  DetectionLog::tracks()
 Histories histories_of(const std::vector<Sighting>& tracks);

@@ -19,10 +19,10 @@ struct Latencies {
 constexpr std::array<Latencies, 3> kLatencies = {
     {{"no latency", 0.0, 0.0, 0.0}, {"a fast computer", 0.05, 0.08, 0.05}, {"Table VI", 0.1123, 0.3195, 0.1596}}};
 
-// What a forest may cost a minute, whatever the computer.
+// Limit of false detections in a forest, at any latency.
 constexpr double kMostFalse_per_min = 5.0;
 
-// forest_patrol, of which only uav1 senses anything.
+// forest_patrol with sensors on uav1 only.
 sim::Scenario flight_with(const Latencies& latencies, bool rolling, std::uint64_t seed, double duration_s) {
   const std::string timing = "vehicles[0].agent.detector.timing.";
   const std::string true_pose = "{type: ground_truth}";
@@ -43,8 +43,8 @@ sim::Scenario flight_with(const Latencies& latencies, bool rolling, std::uint64_
 
 }  // namespace
 
-// The three modules of the detector change one map beside each other, so what is found could hang on how long each of
-// them takes. In a forest it may not.
+// The three modules of the detector modify one map concurrently, so results could depend on their latencies. In a
+// forest they must not.
 void detection_latencies(Experiment& experiment) {
   const int seeds = experiment.repetitions(20, 1);
   const double duration_s = experiment.quick() ? 4.0 : 12.0;

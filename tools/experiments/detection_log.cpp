@@ -16,11 +16,11 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kTruePositive_m = 3.0;  // [Vrba 2025, sec. V-A]
-constexpr double kFollowed_m = 1.0;      // nearer than this, a track is this target's
-constexpr double kSlow_mps = 0.3;        // below, a velocity has no direction
+constexpr double kFollowed_m = 1.0;      // a track nearer than this follows the target
+constexpr double kSlow_mps = 0.3;        // below this speed, no direction error
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// The same walk over what there is writes the numbers and reads them.
+// One function writes the numbers with NumberWriter and reads them with NumberReader.
 struct NumberWriter {
   std::vector<double> numbers;
   template <class T>
@@ -92,7 +92,7 @@ void DetectionLog::add(const sim::Simulation& simulation) {
   if (action.has_detections && least_confidence_ > 0.0) find_unsure(action);
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
   tracks_awaited_ = tracks_awaited_ || !view.scans[observer_].empty();
-  if (!action.has_tracks || !tracks_awaited_) return;  // a detector's own tracks come later than its scan
+  if (!action.has_tracks || !tracks_awaited_) return;  // a detector's tracks arrive later than the scan
   tracks_awaited_ = false;
   add_tracks(action);
 }
@@ -114,7 +114,7 @@ void DetectionLog::remember(const sim::LabeledScan& labeled) {
   scans_.push_back(std::move(seen));
 }
 
-// Truth of the tick nearest to an instant: ticks are milliseconds apart.
+// Truth of the tick nearest to an instant; ticks are milliseconds apart.
 const DetectionLog::Truth& DetectionLog::at(TimeNs t) const {
   const auto after =
       std::lower_bound(truth_.begin(), truth_.end(), t, [](const Truth& truth, TimeNs time) { return truth.t < time; });
@@ -146,7 +146,7 @@ Sighting DetectionLog::sighting_of(const SeenScan& scan, int target) const {
   return sighting;
 }
 
-/// Eq. (68): an estimate against where the target was at the instant for which it was made.
+/// Eq. (68): distance of an estimate to the target at the time of the estimate.
 double DetectionLog::error_m(int target, TimeNs t, const Vector3& estimate_m) const {
   const Truth& truth = at(t);
   return (estimate_m - truth.T_estimate_truth * truth.p_m[static_cast<std::size_t>(target)]).norm();
@@ -163,7 +163,7 @@ bool DetectionLog::take(Sighting& sighting, TimeNs t, const Vector3& estimate_m)
   return true;
 }
 
-// Track i of a detector that tracks before it detects is that of its detection i.
+// In the output of track_before_detect, track i belongs to detection i.
 void DetectionLog::find_unsure(const Action& action) {
   unsure_.clear();
   for (std::size_t i = 0; i < std::min(action.tracks.size(), action.detections.size()); ++i) {

@@ -15,9 +15,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kOs0Fov_deg = 45.0;
-constexpr int kMoving = 0;  // of the targets of detection_multi
+constexpr int kMoving = 0;  // index among the targets of detection_multi
 
-// How often the moving target came out from behind the wall, and how often it was followed again within 5 s.
+// How often the moving target comes out from behind the wall, and is followed again within 5 s.
 struct Recoveries {
   int times = 0, recovered = 0;
 };
@@ -42,7 +42,7 @@ Recoveries recoveries_of(const std::vector<Sighting>& tracks) {
       lost = false;
     }
   }
-  if (lost && now - came_out < kPatience) --result.times;  // the flight ended before it could be told
+  if (lost && now - came_out < kPatience) --result.times;  // the flight ends before the 5 s are over
   return result;
 }
 
@@ -69,8 +69,8 @@ int targets_followed(const std::vector<Sighting>& tracks) {
   return followed;
 }
 
-// Fig. 10: the targets' ways (lines) and the tracks nearest to them (crosses) by axis, while the moving one is hidden
-// on a darker ground.
+// Fig. 10: trajectories of the targets (lines) and the nearest tracks (crosses) by axis; the background is darker while
+// the moving target is hidden.
 void draw_axes(Experiment& experiment, const DetectionLog& log, double until_s) {
   sim::plot::Figure figure("Targets (lines) and tracks (crosses) by axis (Fig. 10)", 1);
   figure.set_panel_size(900, 280);

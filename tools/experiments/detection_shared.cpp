@@ -19,12 +19,12 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr std::uint64_t kFirstSharedSeed = 511;  // of flights on which nothing was tuned
-constexpr double kKnown_s = 25.0;                // by then frames should be known
+constexpr std::uint64_t kFirstSharedSeed = 511;  // nothing is tuned on seeds from here on
+constexpr double kKnown_s = 25.0;                // time by which frames should be known
 constexpr double kRangeBin_m = 10.0, kFarthestRange_m = 70.0;
 const std::vector<std::size_t> kObservers = {0, 1, 2}, kTargets = {3, 4, 5};
 
-/// Teams of one kind: what differs is who is in it.
+/// Teams of one kind; they differ only in their members.
 struct Kind {
   std::string name;
   std::vector<SharingTeam> teams;
@@ -45,7 +45,7 @@ std::vector<Kind> kinds_of(const sim::RadioConfig& radio) {
           {"three, lost and late", {team({0, 1, 2}, both)}}};
 }
 
-/// Of a point seen by a Mid-360 whose pose is that of the stand-in odometry.
+/// Expected error of a point measured by a Mid-360 with the pose noise of the stand-in odometry.
 double expected_of_odometry_m(double range_m) {
   MeasurementNoise noise;
   noise.sigma_range_m = 0.02;
@@ -62,7 +62,7 @@ struct SharedResult {
   double receiver_s = 0.0, bytes = 0.0, member_s = 0.0, false_tracks = 0.0, largest_message = 0.0;
   double frame_m = 0.0, frame_worst_m = 0.0, yaw_rad = 0.0, drifted_m = 0.0, sigma_m = 0.0;
   int frames = 0;
-  double known_s = 0.0;  // until another's frame was known, mean over pairs
+  double known_s = 0.0;  // time until another frame is known, summed over pairs
   int pairs = 0, never = 0;
   std::map<int, std::pair<int, int>> by_range;  // sightings and found, by distance from the receiver
 
@@ -150,7 +150,8 @@ void tell_shared(Experiment& experiment, const std::string& name, const SharedRe
                  r.frame_m / frames, r.yaw_rad / frames, r.drifted_m / frames});
 }
 
-/// What at least one of the observers told by itself: more can't be shared. In scans of about the same instant.
+/// Share of targets found by at least one observer alone, in scans of about the same instant: the most that sharing
+/// can give.
 double share_told_by_any(const std::vector<TeamRecord>& alone) {
   std::map<std::tuple<int, double>, bool> found;
   for (const TeamRecord& record : alone) {
@@ -179,7 +180,7 @@ void detection_shared(Experiment& experiment) {
     }
     const sim::Scenario as_written = scenario_with("reproduce/detection_shared.yaml", seed, overrides);
     sharing = as_written.vehicles[0].agent.as<StackConfig>().tracker.as<SharedTracksConfig>();
-    for (const std::size_t v : kObservers) {  // what they share is told on the same scans for every team
+    for (const std::size_t v : kObservers) {  // detector tracks: every team shares results of the same scans
       overrides.emplace_back(fmt::format("vehicles[{}].agent.tracker", v), "{type: detector}");
     }
     scenarios.push_back(scenario_with("reproduce/detection_shared.yaml", seed, overrides));
@@ -251,7 +252,7 @@ void detection_shared(Experiment& experiment) {
       }
       bool labeled = false;
       for (const auto& [pair, lines] : of_pair) {
-        if (std::get<0>(pair) > std::get<1>(pair)) continue;  // one way is enough
+        if (std::get<0>(pair) > std::get<1>(pair)) continue;  // draw one direction of each pair
         frames.line(labeled ? "" : "error of the estimate", lines[0], lines[1], {.color = 2});
         frames.line(labeled ? "" : "drift of the frames", lines[0], lines[2],
                     {.color = 0, .dash = sim::plot::Dash::kDashed});

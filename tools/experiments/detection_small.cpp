@@ -15,14 +15,14 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr std::uint64_t kFirstSmall = 451;  // of flights on which nothing was tuned
+constexpr std::uint64_t kFirstSmall = 451;  // nothing is tuned on seeds from here on
 constexpr double kFarthestSmall_m = 25.0;
-constexpr double kTold = 0.5;  // what is told with less counts as not told
+constexpr double kTold = 0.5;  // existence probability below which nothing is reported
 
 struct SmallCase {
   const char* name;
   const char* scenario;
-  bool drawn;  // are the observer's flights drawn?
+  bool drawn;  // the seed draws the observer's flight
   Overrides overrides;
 };
 
@@ -46,7 +46,7 @@ Overrides bird_of_0_2_m() {
            "{position_m: [0.0467, 0.0467, 0.014], spin: cw}, {position_m: [-0.0467, -0.0467, 0.014], spin: cw}]"}};
 }
 
-/// A wall, and the target flies along it with 0.5 m from its hull.
+/// The target flies along a wall, with 0.5 m between its hull and the wall.
 Overrides along_a_wall() {
   return {{"world", "{type: walls, walls: [{points_m: [[-30, 9.5, 0], [30, 9.5, 0]], height_m: 12}]}"},
           {"vehicles[1].model", "f330"},
@@ -57,7 +57,7 @@ Overrides along_a_wall() {
           {"vehicles[0].agent.guidance.area_max_m", "[24, 7, 5.5]"}};
 }
 
-/// The same size, and it flies as birds do.
+/// A target of 0.2 m that flies as birds do.
 Overrides bird_in_flight() {
   return {
       {"vehicles[1].model", "bird"},
@@ -65,8 +65,8 @@ Overrides bird_in_flight() {
        "{type: bird, area_min_m: [-24, -13, 7.5], area_max_m: [24, 13, 10.0], perches_m: [[-15, 8, 8], [15, -8, 9]]}"}};
 }
 
-/// A clearing in a forest. The target flies around it with 0.5 m from its hull to where the crowns may begin, and once
-/// in each round through the middle.
+/// The target flies around a clearing in a forest, with 0.5 m between its hull and the closest possible crowns, and
+/// once a round through the middle.
 Overrides along_crowns() {
   constexpr double kClearing_m = 12.0, kHull_m = 0.25, kHeight_m = 8.0;
   constexpr int kCorners = 24;
@@ -104,7 +104,7 @@ std::vector<SmallCase> small_cases() {
            {{"world.foliage", "{sway_m: 0.4, flutter_m: 0.1}"}}}};
 }
 
-/// In which share of the scans with both in view are two told of, each nearest to one of them?
+/// Share of the scans with both targets in view in which two different tracks follow them.
 double share_told_apart(const Flights& flights) {
   int both = 0, apart = 0;
   for (const auto& log : flights.logs) {
@@ -152,7 +152,7 @@ void tell_small(Experiment& experiment, const std::string& what, const Flights& 
 
 }  // namespace
 
-/// What is smaller, larger or nearer to something than the targets of the other experiments.
+/// Targets that are smaller, larger or nearer to obstacles than in the other experiments.
 void detection_small(Experiment& experiment) {
   CsvTable csv({"case", "sightings", "with_return", "recall", "error_m", "precision", "false_tracks", "observed_s",
                 "switches", "told_apart"});

@@ -17,9 +17,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kFarthestSighting_m = 40.0;
-constexpr double kExists = 0.5;            // what is told with less counts as not told
-constexpr double kLeastTold = 0.02;        // and from here on for the reliability
-constexpr std::uint64_t kFirstSeed = 401;  // of flights on which nothing was tuned
+constexpr double kExists = 0.5;            // existence probability from which a report counts
+constexpr double kLeastTold = 0.02;        // lower threshold, for the reliability curve
+constexpr std::uint64_t kFirstSeed = 401;  // nothing is tuned on seeds from here on
 constexpr int kReliabilityBins = 10;
 
 enum class Place { kOpen, kForest };
@@ -29,7 +29,7 @@ struct Sensor {
   Place place;
   Overrides overrides;
   double fov_bottom_deg, fov_top_deg;
-  bool sees_far;  // its rows beyond 25 m are told
+  bool sees_far;  // adds rows beyond 25 m
 };
 
 std::vector<Sensor> sensors() {
@@ -57,15 +57,15 @@ double expected_error_m(double range_m) {
   return ErrorDistribution(Sigma).mean_m();
 }
 
-/// Of those at a distance.
+/// Sightings in a range interval.
 struct Summary {
   int count = 0, found = 0, found_of_ceiling = 0;
   std::array<int, kWindows_scans.size()> returned{};
-  double error_m = 0.0, beyond_noise_m = 0.0;  // means of what was found
+  double error_m = 0.0, beyond_noise_m = 0.0;  // means over found targets
 
   double share(int of) const { return count > 0 ? static_cast<double>(of) / count : std::nan(""); }
   double recall() const { return share(found); }
-  /// Of the sightings with a return in the last second.
+  /// Recall among the sightings with a return in the last second.
   double recall_of_ceiling() const {
     return returned.back() > 0 ? static_cast<double>(found_of_ceiling) / returned.back() : std::nan("");
   }
@@ -88,7 +88,7 @@ Summary summary_of(const std::vector<Judged>& all, double from_m, double to_m) {
   return s;
 }
 
-/// Detector or tracker in all flights of one sensor.
+/// Results of a detector or tracker over all flights of one sensor.
 struct FlownMethod {
   std::string name;
   std::vector<Judged> sightings;
@@ -100,9 +100,9 @@ struct FlownMethod {
   double false_tracks_per_min() const { return 60.0 * false_tracks / observed_s; }
 };
 
-/// From coming into view at a distance until found.
+/// Delay from coming into view at a range until found.
 struct Wait {
-  int found = 0, left = 0;  // before they were found
+  int found = 0, left = 0;  // left: out of view before found
   double mean_s = std::nan("");
 };
 
@@ -140,7 +140,7 @@ FlownMethod method_of(const std::string& name, const Flights& flights, Part part
   return method;
 }
 
-/// Does what is told with some probability exist as often?
+/// Compares reported existence probabilities with the share of reports that are targets.
 void tell_reliability(Experiment& experiment, const std::string& sensor, const Flights& flights, CsvTable& csv,
                       sim::plot::Panel& panel, int color) {
   std::array<double, kReliabilityBins> count{}, told{}, real{};
@@ -219,7 +219,7 @@ void compare_on(Experiment& experiment, const Sensor& sensor, CsvTable& csv, sim
     tell_far(experiment, sensor.name, method, 30.0, kFarthestSighting_m);
   }
 
-  std::array<std::vector<double>, 4> curves;  // a return in the last second, and the methods
+  std::array<std::vector<double>, 4> curves;  // share with a return in the last second, then recall of each method
   std::vector<double> range_m;
   for (double from_m = 0.0; from_m < kFarthestSighting_m; from_m += kBin_m) {
     const Summary ceiling = summary_of(methods[1].sightings, from_m, from_m + kBin_m);

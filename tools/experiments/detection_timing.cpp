@@ -18,7 +18,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// Detector and tracker beside a flight, stage by stage and not at the pace of a vehicle.
+/// Runs the stages of detector and tracker on a flight's scans and times each, outside of the vehicle's stack.
 class StageTimer {
  public:
   StageTimer() : registrar_(0.6), stages_(config_of_flight()), tracker_({}, make_kalman_filter({})) {}
@@ -58,13 +58,13 @@ class StageTimer {
     Stopwatch all;
     all.time([&] { tracker_.new_cloud(cloud, &stages_.map()); });
     stages[3].add(1e-3 * all.times_ms().front());
-    // A detector tells of a scan when two newer ones are there (0.11 s after it began, 0.2 s after the scan).
+    // A detector reports a scan when two newer ones have arrived (0.11 s after it starts, 0.2 s after the scan).
     late_.push_back(std::move(detections));
     if (late_.size() > kScansLate) {
       if (!late_.front().empty()) stages[4].time([&] { tracker_.new_detections(late_.front(), &stages_.map()); });
       late_.pop_front();
     }
-    // What a track adds to a cloud: the time above without that of a tracker that follows nobody.
+    // Cost of a track: the time above minus that of a tracker without tracks.
     CloudTracker idle({}, make_kalman_filter({}));
     Stopwatch without;
     without.time([&] { idle.new_cloud(cloud, &stages_.map()); });
@@ -123,7 +123,7 @@ void detection_timing(Experiment& experiment) {
     published.push_back(theirs.value);
     ours.push_back(mean.mean);
     panel.x.categories.push_back(kStages[i].short_name);
-    if (i >= 3) continue;  // of the tracker
+    if (i >= 3) continue;  // tracker stages
     together_ms += mean.mean;
     published_together_ms += theirs.value;
   }

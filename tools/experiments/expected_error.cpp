@@ -24,9 +24,9 @@ double nakagami_mean_m(double range_m, const MeasurementNoise& noise) {
   return ErrorDistribution(covariance_at(range_m, noise)).mean_m();
 }
 
-struct ErrorSampled {                           // mean error and its standard error
-  double normal_m = 0.0, normal_error_m = 0.0;  // of the linearized distribution
-  double true_m = 0.0;                          // of eqs. (38) to (41) without linearization
+struct ErrorSampled {                           // mean errors; normal_error_m is the standard error of normal_m
+  double normal_m = 0.0, normal_error_m = 0.0;  // linearized distribution
+  double true_m = 0.0;                          // eqs. (38) to (41) without linearization
 };
 
 ErrorSampled sample(const NoiseCase& one, std::uint32_t count) {
@@ -46,7 +46,7 @@ ErrorSampled sample(const NoiseCase& one, std::uint32_t count) {
   return {mean, std::sqrt((squares / n - mean * mean) / n), true_sum / n};
 }
 
-// The first range at which the expected error reaches `error_m`; infinity: not within the figure.
+// The first range at which the expected error reaches `error_m`; infinity: beyond the range of the figure.
 double range_of_error_m(double error_m, const MeasurementNoise& noise) {
   for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 0.1) {
     if (nakagami_mean_m(range_m, noise) >= error_m) return range_m;

@@ -27,7 +27,7 @@ ResultRow number_row(const std::string& what, double ours, int digits, bool hold
           ours, std::move(tolerance)};
 }
 
-// A bar would end the cell.
+// Escapes bars, which end a cell in Markdown.
 std::string cell(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -37,7 +37,7 @@ std::string cell(const std::string& text) {
   return out.empty() ? "-" : out;
 }
 
-/// By which version, and with how many runs a case where a case has several.
+/// Version and number of runs per case, as text below the table.
 std::string made_by(const Experiment& experiment) {
   std::string text = fmt::format("Swiftlet {} ({})", sim::version(), sim::git_revision());
   if (experiment.most_repetitions() > 0)

@@ -12,15 +12,15 @@
 #include "published.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 
-/// Experiments of the literature, flown or computed again: one file each in this folder, one row each in registry.cpp.
+/// Reproduced experiments of the literature: one file each in this folder, one row each in registry.cpp.
 namespace swiftlet::tools {
 
 enum class Verdict {
   kReproduced,       ///< within the tolerance
   kBetter,           ///< beyond what was published, under the same conditions or harder ones
-  kDiffers,          ///< outside the tolerance: the row's note says why
-  kOtherConditions,  ///< the conditions are not the same, so the two figures say little about each other
-  kNotJudged,        ///< a figure of our own
+  kDiffers,          ///< outside the tolerance; the row's note gives the cause
+  kOtherConditions,  ///< conditions differ, so the figures are not comparable
+  kNotJudged,        ///< no published figure, or no significant difference
 };
 
 /// One line of the table published | ours | verdict.
@@ -33,20 +33,20 @@ struct ResultRow {
   std::string tolerance = {};   ///< within which it counts as reproduced, or a limit of our own: "± 10 %", ">= 0.95"
   std::string published = "-";  ///< as printed; the experiment fills it in from published.csv
 };
-/// The words of the table. A row without a published figure says so, whatever it was judged by.
+/// Text of the verdict column; "no published figure" for such rows, whatever their verdict.
 std::string verdict_of(const ResultRow& row);
 /// The tolerance, and whether a limit of our own is kept.
 std::string tolerance_of(const ResultRow& row);
 
 struct ExperimentOptions {
-  std::string name = {};                 ///< under which published.csv knows the experiment
+  std::string name = {};                 ///< key in published.csv
   std::filesystem::path directory = {};  ///< where the experiment writes; exists
   int jobs = 1;                          ///< runs at a time
   std::optional<int> repetitions = {};   ///< instead of the experiment's own number
   bool quick = false;                    ///< a small version: fewer samples or seeds, shorter flights
-  bool resume = false;                   ///< flights that an earlier attempt finished are not flown again
-  std::function<void(double done, const std::string& note)> progress =
-      {};  ///< may be empty; called from one thread at a time
+  bool resume = false;                   ///< reuse the finished flights of an earlier attempt
+  /// May be empty; called from one thread at a time.
+  std::function<void(double done, const std::string& note)> progress = {};
 };
 
 /// Comma-separated values: a header, then rows of as many fields.
@@ -55,7 +55,7 @@ class CsvTable {
   explicit CsvTable(std::vector<std::string> columns) : columns_(std::move(columns)) {}
   CsvTable& row(std::initializer_list<double> values) { return row(std::span(values.begin(), values.size())); }
   CsvTable& row(std::span<const double> values);  ///< shortest text that reads back as the same number
-  CsvTable& row(const std::string& name, std::initializer_list<double> values);  ///< the first field is a word
+  CsvTable& row(const std::string& name, std::initializer_list<double> values);  ///< the first field is text
   std::string text() const;
 
  private:
@@ -66,7 +66,7 @@ class CsvTable {
 
 class FlightLog;
 
-/// What an experiment is handed, and where its results go.
+/// Options, result table and output files of one experiment.
 class Experiment {
  public:
   explicit Experiment(ExperimentOptions options);
@@ -74,25 +74,25 @@ class Experiment {
 
   bool quick() const { return options_.quick; }
   int jobs() const { return options_.jobs; }
-  /// How many runs a case: what the user asked for, else the experiment's number for this version.
+  /// Runs per case: the user's choice, else the experiment's number for this version.
   int repetitions(int full, int quick_version);
-  /// The largest number that was asked for so; 0: none was.
+  /// Largest number that repetitions() returned; 0: not called.
   int most_repetitions() const { return most_repetitions_; }
   void progress(double done, const std::string& note) const;
-  /// nullptr: nothing is to be kept (no directory). Throws std::runtime_error when it cannot be written.
+  /// nullptr: flights are not kept (no directory). Throws std::runtime_error when it cannot be written.
   FlightLog* flight_log() const;
 
-  /// What was published for the row `what`. Throws std::logic_error when nothing was.
+  /// The published figure of the row `what`. Throws std::logic_error when there is none.
   const PublishedFigure& published(const std::string& what) const;
 
-  /// Any row. What was published stands in the table published.csv, here and below.
+  /// Adds any row. This and the functions below look up the published figure in published.csv.
   void row(ResultRow row);
   /// Reproduced when |ours - published| <= tolerance * |published|.
   void within(const std::string& what, double ours, double tolerance, int digits, const std::string& note = {});
   /// Reproduced when ours is within the limit.
   void at_most(const std::string& what, double ours, double limit, int digits, const std::string& note = {});
   void at_least(const std::string& what, double ours, double limit, int digits, const std::string& note = {});
-  /// A statement that came out or did not.
+  /// A statement that holds or does not.
   void claim(const std::string& what, const std::string& ours, bool holds, const std::string& note = {});
 
   void write(const std::string& file, const CsvTable& table);
@@ -104,7 +104,7 @@ class Experiment {
 
  private:
   ExperimentOptions options_;
-  mutable std::unique_ptr<FlightLog> flight_log_;  // made when the first flights are
+  mutable std::unique_ptr<FlightLog> flight_log_;  // created with the first flights
   int most_repetitions_ = 0;
   std::vector<ResultRow> rows_;
   std::vector<std::string> files_;

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no NaN: null.
+// JSON has no NaN; null stands for it.
 double number_of(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
@@ -59,7 +59,7 @@ FlightLog::FlightLog(const std::filesystem::path& file, bool resume) : path_(fil
   if (!out_) throw std::runtime_error(path_.string() + ": cannot be written");
 }
 
-/// @return  the last line has its end
+/// @return  whether the last line is complete
 bool FlightLog::read() {
   std::ifstream in(path_);
   bool whole = true;
@@ -69,7 +69,7 @@ bool FlightLog::read() {
       const Json line = Json::parse(text);
       flights_.emplace(line.at("key").get<std::string>(), flight_of(line));
     } catch (const std::exception&) {
-      continue;  // cut when the program was killed, or no flight at all: flown again
+      continue;  // incomplete or invalid: fly again
     }
   }
   return whole;

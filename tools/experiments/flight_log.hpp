@@ -13,30 +13,30 @@
 
 namespace swiftlet::tools {
 
-/// What an experiment keeps of a flight.
+/// Stored result of a flight.
 struct FinishedFlight {
   sim::RunSummary summary;    ///< scenario, seed, outcome, hash, duration and the rows of its metrics
-  std::vector<double> notes;  ///< what the experiment itself counted
+  std::vector<double> notes;  ///< numbers from FlightNotes::write
 };
 
-/// The finished flights of an experiment in flights.jsonl, a line each, written when they end: an experiment that was
-/// killed need not fly them again. A last line that was cut is no flight.
+/// The finished flights of an experiment in flights.jsonl, one line each, written when a flight ends, so that a killed
+/// experiment can resume. Incomplete lines are skipped.
 class FlightLog {
  public:
-  /// @param resume  read what is there; otherwise the file begins anew
+  /// @param resume  read the existing file; otherwise overwrite it
   /// Throws std::runtime_error with path and reason when it cannot be written.
   FlightLog(const std::filesystem::path& file, bool resume);
 
-  /// The same scenario (complete, with its seed) flown by the same revision of the program has the same key.
+  /// Hash of the complete scenario, with its seed, and of the program's revision.
   static std::string key_of(const sim::Scenario& scenario);
-  /// nullptr: still to be flown.
+  /// nullptr: not flown yet.
   const FinishedFlight* find(const std::string& key) const;
   void add(const std::string& key, const FinishedFlight& flight);  ///< from any thread
 
  private:
   bool read();
   std::filesystem::path path_;
-  std::map<std::string, FinishedFlight> flights_;  ///< of earlier attempts
+  std::map<std::string, FinishedFlight> flights_;  ///< read from earlier attempts
   std::mutex writing_;
   std::ofstream out_;
 };

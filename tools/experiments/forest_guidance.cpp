@@ -14,10 +14,10 @@
 namespace swiftlet::tools {
 namespace {
 
-/// How far it was to the border of the allowed space in the five flights of Table II.
+/// Distance to the border of the allowed space in the five flights of Table II.
 constexpr std::array kBorders_m = {31.6, 36.5, 35.1, 41.6, 35.0};
 
-/// Another forest for each seed. The guide knows its place by LiDAR odometry that drifts.
+/// The seed draws the forest. The guide localizes by LiDAR odometry that drifts.
 sim::Scenario forest_flight(std::uint64_t seed, double border_m) {
   sim::Scenario scenario = scenario_with(
       "forest_guidance.yaml", seed,

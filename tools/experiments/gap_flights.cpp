@@ -28,7 +28,7 @@ struct Run {
   Passage passage;
 };
 
-/// Both know where they are, and so where the other one is.
+/// Both vehicles use true poses, also for each other.
 void know_the_truth(Overrides& changes) {
   changes.emplace_back("vehicles[1].start.known", "pose");
   changes.emplace_back("vehicles[1].agent.localization", "{type: ground_truth}");
@@ -36,7 +36,8 @@ void know_the_truth(Overrides& changes) {
   changes.emplace_back("vehicles[0].agent.relative_localization", "{type: shared_world, other: secondary}");
 }
 
-/// The guide plans on what a LiDAR of the secondary sees, which in reality is too heavy for it. No radio carries that.
+/// The guide plans on scans of a LiDAR on the secondary, which is too heavy in reality; no real radio carries the
+/// scans.
 void map_by_the_secondary(Overrides& changes) {
   changes.emplace_back("radio.rate_kbps", "1000000");
   changes.emplace_back("radio.queue_limit_kB", "10000");
@@ -60,7 +61,7 @@ void localize_by_sensors(Overrides& changes, bool by_slam) {
       "{type: sliding_window, other: secondary, source: markers, center_behind_m: 0.025, center_above_m: 0.025}");
 }
 
-/// Where the building stands and how it is turned, where everybody starts, and where the goals lie: all by the seed.
+/// The seed draws the pose of the building, the starts and the goals.
 Run make_run(GapTeam team, double safe_distance_m, std::uint64_t seed) {
   const Random random(seed, "gap-success");
   std::uint32_t drawn = 0;
@@ -84,7 +85,7 @@ Run make_run(GapTeam team, double safe_distance_m, std::uint64_t seed) {
   if (team == GapTeam::kSingle) {
     changes.emplace_back("vehicles[0].start.position_m", text_of(small_m));
     changes.emplace_back("vehicles[0].agent.guidance.planner.clearance_m", fmt::format("{}", safe_distance_m));
-    changes.emplace_back("vehicles[0].agent.guidance.follow", "corners");  // as the secondary follows its path
+    changes.emplace_back("vehicles[0].agent.guidance.follow", "corners");  // same as the secondary
     return {scenario_with("navigate.yaml", seed, std::move(changes)), passage};
   }
   changes.emplace_back("vehicles[0].start.position_m", text_of(large_m));
@@ -101,7 +102,7 @@ Run make_run(GapTeam team, double safe_distance_m, std::uint64_t seed) {
   if (team == GapTeam::kTruthOwnMap) map_by_the_secondary(changes);
   if (team == GapTeam::kFullToldOnce) {
     changes.emplace_back("vehicles[0].agent.guidance.periodic", "false");
-    changes.emplace_back("vehicles[1].agent.guidance.link_timeout_s", "120");  // it flies on alone
+    changes.emplace_back("vehicles[1].agent.guidance.link_timeout_s", "120");  // covers the whole path
   }
   return {scenario_with("guided_gap.yaml", seed, std::move(changes)), passage};
 }

@@ -10,7 +10,7 @@
 /// A UAV guides a small one through a gap and back, in several configurations [Pritzl 2024, Fig. 6].
 namespace swiftlet::tools {
 
-/// The configurations of Fig. 6, in the order of its legend, and beside them the full one whose guide flies on SLAM.
+/// The configurations of Fig. 6, in the order of its legend, and the full one with a guide on SLAM.
 enum class GapTeam { kTruthOwnMap, kTruth, kFull, kFullToldOnce, kSingle, kFullBySlam };
 const char* name_of(GapTeam team);
 
@@ -19,9 +19,9 @@ struct GapPoint {
   int flights = 0, successes = 0, crashes = 0;
   double share() const { return flights > 0 ? static_cast<double>(successes) / flights : 0.0; }
 };
-using GapCurve = std::map<double, GapPoint>;  // by safe distance
+using GapCurve = std::map<double, GapPoint>;  // key: safe distance [m]
 
-/// Of the secondary's place in the guide's estimate, within 1 m of the gap.
+/// Sums of the error of the guide's estimate of the secondary's position, within 1 m of the gap.
 struct GapErrors {
   double error_sum_m = 0.0, along_wall_sum_m = 0.0;
   int count = 0;

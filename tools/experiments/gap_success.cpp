@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kTeams = {GapTeam::kTruthOwnMap, GapTeam::kTruth, GapTeam::kFull, GapTeam::kFullToldOnce,
                                GapTeam::kSingle};
 
-/// The least safe distance from which on nine of ten succeed, between two points on a straight line.
+/// Safe distance from which on 90 % succeed, interpolated linearly between two points of the curve.
 std::optional<double> distance_of_90(const GapCurve& curve) {
   std::optional<double> found_m;
   const std::pair<const double, GapPoint>* above = nullptr;
@@ -36,7 +36,7 @@ std::optional<double> distance_of_90(const GapCurve& curve) {
   return found_m;
 }
 
-/// The points beside the crossing of 90 %.
+/// Points of the curve within 0.05 m of the 90 % crossing.
 std::vector<double> around_90(const GapCurve& curve) {
   const auto at_m = distance_of_90(curve);
   if (!at_m) return {};

@@ -14,10 +14,10 @@
 namespace swiftlet::tools {
 namespace {
 
-/// How fixes weigh in the pose graph.
+/// Weighting of GNSS fixes in the pose graph.
 struct GnssUse {
   const char* label;
-  const char* gnss;  // of the scenario; empty: none is used
+  const char* gnss;  // scenario setting; empty: no GNSS
 };
 constexpr GnssUse kGnssUses[] = {
     {"without GNSS", ""},
@@ -28,8 +28,8 @@ constexpr GnssUse kGnssUses[] = {
     {"the worst, with Huber's loss", "{weighting: isotropic, huber: 1}"},
 };
 
-/// Twice around the building, up at first and down at last. The vehicle knows its heading by the compass and its place
-/// by the first fix [sec. III-C].
+/// Twice around the building, with an ascent first and a descent last. The compass gives the initial heading and the
+/// first fix the initial position [sec. III-C].
 sim::Scenario gnss_flight(const GnssUse& use, std::uint64_t seed, bool quick) {
   const bool used = *use.gnss != '\0';
   return scenario_with(

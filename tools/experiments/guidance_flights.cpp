@@ -15,7 +15,7 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kNearPassage_m = 1.0;
-constexpr double kThrough_m = 0.6;  // beyond the passage's middle, so that nobody passes by trembling
+constexpr double kThrough_m = 0.6;  // least distance from the passage's middle: jitter at the middle is no pass
 constexpr TimeNs kSeenLately = 300'000'000;
 
 class Notes {

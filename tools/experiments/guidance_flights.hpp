@@ -9,29 +9,30 @@
 #include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 
-/// Flights of a vehicle that guides another one [Pritzl 2024], and what is noted of them.
+/// Flights of a vehicle that guides another one [Pritzl 2024], and their results.
 namespace swiftlet::tools {
 
 /// A passage in a wall: its center, and the direction through it.
 struct Passage {
   double x_world_m = 0.0, y_world_m = 0.0, yaw_rad = 0.0;
 
-  /// Of a place: along the way through the passage, and across it.
+  /// Coordinates of a point along the passage and across it.
   Eigen::Vector2d of(const Vector3& p_world_m) const;
 };
 
-/// What came of one flight. The vehicle that is to pass is the last one of the scenario.
+/// Result of one flight. The vehicle that has to pass is the scenario's last one.
 struct GuidedFlight {
   bool done = false;     ///< all goals reached
-  bool crashed = false;  ///< somebody touched something
+  bool crashed = false;  ///< any vehicle had a contact
   double time_s = 0.0;
-  int passes = 0;                  ///< of the passage, from one side to the other
-  double farthest_m = 0.0;         ///< from where it was when it was first guided, horizontally
-  double least_clearance_m = 0.0;  ///< of any vehicle to any surface
-  // Errors of its place in the guide's estimate, within 1 m of the passage.
+  int passes = 0;                  ///< number of crossings of the passage
+  double farthest_m = 0.0;         ///< largest horizontal distance from where guidance begins
+  double least_clearance_m = 0.0;  ///< least over vehicles and surfaces
+  // Error of the guide's estimate of its position, within 1 m of the passage.
   double error_sum_m = 0.0, along_wall_sum_m = 0.0;
   int num_errors = 0;
-  double seen_s = 0.0, guided_s = 0.0;  ///< while it was told a path: with sightings not older than 0.3 s, and in all
+  /// Time on a path from the guide: with sightings no older than 0.3 s, and in all.
+  double seen_s = 0.0, guided_s = 0.0;
 };
 
 /// The scenarios end at the first contact; nothing is recorded.
@@ -41,11 +42,11 @@ std::vector<GuidedFlight> fly_guided(const Experiment& experiment, std::vector<s
 /// The guide's own configuration; it is the first vehicle.
 GuideConfig& guide_of(sim::Scenario& scenario);
 
-/// Place of a point in a building whose passage lies there: along it and across it.
+/// World position of a point given along and across a passage.
 Vector3 in_world(const Passage& passage, double along_m, double across_m, double height_m);
 std::string text_of(const Vector3& p_world_m);
 
-/// Interval of Wilson for a share, 95 %.
+/// Wilson score interval of a share, 95 %.
 struct ShareInterval {
   double low = 0.0, high = 1.0;
 };

@@ -19,7 +19,8 @@
 #include "swiftlet/sim/world/empty.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
-/// Is what algorithm 2 calls visible in sight? It plans on maps of known worlds; the world's triangles judge it.
+/// Waypoints that algorithm 2 predicts visible, checked for true line of sight: plans on maps of known worlds,
+/// evaluated by ray casts into the world's triangles.
 namespace swiftlet::tools {
 namespace {
 
@@ -27,18 +28,18 @@ using Sight = ViewpointRules::Sight;
 constexpr std::array<Sight, 2> kSights = {Sight::kAtWaypoint, Sight::kInSpace};
 constexpr std::array<const char*, 2> kSightNames = {"at_waypoint", "in_space"};
 constexpr std::array<const char*, 3> kWorlds = {"forest", "warehouse", "hurdles"};
-constexpr std::array<double, 4> kHigher_m = {0.0, 0.5, 1.0, 1.5};  // the primary above the secondary
-constexpr int kDirections = 4;                                     // of the goals of a place
-constexpr double kWay_m = 4.0, kSecondary_m = 1.0;                 // height above the ground
-constexpr double kApart_m = 3.0;                                   // primary and secondary at the start
-constexpr double kWithin_m = 25.0;                                 // of the world's center lie the places
+constexpr std::array<double, 4> kHigher_m = {0.0, 0.5, 1.0, 1.5};  // height of the primary above the secondary
+constexpr int kDirections = 4;                                     // goal directions at each place
+constexpr double kWay_m = 4.0, kSecondary_m = 1.0;                 // goal distance; height above ground
+constexpr double kApart_m = 3.0;                                   // between primary and secondary at the start
+constexpr double kWithin_m = 25.0;  // half the edge of the square of places around the origin
 constexpr int kRays = 5000;
-constexpr double kSeen_m = 10.0;  // from each place that maps
+constexpr double kSeen_m = 10.0;  // sensing range of each mapping scan
 
-/// What came of plans of one kind.
+/// Results over plans of one kind.
 struct Tally {
-  int plans = 0, found = 0, whole = 0;  // whole: all that was called visible is in sight
-  int told = 0, in_sight = 0;           // waypoints called visible, and those of them that are
+  int plans = 0, found = 0, whole = 0;  // whole: all predicted waypoints are in sight
+  int told = 0, in_sight = 0;           // waypoints predicted visible, and those in true sight
 
   Tally& operator+=(const Tally& other) {
     plans += other.plans;
@@ -51,15 +52,15 @@ struct Tally {
 };
 using Tallies = std::array<std::array<Tally, kHigher_m.size()>, kSights.size()>;
 
-/// Directions that cover the sphere evenly.
+/// Evenly spaced directions on the sphere.
 Vector3 direction_of(int i, int count) {
   const double z = 1.0 - (2.0 * i + 1.0) / count, level = std::sqrt(1.0 - z * z);
   const double turn_rad = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
   return {level * std::cos(turn_rad), level * std::sin(turn_rad), z};
 }
 
-/// Level ground with walls up to 1.4 m, and beams from 1.8 m on. A vehicle 1 m above the ground passes below the beams;
-/// one that flies higher looks over the walls.
+/// Level ground with walls up to 1.4 m, and beams from 1.8 m upward. A vehicle 1 m above the ground passes below the
+/// beams; a higher one has a view over the walls.
 sim::Scene hurdles(std::uint64_t seed) {
   constexpr std::uint32_t kCount = 250;
   Module ground(sim::world_module_types(), "empty");
@@ -91,7 +92,7 @@ class Place {
   Place(const sim::StaticScene& scene, const Random& random, std::uint32_t index)
       : scene_(scene), random_(random), index_(index), map_(OccupancyMapConfig{}) {}
 
-  /// Somewhere in the open, 1 m above the ground.
+  /// Draws a free start, 1 m above the ground.
   bool settle() {
     constexpr std::uint32_t kTries = 200;
     for (std::uint32_t i = 0; i < kTries; ++i) {
@@ -107,7 +108,7 @@ class Place {
     return false;
   }
 
-  /// As a vehicle that was everywhere around knows it.
+  /// Fills the map with scans from a grid of free points around the start.
   void map() {
     for (int x = -2; x <= 2; ++x) {
       for (int y = -2; y <= 2; ++y) {
@@ -136,7 +137,7 @@ class Place {
  private:
   bool is_open(const Vector3& p_m, double radius_m) const { return !scene_.nearest(p_m, radius_m); }
 
-  /// Below whatever hangs above it.
+  /// Height of the lowest surface, below anything that hangs above it.
   std::optional<double> ground_height_m(double x_m, double y_m) const {
     constexpr int kMostAbove = 50;
     Vector3 from_m(x_m, y_m, 60.0);
@@ -170,7 +171,7 @@ class Place {
     config.primary.z_max_m = primary_m.z() + 0.3;
     config.viewpoint.sight = sight;
     const TeamPlan plan = plan_team(map_, config, primary_m, {secondary_m_, 0.0}, {goal_m, 0.0});
-    // Only plans that have a path to watch are the viewpoint's business.
+    // Plans without a path for the secondary need no viewpoint.
     if (plan.secondary_path.size() < 2) return;
     ++tally.plans;
     if (plan.next == TeamPlan::Next::kFail) return;

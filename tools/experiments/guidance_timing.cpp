@@ -21,11 +21,11 @@ namespace {
 constexpr TimeNs kFirstPlan = 5 * kNsPerSecond, kEvery = kNsPerSecond;
 constexpr double kStep_m = 4.0;
 
-/// The stages of algorithm 1 and their names in the table; the last row is the whole of it.
+/// Stages of algorithm 1 as in the table; its last row is the total.
 constexpr std::array<const char*, 3> kStages = {"the secondary's path", "the viewpoint", "the primary's path"};
 constexpr const char* kWhole = "algorithm 1";
 
-/// Plans beside a flight, once a second, on a map of its own that is made of the same scans.
+/// Plans once a second during a flight, outside of the vehicle's stack, on a map of the same scans.
 class PlanTimer {
  public:
   explicit PlanTimer(const TeamPlannerConfig& config)
@@ -77,7 +77,7 @@ struct Traffic {
   double most_kB() const { return 1e-3 * *std::max_element(sizes_bytes.begin(), sizes_bytes.end()); }
 };
 
-/// What goes over the radio while the secondary is guided.
+/// Records radio traffic while the secondary is guided.
 class Listener {
  public:
   void take(const sim::Simulation& simulation) {
@@ -106,7 +106,7 @@ sim::Scenario quiet(sim::Scenario scenario) {
   return scenario;
 }
 
-/// Heights of a histogram.
+/// Adds a histogram of the samples.
 void add_histogram(sim::plot::Panel& panel, const std::vector<double>& samples, double bin) {
   const auto bin_of = [bin](double sample) { return static_cast<std::size_t>(sample / bin); };
   const double most = *std::max_element(samples.begin(), samples.end());

@@ -12,9 +12,9 @@ namespace {
 
 constexpr const char* kPursuits[] = {"frpn", "proportional_navigation", "pure_pursuit", "mpc"};
 
-/// The figures that the paper tells of one method.
+/// Figures that the paper gives for one method.
 struct ProtocolResult {
-  double captured = 0.0;  ///< share of the trajectories in which any start led to a capture
+  double captured = 0.0;  ///< share of the trajectories with a capture from any start
   double every_start = 0.0;
   double captures = 0.0, first_s = 0.0, least_m = 0.0;
 };

@@ -10,11 +10,11 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr int kFirstHunt = 500;                    // the planner was tuned on others
-constexpr double kAccelerationTime_s = 1.0 / 0.6;  // the intruder's greatest speed over its greatest acceleration
-constexpr double kNearest_m = 10.0;                // of two starts
-constexpr std::uint32_t kOtherStarts = 1000;       // draws from here on
-constexpr double kField_m = 16.0, kLowest_m = 6.5, kHighest_m = 10.5;  // of starts, inside of the intruder's box
+constexpr int kFirstHunt = 500;                    // the planner is tuned on other flights
+constexpr double kAccelerationTime_s = 1.0 / 0.6;  // intruder: largest speed over largest acceleration
+constexpr double kNearest_m = 10.0;                // least distance between any two starts
+constexpr std::uint32_t kOtherStarts = 1000;       // first draw for the second start
+constexpr double kField_m = 16.0, kLowest_m = 6.5, kHighest_m = 10.5;  // box of starts, within the intruder's
 
 }  // namespace
 

@@ -18,16 +18,16 @@ namespace {
 
 constexpr const char* kHuntMethods[] = {"mpc", "frpn", "proportional_navigation", "pure_pursuit"};
 
-/// What came out of some hunts.
+/// Results over a set of flights.
 struct HuntTally {
   int flights = 0, captured = 0, contacts = 0;
-  std::vector<double> times_s;  ///< of the captures
+  std::vector<double> times_s;  ///< time of each capture
 
   double rate() const { return flights > 0 ? static_cast<double>(captured) / flights : 0.0; }
   double mean_s() const { return mean_and_deviation(times_s).mean; }
 };
 
-/// Each flight ends when the interceptor believes that it is done, or gave up, or when somebody has crashed.
+/// Each flight ends when the interceptor reports success or failure, or a vehicle crashes.
 HuntTally fly_hunts(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, const std::string& name,
                     CsvTable& csv) {
   const std::vector<sim::RunSummary> runs = fly(experiment, scenarios, {.is_over = hunt_is_over});
@@ -59,7 +59,7 @@ void tell(Experiment& experiment, const std::string& what, const HuntTally& tall
       {what + ": captured [-]", short_number(tally.rate(), 3), Verdict::kNotJudged, told(tally), tally.rate()});
 }
 
-/// A map beforehand, IMM and MPC, targets as fast as in the document.
+/// IMM, MPC and a map given in advance, with targets as fast as in the document.
 void as_in_the_document(Experiment& experiment, int flights, CsvTable& csv) {
   std::vector<sim::Scenario> scenarios;
   for (int i = 0; i < flights; ++i) scenarios.push_back(hunt(i, "mpc", kDocumentSpeed_mps, os1_eye().overrides));
@@ -69,7 +69,7 @@ void as_in_the_document(Experiment& experiment, int flights, CsvTable& csv) {
   experiment.at_most("OS1-128, IMM, MPC, up to 5 m/s: contacts", tally.contacts, 0, 1);
 }
 
-/// How fast may a target be?
+/// Capture rate over target speed.
 void over_speed(Experiment& experiment, int flights, CsvTable& csv) {
   const std::vector<double> speeds_mps =
       experiment.quick() ? std::vector<double>{5.0} : std::vector<double>{1.0, 3.0, 5.0, 8.0, 10.0};
@@ -82,7 +82,7 @@ void over_speed(Experiment& experiment, int flights, CsvTable& csv) {
     rate.y.label = "captured [-]";
     rate.y.min = time.y.min = 0.0;
     rate.y.max = 1.05;
-    rate.legend = sim::plot::Legend::kNone;  // that of its neighbor
+    rate.legend = sim::plot::Legend::kNone;  // the panel beside it has the legend
     time.y.label = "mean time of the captures [s]";
     for (const char* method : kHuntMethods) {
       std::vector<double> rates, times_s;
@@ -102,7 +102,7 @@ void over_speed(Experiment& experiment, int flights, CsvTable& csv) {
   experiment.write("speed.svg", figure);
 }
 
-/// The same flights with wind, noise and latency.
+/// Flights with wind, noise and latency.
 void robustness(Experiment& experiment, int flights, CsvTable& csv) {
   const std::string timing = "vehicles[0].agent.detector.timing.", lidar = "vehicles[0].sensors[0].";
   const std::vector<std::pair<const char*, Overrides>> cases = {

@@ -12,8 +12,8 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kSlowestTarget_mps = 3.0;
-constexpr int kFirstTrajectory = 100;                             // the planner was tuned on others
-constexpr double kNearestStart_m = 5.0, kFarthestStart_m = 20.0;  // of the starts from the target
+constexpr int kFirstTrajectory = 100;                             // the planner is tuned on other trajectories
+constexpr double kNearestStart_m = 5.0, kFarthestStart_m = 20.0;  // distance between start and target
 
 }  // namespace
 

@@ -18,7 +18,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// Flights of one target: by one interceptor, by another one from elsewhere, and by both.
+/// Chases of one target: by one interceptor, by one from another start, and by both.
 struct Duels {
   std::vector<sim::Scenario> first, second, team;
 
@@ -32,7 +32,7 @@ struct Duels {
   }
 };
 
-/// How near each other the interceptors came in a flight of both.
+/// Least separation of the interceptors in each flight of both.
 struct Nearness {
   explicit Nearness(std::size_t flights) : least_m(flights, std::numeric_limits<double>::infinity()) {}
 
@@ -51,7 +51,7 @@ struct Nearness {
   std::vector<double> least_m;
 };
 
-/// First captures by anybody; a flight without one counts with its whole length.
+/// First capture of each flight by any interceptor; a flight without one counts with its duration.
 std::vector<double> first_captures_s(const std::vector<sim::RunSummary>& runs, double duration_s) {
   std::vector<double> times_s;
   for (const sim::RunSummary& run : runs) {
@@ -72,7 +72,7 @@ int count_contacts(const std::vector<sim::RunSummary>& runs) {
   }));
 }
 
-/// Does a second interceptor shorten the chase? Compared with each of both alone, as is the radio that it needs.
+/// Time to capture of two interceptors, over a given radio, against each of them alone.
 class Comparison {
  public:
   Comparison(Experiment& experiment, CsvTable& csv, std::string name, Duels duels,

@@ -16,9 +16,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kLinks_kbps[] = {10.0, 50.0, 250.0, 1000.0};
-constexpr double kShareOfLink = 0.8;  // that maps may take
+constexpr double kShareOfLink = 0.8;  // radio budget of map sharing
 constexpr double kBar_m = 0.1;
-constexpr double kFalseJoin_m = 0.5;  // beyond, a join is a false one
+constexpr double kFalseJoin_m = 0.5;  // larger errors of a join count as false
 
 sim::Scenario joining_flight(double link_kbps, std::uint64_t seed) {
   const std::string budget = fmt::format("{}", kShareOfLink * link_kbps);
@@ -28,8 +28,8 @@ sim::Scenario joining_flight(double link_kbps, std::uint64_t seed) {
                         {"vehicles[1].agent.localization.global.share.budget_kbps", budget}});
 }
 
-/// Two in aisles that look alike, whose LiDARs see neither the ends of the aisles nor over the racks. They never fly
-/// through the same one.
+/// Two vehicles in aisles that look alike, with LiDARs that see neither the ends of the aisles nor over the racks. They
+/// never share an aisle.
 sim::Scenario aisle_flight(std::uint64_t seed) {
   std::vector<std::pair<std::string, std::string>> changes = {{"world", "{type: warehouse, door_width_m: 1.2}"},
                                                               {"snapshots", "[]"},
@@ -61,7 +61,7 @@ double sum_over(const std::vector<sim::RunSummary>& runs, std::size_t i, const s
   return sum;
 }
 
-/// The worse of both vehicles.
+/// Larger value of both vehicles.
 double worse_of(const std::vector<sim::RunSummary>& runs, std::size_t i, const std::string& name) {
   const double a = metric_of({runs[i]}, name, "uav1").front(), b = metric_of({runs[i]}, name, "uav2").front();
   return std::isnan(a) || std::isnan(b) ? std::nan("") : std::max(a, b);

@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// A row of Table III, and the share of passes that must succeed here.
+/// A row of Table III, and the limit for the share of successful passes.
 struct Door {
   double width_m, safe_distance_m, least_share;
 };
@@ -44,7 +44,7 @@ Passage passage_of(const sim::Scenario& scenario) {
 }  // namespace
 
 void narrow_gap(Experiment& experiment) {
-  const int flights = experiment.repetitions(10, 1);  // of two passes
+  const int flights = experiment.repetitions(10, 1);  // kPassesAFlight passes each
   std::vector<sim::Scenario> scenarios;
   std::vector<Passage> passages;
   for (const Door& door : kDoors) {
@@ -74,7 +74,7 @@ void narrow_gap(Experiment& experiment) {
                        flight->crashed ? 1.0 : 0.0, flight->time_s, flight->least_clearance_m,
                        flight->error_sum_m / std::max(flight->num_errors, 1)});
     }
-    // A pass was attempted when the one before it had succeeded, or it was the first.
+    // A pass is attempted if it is the first or the one before it succeeds.
     const int attempts = passes + static_cast<int>(std::count_if(flight - flights, flight, [](const GuidedFlight& f) {
                            return f.passes < kPassesAFlight;
                          }));

@@ -38,7 +38,7 @@ struct NoiseCase {
   MeasurementNoise noise() const { return noise_of(kSigma_m[i_m], kSigma_rad[i_rad]); }
 };
 
-/// What `sample` says of every combination, on the experiment's jobs.
+/// Evaluates `sample` on every combination, in parallel on the experiment's jobs.
 template <class Sampled>
 struct SampledNoise {
   std::vector<NoiseCase> cases;

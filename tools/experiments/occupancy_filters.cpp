@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-// The situation of Fig. 3: a flying object of 0.2 m radius fills an otherwise empty voxel for a while.
+// The situation of Fig. 3: a flying object fills an otherwise empty voxel for a while.
 constexpr double kEnters_s = 2.0, kLeaves_s = 4.5, kEnd_s = 8.0;
 constexpr double kScan_s = 0.1;
 constexpr double kRaycast_s = 0.3195;  // Table VI: the ray casting is slower than the classification

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-/// What was published: published.csv, the one table that experiments compare with and that the tests hold the documents
-/// to. A name that begins with * stands for all that end so.
+/// Published figures: published.csv is the one table that experiments compare with and that tests compare the pages
+/// with. A row name that begins with * matches every name with that ending.
 namespace swiftlet::tools {
 
 struct PublishedFigure {
@@ -19,7 +19,7 @@ struct PublishedFigure {
 
 std::span<const PublishedFigure> published_figures();
 
-/// nullptr where nothing was published.
+/// nullptr without a published figure.
 const PublishedFigure* find_published(std::string_view experiment, std::string_view what);
 
 }  // namespace swiftlet::tools

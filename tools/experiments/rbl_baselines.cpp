@@ -20,7 +20,7 @@ constexpr double kForestEdge_m = 34.0;  // start and goal beyond the trees
 struct Method {
   const char* name;
   const char* guidance;
-  int informed_every = 1;  // PACNav: 2: every second one knows the goal
+  int informed_every = 1;  // PACNav only; 2: every second vehicle knows the goal
 };
 constexpr Method kMethods[] = {{"rbl", "rbl"},
                                {"PACNav, all informed", "pacnav"},
@@ -49,7 +49,7 @@ sim::Scenario circle(const Method& method, int n, std::uint64_t seed) {
   return scenario;
 }
 
-/// Side by side through the forest of the document, with a LiDAR of 16 rows for all.
+/// A line of vehicles through the forest of the document, each with a LiDAR of 16 rows.
 sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
   const std::string lidar = "vehicles[0].sensors[0].";
   sim::Scenario scenario = scenario_with("reproduce/rbl_forest.yaml", seed,
@@ -71,7 +71,7 @@ sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
   if (guidance.type == "rbl") {
     auto& rbl = guidance.as<RblConfig>();
     rbl.neighbors.source = NeighborSourceConfig::Source::kSensor;
-    rbl.lidar.fov_lower_deg = 90.0;  // sees all that lies ahead
+    rbl.lidar.fov_lower_deg = 90.0;  // the front half-sphere
     rbl.lidar.fov_deg = 180.0;
     rbl.lidar.facing_deg = 180.0;
   } else if (guidance.type == "pacnav") {
@@ -95,7 +95,7 @@ sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
 
 }  // namespace
 
-// The same flights with PACNav, with the vision-based model and with RBL: neighbors are perfect for all.
+// Equal flights with PACNav, the vision-based model and RBL; all measure neighbors without error.
 void rbl_baselines(Experiment& experiment) {
   CsvTable csv({"case", "vehicles", "success", "arrived", "crashed", "length_m", "time_s", "min_separation_m"});
   const auto compare = [&](const std::string& place, int n, int seeds, const auto& make) {

@@ -17,14 +17,14 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kCircleHeight_m = 5.0;   // the whole ball of the cell lies between the limits of Table 2.2
-constexpr double kSphereHeight_m = 20.0;  // a sphere of 10 m does not fit between 1 and 10 m: limits moved along
+constexpr double kCircleHeight_m = 5.0;   // the cell fits between the limits of Table 2.2
+constexpr double kSphereHeight_m = 20.0;  // limits moved up: a sphere of 10 m does not fit in 1 to 10 m
 constexpr double kNeed_m = 1.0;           // the sum of two encumbrances
 
 struct CrossingCase {
   Formation formation;
   std::string variant;
-  bool files = false;  ///< with the settings of the authors' experiment files
+  bool files = false;  ///< settings of the authors' experiment files
 };
 
 sim::Scenario scenario_of(const CrossingCase& c, std::uint64_t seed, bool ideal) {
@@ -50,8 +50,8 @@ std::string case_name(const CrossingCase& c) {
                      c.formation.radius_m, c.variant);
 }
 
-/// Shorter than published is better; up to a tenth more is reproduced. That a flight takes much less time says little:
-/// another reference tracker flew the published ones.
+/// A value below the published one is better; up to 10 % more is reproduced. Times are hardly comparable: the published
+/// flights use another reference tracker.
 void add_row(Experiment& experiment, const std::string& what, const MeanAndDeviation& ours,
              Verdict when_less = Verdict::kBetter) {
   const double published = experiment.published(what).value;
@@ -66,7 +66,7 @@ void add_row(Experiment& experiment, const std::string& what, const MeanAndDevia
   experiment.row(std::move(row));
 }
 
-/// Tables of an experiment: a row a case, and a row a flight.
+/// Tables of an experiment: one row for each case, one for each flight.
 struct CrossingCsv {
   CsvTable cases{{"case", "ideal", "flights", "success", "length_m", "length_deviation_m", "time_s", "time_deviation_s",
                   "slowest_s", "speed_mps", "min_separation_m"}};
@@ -79,7 +79,7 @@ struct CrossingCsv {
   }
 };
 
-/// @param seed_time_s  mean time of each flight, when asked for
+/// @param seed_time_s  receives the mean time of each flight unless null
 CrossingTable fly_case(Experiment& experiment, const CrossingCase& c, int seeds, bool ideal, CrossingCsv& csv,
                        std::vector<double>* seed_time_s = nullptr) {
   std::vector<sim::Scenario> scenarios;
@@ -122,7 +122,7 @@ void tell(Experiment& experiment, const CrossingCase& c, const CrossingTable& ta
                   table.success});
 }
 
-/// With perfect neighbors nobody enters another's space, whatever the seed.
+/// With perfect neighbor measurements no vehicle enters the space of another, for any seed.
 void check_safety(Experiment& experiment, const CrossingCase& c, int seeds, CrossingCsv& csv) {
   const CrossingTable table = fly_case(experiment, c, seeds, true, csv);
   experiment.claim(case_name(c) + ", perfect neighbors: least distance [m], success [-]",
@@ -130,7 +130,7 @@ void check_safety(Experiment& experiment, const CrossingCase& c, int seeds, Cros
                    table.min_separation_m >= kNeed_m && table.success == 1.0, "1.0: the sum of the encumbrances");
 }
 
-using MeanTimes = std::map<std::pair<std::string, int>, double>;  // variant, vehicles
+using MeanTimes = std::map<std::pair<std::string, int>, double>;  // key: variant, number of vehicles
 
 sim::plot::Figure times_by_number(const MeanTimes& ours_s, const MeanTimes& published_s) {
   sim::plot::Figure figure("Circle of 10 m: mean time to the goal", 2);
@@ -151,8 +151,8 @@ sim::plot::Figure times_by_number(const MeanTimes& ours_s, const MeanTimes& publ
   return figure;
 }
 
-/// By how much one variant is faster than another, with the interval of 95 % over flights from the same starts. The
-/// sign is reproduced, or nobody could tell, or it differs.
+/// Relative gain in time of one variant over another, with its 95 % interval over flights from the same starts. The
+/// sign is reproduced, differs, or is not judged where the interval contains zero.
 void compare_variants(Experiment& experiment, const std::string& what, const std::vector<double>& fast_s,
                       const std::vector<double>& slow_s) {
   std::vector<double> gain_percent;
@@ -178,7 +178,7 @@ void rbl_circle(Experiment& experiment) {
     for (const char* variant : RblConfig::kVariants) cases.push_back({{false, n, 10.0}, variant});
   }
   MeanTimes ours_s, published_s;
-  std::map<std::pair<std::string, int>, std::vector<double>> time_s;  // of each flight
+  std::map<std::pair<std::string, int>, std::vector<double>> time_s;  // mean time of each flight
   for (const CrossingCase& c : cases) {
     const CrossingTable table =
         fly_case(experiment, c, seeds, false, csv, &time_s[{c.variant, c.formation.num_vehicles}]);
@@ -200,7 +200,7 @@ void rbl_circle(Experiment& experiment) {
   csv.write(experiment);
 }
 
-// The radius that the text prints; the published lengths need twice that.
+// The radius printed in the text; the published lengths imply twice that.
 void rbl_circle_printed(Experiment& experiment) {
   const int seeds = experiment.repetitions(100, 2);
   CrossingCsv csv;
@@ -214,7 +214,7 @@ void rbl_circle_printed(Experiment& experiment) {
   csv.write(experiment);
 }
 
-// As the authors' experiment files have it, where these are known: samples, planes, rates, thresholds and signs.
+// Samples, planes, rates, thresholds and signs of the authors' experiment files, where known.
 void rbl_circle_files(Experiment& experiment) {
   const int seeds = experiment.repetitions(100, 2);
   CrossingCsv csv;
@@ -255,8 +255,8 @@ void rbl_sphere(Experiment& experiment) {
     tell(experiment, c, fly_case(experiment, c, seeds, false, csv), "the circle's radius; ");
     check_safety(experiment, c, seeds, csv);
   }
-  // Beyond the document; `rbl-limits` goes on. In a crowd of 60 the wakes of those above are stronger than the lowest
-  // one.
+  // Beyond the document; `rbl-limits` continues. In a crowd of 60 the lowest vehicle cannot withstand the wakes of
+  // those above.
   const int crowds = experiment.repetitions(10, 1);
   check_safety(experiment, {{true, 30, 10.0}, "3d_z"}, crowds, csv);
   const CrossingCase crowd{{true, 60, 10.0}, "3d_z"};

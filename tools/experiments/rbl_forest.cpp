@@ -55,7 +55,7 @@ RblConfig& rbl_of(sim::Scenario& scenario) {
   return scenario.vehicles.front().agent.as<StackConfig>().guidance.as<RblConfig>();
 }
 
-/// Another reference tracker flew the published ones.
+/// Not comparable: the published flights use another reference tracker.
 void tell_time(Experiment& experiment, const ForestFlights& flights) {
   experiment.row({"t [s]", fmt::format("{:.2f} ± {:.2f}", flights.time_s.mean, flights.time_s.deviation),
                   Verdict::kOtherConditions, "the printed v of 0.85 m/s does not fit L / t = 0.61 m/s",
@@ -98,7 +98,7 @@ void rbl_forest_files(Experiment& experiment) {
 void rbl_real(Experiment& experiment) {
   const int seeds = experiment.repetitions(10, 1);
   CsvTable csv({"case", "seed", "success", "length_m", "time_s", "least_clearance_m"});
-  // The two columns of Table 3.2 are the same in print; the text says that cells and weighting were scaled.
+  // The two columns of Table 3.2 are printed equal, although the text mentions scaled cells and weighting.
   struct Flight {
     const char* name;
     double goal_m, speed_mps;

@@ -12,7 +12,7 @@
 
 namespace swiftlet::tools {
 
-// What passed stays as a ghost and locks the vehicle in; with a map that forgets it does not.
+// UAVs that pass leave occupied cells, which lock the vehicle in unless the map clears them.
 void rbl_ghosts(Experiment& experiment) {
   const int seeds = experiment.repetitions(10, 1);
   CsvTable csv({"map", "seed", "arrived", "time_s"});

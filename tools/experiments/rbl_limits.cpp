@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kSphereMiddle_m = 20.0;
 
-/// One quantity, made harder and harder.
+/// Results over increasing values of one quantity.
 struct Sweep {
   std::vector<double> values;
   std::vector<double> success, least_m, time_s;
@@ -53,7 +53,7 @@ void add(Experiment& experiment, const std::string& what, double success, double
                   fmt::format("least distance {:.2f} m", least_m), success});
 }
 
-/// More and more vehicles on a sphere of 10 m; neighbors are perfect.
+/// Increasing numbers of vehicles on a sphere of 10 m, with perfect neighbor measurements.
 void crowd(Experiment& experiment, int seeds, CsvTable& csv) {
   Sweep sweep;
   for (const int n : experiment.quick() ? std::vector<int>{15, 30} : std::vector<int>{10, 20, 30, 45, 60, 90}) {
@@ -74,7 +74,7 @@ void crowd(Experiment& experiment, int seeds, CsvTable& csv) {
   draw(experiment, "crowd.svg", "Sphere of 10 m, perfect neighbors", "vehicles", "least distance [m]", sweep);
 }
 
-/// Ten on a circle with worse and worse knowledge of each other.
+/// Ten vehicles on a circle, with neighbor measurements of decreasing quality.
 void knowledge(Experiment& experiment, int seeds, const std::string& what, const std::vector<double>& values,
                void (*set)(sim::NeighborsConfig&, double), CsvTable& csv) {
   Sweep sweep;
@@ -94,7 +94,7 @@ void knowledge(Experiment& experiment, int seeds, const std::string& what, const
        sweep);
 }
 
-/// The forest of the document with more and more trees.
+/// The forest of the document with increasing numbers of trees.
 void density(Experiment& experiment, int seeds, CsvTable& csv) {
   Sweep sweep;
   for (const int trees : experiment.quick() ? std::vector<int>{100} : std::vector<int>{100, 200, 300, 400, 500}) {

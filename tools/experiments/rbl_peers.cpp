@@ -20,7 +20,7 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kPeersHeight_m = 12.0;  // a sphere of 10 m lies above the ground
-constexpr double kPeersSpeed_mps = 4.0;  // of all methods
+constexpr double kPeersSpeed_mps = 4.0;  // same for all methods
 
 struct PeerMethod {
   const char* name;
@@ -36,8 +36,8 @@ void by_rbl(sim::VehicleConfig& vehicle) {
   peer_guidance(vehicle).as<RblConfig>() = rbl;
 }
 
-// Zhou, Wang, Bandyopadhyay and Schwager, 2017: to the point of the own buffered cell that is nearest to the goal; who
-// is stuck turns to the right. With so narrow a weight the centroid is that point.
+// Zhou, Wang, Bandyopadhyay and Schwager, 2017: each vehicle flies to the point of its buffered cell nearest to the
+// goal, and turns right when stuck. With so narrow a weight the centroid is that point.
 void by_buffered_cells(sim::VehicleConfig& vehicle) {
   by_rbl(vehicle);
   RblConfig& rbl = peer_guidance(vehicle).as<RblConfig>();
@@ -66,7 +66,7 @@ void by_shared_paths(sim::VehicleConfig& vehicle) {
 constexpr PeerMethod kPeerMethods[] = {
     {"RBL", by_rbl}, {"buffered cells", by_buffered_cells}, {"ORCA", by_orca}, {"shared paths", by_shared_paths}};
 
-/// What the others are known by: a sensor of places, and for shared paths the radio.
+/// Quality of the knowledge of neighbors: their sensor and, for shared paths, the radio.
 struct Knowledge {
   const char* name;
   void (*set)(sim::Scenario& pattern);
@@ -80,7 +80,7 @@ void perfectly_known(sim::Scenario& pattern) {
   peer_sight(pattern).ideal = true;
   pattern.radio.loss_probability = 0.0;
 }
-void usually_known(sim::Scenario& pattern) {  // UVDAR; a radio that is late and loses some
+void usually_known(sim::Scenario& pattern) {  // UVDAR; a radio with delay and loss
   pattern.radio.delay_s = 0.1;
   pattern.radio.loss_probability = 0.1;
 }
@@ -104,7 +104,7 @@ sim::Scenario peer_scene(const PeerMethod& method, const Knowledge& knowledge, c
 
 }  // namespace
 
-// The same crossings by methods that are known for them. What differs is what a vehicle is told of the others.
+// Equal crossings by established methods, with three qualities of neighbor measurements.
 void rbl_peers(Experiment& experiment) {
   const int seeds = experiment.repetitions(20, 1);
   CsvTable csv({"case", "knowledge", "vehicles", "success", "arrived", "contacts", "length_m", "time_s", "slowest_s",

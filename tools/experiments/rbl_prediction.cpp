@@ -14,12 +14,12 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kFollowing_m = 0.1;    // how far a vehicle is off its reference
-constexpr double kSeldom_sigmas = 3.5;  // one sample in 4000 is farther off
-constexpr double kSamples = 2.0;        // at least, tell where somebody flies
-constexpr double kKnownShare = 0.25;    // of its speed, to which that is known
-constexpr double kLost = 1.0;           // sample that may be missing
-constexpr double kTold_sigmas = 0.5;    // of its speed, from which on it is taken for one that comes
+constexpr double kFollowing_m = 0.1;    // largest tracking error of a vehicle
+constexpr double kSeldom_sigmas = 3.5;  // exceeded by one sample in 4000
+constexpr double kSamples = 2.0;        // fewest for a velocity estimate
+constexpr double kKnownShare = 0.25;    // relative accuracy at which a speed counts as known
+constexpr double kLost = 1.0;           // allowance for a lost sample
+constexpr double kTold_sigmas = 0.5;    // speed from which an intruder is recognized, in sigmas of the speed prediction
 
 double kept_m(const RblConditions& c) { return 2.0 * c.encumbrance_m + c.margin_m; }
 
@@ -28,7 +28,7 @@ double among_themselves_m(const RblConditions& c) {
   return std::max(0.0, kept_m(c) - 2.0 * kFollowing_m - nearer_m);
 }
 
-/// As fast as it flies itself where it knows nobody ahead.
+/// Speed of the vehicle itself with no known neighbor ahead.
 double own_speed_mps(const RblConditions& c) {
   const double unknown_s = 1.0 / c.rate_hz + c.latency_s + c.reaction_s;
   return std::min(c.speed_mps, speed_into_unknown_mps(c.range_m, unknown_s, kept_m(c), c.acceleration_mps2));
@@ -83,7 +83,7 @@ double way_from_rest_m(double time_s, double speed_mps, double acceleration_mps2
   return 0.5 * acceleration_mps2 * faster_s * faster_s + speed_mps * std::max(0.0, time_s - faster_s);
 }
 
-// The slope of a line through n samples, 1 / f apart and sigma off, is sigma f sqrt(12 / n^3) off.
+// A line through n samples at rate f with noise sigma has a slope with the standard deviation sigma f sqrt(12 / n^3).
 double known_after_s(const RblConditions& c) {
   const double sigma_m = c.noise * c.range_m;
   const double samples = std::cbrt(12.0 * std::pow(sigma_m * c.rate_hz / (kKnownShare * c.intruder_mps), 2.0));
@@ -91,7 +91,7 @@ double known_after_s(const RblConditions& c) {
 }
 
 double needed_warning_s(const RblConditions& c) {
-  const double faster_m = 0.5 * c.speed_mps * c.speed_mps / c.acceleration_mps2;  // the way to its speed
+  const double faster_m = 0.5 * c.speed_mps * c.speed_mps / c.acceleration_mps2;  // distance to reach its speed
   const double aside_s = kept_m(c) < faster_m
                              ? std::sqrt(2.0 * kept_m(c) / c.acceleration_mps2)
                              : c.speed_mps / c.acceleration_mps2 + (kept_m(c) - faster_m) / c.speed_mps;

@@ -26,9 +26,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kTeamHeight_m = 8.0;
-constexpr int kFlights = 1000;  // of the batch, with six seeds a case
+constexpr int kFlights = 1000;  // flights drawn from the batch with six seeds a case
 
-/// The vehicle of the document's crossing with the settings that rbl has by itself.
+/// Vehicle of the document's crossing with the default settings of rbl.
 sim::Scenario pattern_of(std::uint64_t seed) {
   sim::Scenario pattern = scenario_with("reproduce/rbl_crossing.yaml", seed);
   pattern.metrics.stop_on_crash = true;
@@ -43,7 +43,7 @@ sim::Scenario pattern_of(std::uint64_t seed) {
 sim::NeighborsConfig& sight(sim::VehicleConfig& vehicle) { return vehicle.sensors.front().as<sim::NeighborsConfig>(); }
 RblConfig& rbl_of(sim::VehicleConfig& vehicle) { return vehicle.agent.as<StackConfig>().guidance.as<RblConfig>(); }
 
-/// Somebody who goes nobody's way: it stands where it is, or flies straight on whatever comes.
+/// A vehicle that does not yield: it hovers, or flies straight on.
 sim::VehicleConfig stranger(const sim::VehicleConfig& pattern, const std::string& name, const Vector3& from_m,
                             const Vector3& to_m, double speed_mps) {
   sim::VehicleConfig vehicle = pattern;
@@ -60,12 +60,12 @@ sim::VehicleConfig stranger(const sim::VehicleConfig& pattern, const std::string
   return vehicle;
 }
 
-// --- what broke the document's cells ---
+// --- cases in which the document's cells fail ---
 
 struct Case {
   const char* name;
-  void (*set)(sim::VehicleConfig& pattern);                       // of every vehicle
-  void (*change)(sim::Scenario& scenario, const Random& random);  // of the finished scene
+  void (*set)(sim::VehicleConfig& pattern);                       // changes the pattern of all vehicles
+  void (*change)(sim::Scenario& scenario, const Random& random);  // changes the finished scene
   Formation formation = {};
 };
 
@@ -125,7 +125,7 @@ const std::vector<Case>& cases() {
   return kCases;
 }
 
-/// @param document  with the settings of the document (`rbl_thesis`) for comparison
+/// @param document  use the document's settings (`rbl_thesis`), for comparison
 sim::Scenario scene_of(const Case& c, std::uint64_t seed, bool document) {
   sim::Scenario pattern = pattern_of(seed);
   if (document) {
@@ -145,7 +145,7 @@ sim::Scenario scene_of(const Case& c, std::uint64_t seed, bool document) {
 
 // --- the flights of batch/rbl_safety ---
 
-/// As many of the batch's flights as asked for, drawn at random; more of them contain fewer of them.
+/// `count` flights of the batch, drawn at random without repetition; a larger set contains the smaller one.
 std::vector<sim::Scenario> flights_of_batch(int count) {
   const sim::BatchPlan plan("batch/rbl_safety");
   std::vector<std::uint64_t> ids(plan.num_episodes());
@@ -170,7 +170,7 @@ struct FlightKind {
   std::vector<double> predicted_m = {}, flown_m = {};
 };
 
-/// What is promised, or why nothing is.
+/// Index of the flight's kind: guaranteed without or with an intruder, or the cause of no guarantee.
 std::size_t kind_of(const RblConditions& conditions) {
   switch (obstacle_of(conditions)) {
     case RblObstacle::kNone:
@@ -199,12 +199,12 @@ void fly_batch(Experiment& experiment, int count) {
   for (std::size_t i = 0; i < flights.size(); ++i) {
     const RblConditions c = conditions_of(scenarios[i]);
     const double predicted_m = predicted_distance_m(c), flown_m = flights[i].min_separation_m;
-    const int members = static_cast<int>(scenarios[i].vehicles.size()) - 2;  // but for those two who go nobody's way
+    const int members = static_cast<int>(scenarios[i].vehicles.size()) - 2;  // without the two that do not yield
     const std::size_t index = kind_of(c);
     FlightKind& kind = kinds[index];
     ++kind.num;
     kind.contacts += flights[i].crashed;
-    // Touched by somebody of whom it knew too late.
+    // Contact with an intruder after too short a warning.
     const double intruder_m = c.intruder_mps > 0.0 ? flights[i].stranger_m : std::numeric_limits<double>::quiet_NaN();
     const double needed_s = c.intruder_mps > 0.0 ? needed_warning_s(c) : 0.0;
     kind.unwarned += flights[i].crashed && intruder_m < kTouching_m && flights[i].warned_s < needed_s;

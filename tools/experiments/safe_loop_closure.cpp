@@ -18,8 +18,8 @@ namespace {
 
 struct ShownBy {
   BlendForm form;
-  const char* name;   // as the scenario has it
-  const char* label;  // in tables
+  const char* name;   // value in the scenario
+  const char* label;  // name in tables
 };
 constexpr ShownBy kBlendForms[] = {{BlendForm::kNone, "none", "at once"},
                                    {BlendForm::kPrinted, "printed", "eq. 2 as printed"},
@@ -27,13 +27,13 @@ constexpr ShownBy kBlendForms[] = {{BlendForm::kNone, "none", "at once"},
                                    {BlendForm::kLimited, "limited", "limited"}};
 const ShownBy& kDefaultForm = kBlendForms[3];
 
-/// A correction of 1 m, and a second one of 1 m that comes when the first has gone half its way.
+/// Blend of a correction of 1 m, and of a second one of 1 m that begins when half of the first is shown.
 struct BlendCourse {
-  std::vector<double> t_s, left;  // what of the first is not shown yet [m]
+  std::vector<double> t_s, left;  // remaining part of the first [m]
   double at_once_m = 0.0, at_the_end_m = 0.0;
-  double speed_mps = 0.0, acceleration_mps2 = 0.0;  // between the two
+  double speed_mps = 0.0, acceleration_mps2 = 0.0;  // largest between start and end
   double whole_s = 0.0;
-  double kink_mps = 0.0;  // by which the speed jumps when the second begins
+  double kink_mps = 0.0;  // jump of the speed when the second begins
 };
 
 Pose displaced(double x_m) {
@@ -91,9 +91,9 @@ sim::Scenario twice_around(const ShownBy& form, std::uint64_t seed) {
   return scenario_with("campus_closure", seed, {{"vehicles[0].agent.localization.global.blend.form", form.name}});
 }
 
-/// Once around with a bad GNSS, then it hovers. What the first optimization makes of the round, the most aggressive one
-/// [sec. V-C], becomes known while it does: a correction of about a meter. It flies between the building
-/// and the trees around it, clear of both by more than the first fix may be off.
+/// Once around with a poor GNSS, then hover. The correction of about 1 m by the first optimization of the round, the
+/// most aggressive one [sec. V-C], arrives during the hover. The path between the building and the trees keeps clear of
+/// both by more than the error of the first fix.
 sim::Scenario once_around(const ShownBy& form, std::uint64_t seed) {
   return scenario_with(
       "campus", seed,
@@ -163,7 +163,7 @@ void tell_courses(Experiment& experiment) {
   experiment.write("safe-loop-closure-blend.svg", figure);
 }
 
-/// The vehicle's error while its first large correction is shown: as Fig. 1, but for truth being known.
+/// Position error while the first large correction is shown: Fig. 1, against truth.
 void plot_rounds(Experiment& experiment, const std::vector<FormFlights>& groups) {
   sim::plot::Figure figure("Twice around the building: what the vehicle takes for its place (Fig. 1)", 1);
   figure.set_panel_size(760, 300);
@@ -199,7 +199,7 @@ void safe_loop_closure(Experiment& experiment) {
   std::vector<int> counts;
   for (const bool hovers : {false, true}) {
     for (const ShownBy& form : kBlendForms) {
-      // The default is flown often enough to say that nobody touches anything.
+      // The default gets more flights, to bound the probability of a contact.
       counts.push_back(!hovers && &form == &kDefaultForm && !experiment.quick() ? 5 * seeds : seeds);
       groups.push_back({&form, hovers, {}});
       for (int seed = 1; seed <= counts.back(); ++seed) {

@@ -16,7 +16,7 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kSharedTruePositive_m = 3.0;  // [Vrba 2025, sec. V-A]
-constexpr double kSharedFollowed_m = 1.0;      // nearer than this, a track is this vehicle's
+constexpr double kSharedFollowed_m = 1.0;      // a track nearer than this follows the vehicle
 constexpr double kSharedFarthest_m = 40.0;
 constexpr TimeNs kFramesEvery = kNsPerSecond / 2;
 const Vector3 kSensor_body_m = {0.0, 0.0, 0.15};
@@ -52,7 +52,7 @@ struct SharingLog::Team {
     Observation observation;
     std::vector<Track> told;
     std::vector<Message> said;
-    std::set<std::uint32_t> ids, true_ids;  // of the tracks that it told
+    std::set<std::uint32_t> ids, true_ids;  // identities of reported tracks; true_ids: near a vehicle
   };
 
   Team(const SharingTeam& team, const sim::Scenario& scenario, const SharedTracksConfig& sharing)
@@ -112,7 +112,7 @@ void SharingLog::add(const sim::Simulation& simulation) {
       const Action& action = *view.actions[member.vehicle];
       member.said.clear();
       if (!action.estimate.valid) continue;
-      ENSURE(action.estimate.correction_revision == 0);  // its world is its local frame
+      ENSURE(action.estimate.correction_revision == 0);  // world and local frame coincide
       member.observation.t = view.t;
       member.observation.self = static_cast<VehicleId>(member.vehicle);
       member.observation.messages.clear();
@@ -149,7 +149,7 @@ const SharingLog::Truth& SharingLog::at(TimeNs t) const {
   return *(after - 1);
 }
 
-/// In the field of view of a Mid-360, in range, and nothing in between.
+/// Whether the target is in range, in the field of view of a Mid-360, and not occluded.
 bool SharingLog::can_see(std::size_t observer, std::size_t target, const Truth& truth) const {
   const Vector3 p_m = truth.p_m[target];
   const Vector3 d_body = truth.R_world_body[observer].transpose() * (p_m - truth.p_sensor_m[observer]);
@@ -163,14 +163,14 @@ void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
   Team::Member& member = teams_[i]->members[k];
   const std::size_t own =
       static_cast<std::size_t>(std::find(observers_.begin(), observers_.end(), member.vehicle) - observers_.begin());
-  const TimeNs t = member.told.empty() ? now - kNsPerSecond / 10 : member.told.front().t;  // one instant for all
+  const TimeNs t = member.told.empty() ? now - kNsPerSecond / 10 : member.told.front().t;  // all tracks have one time
   const Truth& truth = at(t);
   const Pose& T_estimate_truth = truth.T_estimate_truth[own];
   const auto off_m = [&](std::size_t vehicle, const Track& track) {
     return (track.position_m - T_estimate_truth * truth.p_m[vehicle]).norm();
   };
 
-  // Each target has one track at most, the nearest pairs first.
+  // Greedy assignment by distance: at most one track for each target.
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> track_of(targets_.size(), kNone);
   std::vector<char> taken(member.told.size(), 0);
@@ -235,7 +235,7 @@ void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
       s.in_own_view = sees;
       s.own_range_m = range_m;
     }
-    if (!std::isfinite(s.nearest_m)) continue;  // none of all observers could see it
+    if (!std::isfinite(s.nearest_m)) continue;  // out of view of all observers
     s.t_s = to_seconds(t);
     s.receiver = scan.receiver;
     s.target = static_cast<double>(targets_[a]);
@@ -258,7 +258,7 @@ void SharingLog::judge_frames(std::size_t i, std::size_t k, const sim::TickView&
   const std::size_t own = index(member.vehicle);
   for (const RelativeEstimate& relative : relatives) {
     const auto other = static_cast<std::size_t>(relative.other);
-    const Truth& then = at(relative.heard);  // where it said to be, so that its motion since then is no error
+    const Truth& then = at(relative.heard);  // at the time of its message: its motion since then is no error
     const Pose &T_own = then.T_estimate_truth[own], &T_other = then.T_estimate_truth[index(other)];
     const Vector3 p_m = T_own * then.p_m[other];
     FrameError error;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAisles_m[] = {-11.36, -5.68, 0.0, 5.68, 11.36};
 
-/// To and fro through all aisles of the warehouse, and back the same way.
+/// Waypoints to and fro through all aisles of the warehouse, and back along the same path.
 std::string snake() {
   std::vector<std::string> way;
   double x_m = -17.3;
@@ -24,13 +24,13 @@ std::string snake() {
     way.push_back(fmt::format("[{}, {}, 3.6]", x_m, y_m));
   }
   std::vector<std::string> back(way.rbegin() + 1, way.rend());
-  way.erase(way.begin());  // it starts there
+  way.erase(way.begin());  // the start
   way.insert(way.end(), back.begin(), back.end());
   return fmt::format("[{}]", fmt::join(way, ", "));
 }
 
-/// Every place of every rack holds a pallet, so each aisle looks like the next one, and each bay as well. The LiDAR
-/// sees 12 m far. So the ends of an aisle are out of sight in its middle.
+/// Every place of every rack holds a pallet, so all aisles look alike, and all bays as well. The LiDAR range
+/// of 12 m leaves the ends of an aisle out of sight in its middle.
 sim::Scenario slam_aisle_flight(std::uint64_t seed) {
   sim::Scenario scenario =
       scenario_with("warehouse", seed,

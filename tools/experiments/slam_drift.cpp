@@ -26,7 +26,7 @@ struct DriftCase {
 
 using DriftChoice = std::function<bool(const DriftCase&)>;
 
-/// Of the flights of some cases.
+/// Statistics over the flights of selected cases.
 class DriftFlights {
  public:
   DriftFlights(std::vector<DriftCase> cases, std::vector<SlamFlight> flights)
@@ -143,7 +143,7 @@ void plot_drift(Experiment& experiment, const DriftFlights& all) {
         const DriftChoice these = [&](const DriftCase& c) {
           return c.world == &world && c.lidar == &lidar && c.agile == agile;
         };
-        x.push_back(static_cast<double>(x.size()) + 0.1 * (color - 2.5));  // beside each other
+        x.push_back(static_cast<double>(x.size()) + 0.1 * (color - 2.5));  // side by side within a world
         drifts.push_back(all.median(these, &SlamFlight::drift_50m_percent));
         offs.push_back(all.median(these, &SlamFlight::rms_after_m));
       }
@@ -167,7 +167,7 @@ void slam_drift(Experiment& experiment) {
     if (experiment.quick() && world.costly) continue;
     for (const DriftLidar& lidar : kDriftLidars) {
       for (const bool agile : {false, true}) {
-        // A closure needs a round and two submaps more.
+        // A closure needs one round plus two submaps.
         const double way_m = experiment.quick() ? std::max(world.round_m + 45.0, 100.0) : 300.0;
         for (int seed = 1; seed <= seeds; ++seed) {
           cases.push_back({&world, &lidar, agile, static_cast<std::uint64_t>(seed)});

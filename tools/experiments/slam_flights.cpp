@@ -21,15 +21,14 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr TimeNs kJudgedEvery = 100'000'000;  // as often as scans come
+constexpr TimeNs kJudgedEvery = 100'000'000;  // scan period
 constexpr TimeNs kShownEvery = 500'000'000;
-constexpr double kLeftBehind_m = 30.0;  // of the way between two submaps that may be joined, as GlobalSlamConfig has it
+constexpr double kLeftBehind_m = 30.0;  // least path length between two submaps to join, as in GlobalSlamConfig
 
-constexpr double kLever_m = 5.0;   // by which turns are compared with displacements
-constexpr double kNothing = 1e-6;  // share of the information of the best known direction
+constexpr double kLever_m = 5.0;   // lever that converts rotations to displacements
+constexpr double kNothing = 1e-6;  // share of the largest eigenvalue below which a direction is unconstrained
 
-/// What a closure tells wrongly. Along the direction that it leaves open it may lie anywhere. So the least error is
-/// left that a move along it gives.
+/// Error of a closure against truth, without its component along the weakest direction if that is unconstrained.
 Vector6 told_error(const RelativeFactor& closure, const Pose& T_from_to_true) {
   Vector6 error, scale;
   error << closure.T_from_to.translation() - T_from_to_true.translation(),
@@ -46,7 +45,7 @@ Vector6 told_error(const RelativeFactor& closure, const Pose& T_from_to_true) {
 
 Vector3 turn_of(const Matrix3& R) { return rotation_vector_rad(Eigen::Quaterniond(R)); }
 
-/// Numbers one way or the other, in the same order.
+/// Write and read numbers in the same order.
 class FlightWriter {
  public:
   void operator()(double& x) { numbers.push_back(x); }
@@ -182,7 +181,7 @@ class SlamNotes {
     std::uint32_t revision;
   };
 
-  /// How far it moves the place where the vehicle is now.
+  /// Evaluates the displacement of the vehicle's current position by corrections.
   void take_correction(const StateEstimate& e, TimeNs t, double dt_s) {
     CorrectionCourse& course = flight_.correction;
     if (!last_) T_before_ = e.T_world_local;
@@ -197,7 +196,7 @@ class SlamNotes {
         T_before_ = last_->T_world_local;
         if (flight_.corrected_s < 0.0) flight_.corrected_s = to_seconds(t);
       }
-      course.step_m = std::max(course.step_m, dt_s * (v_mps - v_mps_).norm());  // beside the motion that goes on
+      course.step_m = std::max(course.step_m, dt_s * (v_mps - v_mps_).norm());  // without the continuing motion
       v_known_ = false;
     } else {
       course.speed_mps = std::max(course.speed_mps, v_mps.norm());
@@ -279,7 +278,7 @@ class SlamNotes {
       double begin_m = 0.0, end_m = 0.0;
       bool closed = false;
     };
-    std::map<int, std::pair<Pose, double>> nodes;  // by pose of the graph: true pose and way
+    std::map<int, std::pair<Pose, double>> nodes;  // key: pose of the graph; value: true pose and path length
     double way_m = 0.0;
     std::optional<Vector3> last_m;
     for (const SavedMap::Node& node : map.nodes) {
@@ -297,7 +296,7 @@ class SlamNotes {
       const auto node = nodes.find(factor.to);
       if (submap == index.end() || node == nodes.end()) continue;
       Submap& its = submaps[submap->second];
-      if (!known[submap->second]) {  // where its first node truly was
+      if (!known[submap->second]) {  // from the true pose of its first node
         known[submap->second] = true;
         its.T_true = node->second.first * factor.T_from_to.inverse();
         its.begin_m = node->second.second;
@@ -318,7 +317,7 @@ class SlamNotes {
       else
         count.worst_m = std::max(count.worst_m, off_m);
     }
-    for (std::size_t newer = 0; newer + 1 < submaps.size(); ++newer) {  // the last one was never finished
+    for (std::size_t newer = 0; newer + 1 < submaps.size(); ++newer) {  // the last one is not finished
       const bool revisit =
           std::any_of(submaps.begin(), submaps.begin() + static_cast<std::ptrdiff_t>(newer), [&](const Submap& older) {
             const Submap& its = submaps[newer];
@@ -354,8 +353,8 @@ class SlamNotes {
   Vector3 p_gnss_m_ = Vector3::Zero();
   bool least_known_ = false;
   std::optional<Last> last_;
-  std::vector<std::pair<TimeNs, Pose>> truth_;  // by tick
-  std::vector<Pose> T_true_, T_local_;          // when it is judged
+  std::vector<std::pair<TimeNs, Pose>> truth_;  // one each tick
+  std::vector<Pose> T_true_, T_local_;          // one for each evaluation
   TimeNs judged_ = 0, shown_ = -kShownEvery;
   Mean all_sq_, after_sq_, local_before_sq_, local_after_sq_, nees_;
   bool moving_ = false, v_known_ = false;

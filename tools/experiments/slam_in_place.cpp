@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<const char*, 2> kPlacedBy = {"stand-in odometry", "SLAM"};
 
-/// Three targets [Vrba 2025, Fig. 10], whose observer knows its place by an odometry or by SLAM.
+/// Three targets [Vrba 2025, Fig. 10], with an observer on odometry or on SLAM.
 void tell_three_targets(Experiment& experiment, int seeds) {
   const double duration_s = experiment.quick() ? 60.0 : 180.0;
   CsvTable csv({"placed_by", "flights", "all_followed", "cross_associations", "came_out", "found_again", "error_m",
@@ -46,7 +46,7 @@ void tell_three_targets(Experiment& experiment, int seeds) {
   experiment.write("three-targets.csv", csv);
 }
 
-/// The full configuration of a guided vehicle [Pritzl 2024, Fig. 6], whose guide knows its place by either.
+/// The full configuration of a guided vehicle [Pritzl 2024, Fig. 6], with a guide on odometry or on SLAM.
 void tell_gap(Experiment& experiment, int seeds) {
   const std::vector<double> distances_m =
       experiment.quick() ? std::vector<double>{0.6} : std::vector<double>{0.25, 0.3, 0.35, 0.4, 0.6};

@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// What is made harder from flight to flight, in closed loop on SLAM alone.
+/// Quantity that becomes harder from flight to flight, in closed loop on SLAM alone.
 struct SlamLimit {
   const char* name;
   const char* axis;
@@ -39,8 +39,8 @@ struct LimitLidar {
 };
 constexpr std::array kLimitLidars = {LimitLidar{"puck_lite", "Puck LITE"}, LimitLidar{"mid360", "Mid-360"}};
 
-/// One vehicle around the building, and others that fly along with it. What it sees of them pretends that it does not
-/// move. Its tracker tells SLAM where they are.
+/// One vehicle around the building, and others that fly along with it. Returns from them look as if the vehicle stood
+/// still; its tracker reports their positions to SLAM.
 std::string crowd(int num_others) {
   const double corners_m[][3] = {{12.5, -10, 3}, {12.5, 10, 4}, {-12.5, 10, 4}, {-12.5, -10, 3}};
   std::string vehicles = "{name: uav1}";
@@ -96,14 +96,14 @@ sim::Scenario limit_flight(const SlamLimit& limit, double value, const LimitLida
   return scenario_with(field ? "field" : "campus", seed, std::move(changes));
 }
 
-constexpr double kWell_m = 0.2;  // root mean square of the position's error: less than what planners keep clear
+constexpr double kWell_m = 0.2;  // largest position error (RMS) of a successful flight: below the planners' clearance
 
 /// All flights of one LiDAR at one value.
 struct LimitPoint {
   std::vector<double> rms_m;
   int flights = 0;
-  int failed = 0;    // it touched something, had no valid estimate at some time, or was farther off than that
-  int unwarned = 0;  // of these, in which it never said that it is lost or degenerate
+  int failed = 0;    // contact, invalid estimate, or error above kWell_m
+  int unwarned = 0;  // failed flights without a report of lost or degenerate
 };
 
 void draw_limit(sim::plot::Figure& figure, const SlamLimit& limit,
@@ -168,7 +168,7 @@ void slam_limits(Experiment& experiment) {
     draw_limit(figure, limit, points);
     for (std::size_t l = 0; l < kLimitLidars.size(); ++l) {
       std::string all;
-      double hardest = std::nan("");  // up to which every flight went well
+      double hardest = std::nan("");  // largest value with every flight successful so far
       bool well = true;
       for (std::size_t i = 0; i < limit.values.size(); ++i) {
         const LimitPoint& point = points[l][i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Local SLAM in both ways beside vehicles that fly on the truth: each way sees the same scans from the same places.
+// Local SLAM by both matching methods on the scans of vehicles that fly on true poses: each method gets the same scans.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -25,7 +25,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// A way of matching and its settings.
+/// A matching method and its settings.
 struct MatchingWay {
   const char* label;
   bool grid;
@@ -61,12 +61,12 @@ std::vector<MatchingWay> matching_ways(bool quick) {
   return ways;
 }
 
-/// What one way made of one flight.
+/// Result of one method on one flight.
 struct Matched {
   double rms_m = 0.0, worst_m = 0.0, ate_m = 0.0, drift_50m_percent = 0.0;
-  double nees = 0.0;  ///< mean, 6 degrees of freedom
+  double nees = 0.0;  ///< mean normalized estimation error squared, 6 degrees of freedom
   double scan_ms = 0.0, map_mb = 0.0;
-  double open_percent = 0.0, unused_percent = 0.0;  ///< of the scans
+  double open_percent = 0.0, unused_percent = 0.0;  ///< shares of scans: degenerate, unused
 };
 
 class Beside {

@@ -9,14 +9,14 @@
 /// Rounds of an X500 through worlds, for experiments with SLAM.
 namespace swiftlet::tools {
 
-/// A round in a world, free for every seed.
+/// A closed path in a world, free of obstacles for every seed.
 struct DriftWorld {
   const char* scenario;
   const char* start_m;
   const char* waypoints_m;
   double round_m;
   double agile_mps;
-  bool costly;  // many leaves
+  bool costly;  // many leaves: left out of quick versions
   const char* more_key = "";
   const char* more = "";
 };
@@ -40,7 +40,7 @@ struct DriftLidar {
 inline constexpr DriftLidar kDriftLidars[] = {
     {"puck_lite", "Puck LITE", 0.6}, {"os1_128", "OS1-128", 0.3}, {"mid360", "Mid-360", 0.3}};
 
-/// @param localization  of the vehicle, as a scenario has it
+/// @param localization  the vehicle's localization, in the syntax of a scenario
 sim::Scenario round_flight(const DriftWorld& world, const DriftLidar& lidar, bool agile, double way_m,
                            std::uint64_t seed, const std::string& localization);
 

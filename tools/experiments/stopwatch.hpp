@@ -7,7 +7,7 @@
 
 namespace swiftlet::tools {
 
-/// Processor time of this thread: what other programs do is no part of it.
+/// Processor time of this thread, without that of other programs.
 inline double thread_time_s() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -25,7 +25,7 @@ class Stopwatch {
   }
   void add(double took_s) { times_ms_.push_back(1e3 * took_s); }
   const std::vector<double>& times_ms() const { return times_ms_; }
-  /// Of an even number the lower one of the middle two; 0 without any.
+  /// Lower median; 0 without samples.
   double median_ms() const {
     if (times_ms_.empty()) return 0.0;
     std::vector<double> sorted = times_ms_;

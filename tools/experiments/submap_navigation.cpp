@@ -13,7 +13,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// As Fig. 6: the map that was made on the way, and the path through it.
+/// Fig. 6: the map built during the flight, and the flown path.
 void plot_map(Experiment& experiment, const SlamFlight& flight) {
   sim::plot::Figure figure(
       fmt::format("Cells of the map at {:.1f} m, and the path that was flown (Fig. 6)", SlamFlight::kSlice_m), 1);

@@ -17,16 +17,16 @@ namespace {
 constexpr std::uint32_t kTableSamples = 100000;  // N, as published
 constexpr int kCells = 100;                      // regions along an axis, as published
 
-// How the regions lie. The document says only that they cover the samples and that the attitude was drawn at random,
-// but its rows hardly depend on how flat the distribution is: so they lay along the ray.
+// Orientation of the regions. The document states only that they cover the samples and that the attitude is random.
+// Its rows hardly depend on the flatness of the distribution, which fits regions along the ray.
 enum class Regions { kAlongRay, kAlongWorld };
 
 struct TableCase {
   std::size_t i_rad = 0, i_m = 0, i_range = 0;
-  std::size_t draw = 0;  // which samples, and which attitude of the sensor
+  std::size_t draw = 0;  // index of the random draw: samples and sensor attitude
 };
 
-struct Difference {  // of the probabilities, over the regions
+struct Difference {  // difference of the probabilities, over the regions
   double maximum = 0.0, mean = 0.0, deviation = 0.0;
 };
 
@@ -53,7 +53,7 @@ Difference compare(const TableCase& one, Regions regions) {
   const double range_m = kPrintedRanges_m[one.i_range];
   const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
   const std::string entity = fmt::format("{}/{}/{}/{}", one.i_rad, one.i_m, one.i_range, one.draw);
-  // Regions along the ray see no attitude at all: turned with the sensor, everything is as if it stood straight.
+  // Regions along the ray turn with the sensor, so the attitude has no effect.
   Pose T_world_lidar = Pose::Identity();
   if (regions == Regions::kAlongWorld)
     T_world_lidar.linear() = random_rotation(Random(1, "uncertainty-table.attitude", entity));
@@ -111,7 +111,7 @@ struct Table {
   std::vector<TableCase> cases;
   std::vector<Difference> results;
   Difference total;
-  std::vector<double> means, maxima;  // of the 27 combinations
+  std::vector<double> means, maxima;  // one for each of the 27 combinations
 };
 
 Table measure(const Experiment& experiment, Regions regions, int draws) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kVoxel_m = 1.0;  // as published
 constexpr double kFarthestVoxel_m = 80.0;
 
-// Where the measured point lies in its voxel: the document does not say. In the middle, or at random.
+// Position of the measured point in its voxel, which the document does not state: the middle, or random.
 enum class Place { kCenter, kRandom };
 
 Eigen::AlignedBox3d voxel_around(const Vector3& p_m, const Vector3& place) {
@@ -111,7 +111,7 @@ void voxel_probability(Experiment& experiment) {
     const double p = probability(one.range_m, one.noise(), Place::kCenter);
     csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled.results[i].normal,
              sampled.results[i].true_model});
-    // One sample_voxel of slack where p is so near 0 or 1 that none is expected on the other side.
+    // One sample of slack where p is so near 0 or 1 that no sample is expected on the other side.
     const double error = std::sqrt(p * (1.0 - p) / count);
     standard_errors =
         std::max(standard_errors, (std::abs(p - sampled.results[i].normal) - 1.0 / count) / std::max(error, 1e-12));
