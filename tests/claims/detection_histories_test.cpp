@@ -21,7 +21,7 @@ Sighting seen(int target, double in_view_s, std::uint32_t track, int points = 1,
 }
 constexpr double kHidden = -1.0;
 
-// Two targets in turn, as a log has them: each keeps its identity, and 7 and 8 alternate only in the list.
+// Two targets alternate, as in a log; each keeps its identity.
 TEST(DetectionHistories, AnIdentitySwitchesWhereAnotherGoesOnWithTheSameTarget) {
   std::vector<Sighting> tracks;
   for (int i = 0; i < 10; ++i) {
@@ -29,12 +29,12 @@ TEST(DetectionHistories, AnIdentitySwitchesWhereAnotherGoesOnWithTheSameTarget) 
     tracks.push_back(seen(1, 0.1 * i, 8));
   }
   EXPECT_EQ(histories_of(tracks).switches, 0);
-  tracks.push_back(seen(0, 1.0, 0));  // lost, and found as another
+  tracks.push_back(seen(0, 1.0, 0));  // lost, then found with a new identity
   tracks.push_back(seen(1, 1.0, 8));
   tracks.push_back(seen(0, 1.1, 9));
   tracks.push_back(seen(1, 1.1, 8));
   EXPECT_EQ(histories_of(tracks).switches, 1);
-  tracks.push_back(seen(0, 1.2, 8));  // they swap: both switch
+  tracks.push_back(seen(0, 1.2, 8));  // the targets swap identities: both switch
   tracks.push_back(seen(1, 1.2, 9));
   EXPECT_EQ(histories_of(tracks).switches, 3);
 }
@@ -59,7 +59,7 @@ TEST(DetectionHistories, EachTargetWaitsForItself) {
   EXPECT_TRUE(std::isinf(histories.appearances[2].until_found_s));
 }
 
-// Target 0 returns something in the first scan only, target 1 in every one: the latter says nothing of the former.
+// Target 0 has returns in the first scan only, target 1 in every scan.
 TEST(DetectionHistories, TheCeilingOfATargetIsThatOfItsOwnReturns) {
   std::vector<Sighting> sightings;
   for (int i = 0; i < 12; ++i) {

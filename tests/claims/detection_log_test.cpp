@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-// Who estimates by truth is judged by what the log does, not by what a tracker does.
+// Perfect tracks, so that the results depend on the log alone, not on a tracker.
 sim::Scenario hall_with_perfect_tracks(double duration_s) {
   return scenario_with("reproduce/detection_multi.yaml", 1,
                        {{"duration_s", std::to_string(duration_s)},
@@ -31,7 +31,7 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
     simulation.tick();
     log.add(simulation);
   }
-  EXPECT_NEAR(static_cast<double>(log.tracks().size()), 3 * 20.0, 3.0);  // tracks are told in every tick
+  EXPECT_NEAR(static_cast<double>(log.tracks().size()), 3 * 20.0, 3.0);  // tracks are reported in every tick
   double drift_m = 0.0;
   for (const Sighting& sighting : log.tracks()) {
     EXPECT_TRUE(sighting.found);
@@ -40,13 +40,13 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
     EXPECT_TRUE(sighting.visible || sighting.points == 0);
     drift_m = std::max(drift_m, sighting.drifted_error_m);
   }
-  EXPECT_GT(drift_m, 0.02);  // its odometry is noisy and drifts
+  EXPECT_GT(drift_m, 0.02);  // the observer's odometry is noisy and drifts
   EXPECT_EQ(log.num_cross_associations(), 0);
   EXPECT_EQ(log.num_false_tracks(), 0);
   EXPECT_EQ(log.num_told_tracks(), static_cast<int>(log.tracks().size())) << "one for each of three targets";
   EXPECT_EQ(log.num_false_told_tracks(), 0);
 
-  // What is written down of it says the same.
+  // Restored numbers give the same results.
   DetectionLog restored(scenario, -45.0, 45.0, 1.0);
   restored.restore(log.numbers());
   EXPECT_EQ(restored.num_cross_associations(), log.num_cross_associations());
@@ -76,8 +76,8 @@ TEST(DetectionLog, ATargetIsThereOnceHoweverOftenItIsTold) {
   EXPECT_FALSE(surest_of({}, {}).has_value());
 }
 
-// At 10 Hz an odometry does not tell how a multirotor leans in between: without an inertial unit the walls of the hall
-// stood meters off in the map, and targets before them were background.
+// An odometry at 10 Hz does not capture the tilt between samples: without an inertial unit the map's walls are meters
+// off, and targets in front of them become background.
 TEST(DetectionScenarios, TheObserverInTheHallKnowsItsAttitude) {
   sim::Simulation simulation(hall_with_perfect_tracks(6.0), 1);
   double worst_rad = 0.0;

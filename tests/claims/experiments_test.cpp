@@ -139,7 +139,7 @@ TEST(Experiments, AFlightEndsEarlierWhenItsExperimentSaysSo) {
     EXPECT_NEAR(summary.simulated_s, 0.1, 0.005);
 }
 
-// How many ticks were flown, and what came out of it.
+// Ticks flown, and results.
 struct Attempt {
   std::vector<double> ticks = std::vector<double>(4, 0.0), told = ticks;
   std::vector<sim::RunSummary> summaries;
@@ -160,15 +160,15 @@ TEST(Experiments, WhatWasFinishedBeforeTheKillIsNotFlownAgain) {
   const Attempt whole = attempt(directory.path(), false);
   EXPECT_THAT(whole.ticks, testing::Each(50.0));
 
-  // Killed in the middle of the third line.
+  // The experiment is killed in the middle of the third line.
   const std::filesystem::path log = directory.path() / "flights.jsonl";
   std::ifstream in(log);
   std::string kept, line;
   for (int i = 0; i < 3 && std::getline(in, line); ++i) kept += i < 2 ? line + '\n' : line.substr(0, line.size() / 2);
   in.close();
-  std::ofstream(log) << "[1, 2]\n{\"key\": 3}\n" << kept;  // and somebody wrote into it
+  std::ofstream(log) << "[1, 2]\n{\"key\": 3}\n" << kept;  // preceded by invalid lines
 
-  for (const int flown_again : {2, 0}) {  // and once more, when all are there
+  for (const int flown_again : {2, 0}) {  // the second time all flights are in the log
     const Attempt resumed = attempt(directory.path(), true);
     EXPECT_EQ(std::count(resumed.ticks.begin(), resumed.ticks.end(), 0.0), 4 - flown_again);
     EXPECT_EQ(resumed.told, whole.told);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// published.csv is the one place where published figures stand: what the documents show of them is the same.
+// The published figures in the pages equal those in published.csv.
 #include "published.hpp"
 
 #include <gmock/gmock.h>

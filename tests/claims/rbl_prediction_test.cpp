@@ -23,7 +23,7 @@ TEST(RblPrediction, AmongThemselvesTheyLoseWhatControlAndRareNoiseTake) {
   EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);
   conditions.noise = 0.2;
   EXPECT_NEAR(predicted_distance_m(conditions), 0.9 - 0.5 * 1.5 * 0.2 * 1.1, 1e-12);
-  conditions.sigmas = 3.5;  // all of it reserved
+  conditions.sigmas = 3.5;  // the reserve covers the whole noise
   EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);
 }
 
@@ -32,7 +32,7 @@ TEST(RblPrediction, ASpeedIsKnownWhenALineThroughTheSamplesTellsItToAQuarter) {
   conditions.intruder_mps = 2.0;
   conditions.noise = 0.15;
   conditions.rate_hz = 5.0;
-  const double num = 5.0 * known_after_s(conditions) - 1.0;  // but for the one that may be lost
+  const double num = 5.0 * known_after_s(conditions) - 1.0;  // without the sample that may be lost
   // Least squares over so many samples around the middle: the slope's variance is sigma^2 over the sum of t^2.
   const auto slope_sigma_mps = [](int count) {
     double squares_s2 = 0.0;
@@ -41,14 +41,14 @@ TEST(RblPrediction, ASpeedIsKnownWhenALineThroughTheSamplesTellsItToAQuarter) {
   };
   EXPECT_GT(slope_sigma_mps(static_cast<int>(std::floor(num))), 0.25 * 2.0);
   EXPECT_LT(slope_sigma_mps(static_cast<int>(std::ceil(num)) + 1), 0.25 * 2.0);
-  conditions.noise = 0.0;  // two are needed all the same
+  conditions.noise = 0.0;  // two samples remain necessary
   EXPECT_NEAR(known_after_s(conditions), 3.0 / 5.0, 1e-12);
 }
 
 TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   RblConditions conditions;
   conditions.intruder_mps = 4.0;
-  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 1.1 s are left, although both fly 4 m/s
+  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 1.1 s remain to evade, with both at 4 m/s
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
   conditions.rate_hz = 5.0;
   conditions.latency_s = 0.1;
@@ -56,7 +56,7 @@ TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   ASSERT_LT(left_s * left_s, kTouching_m);
   EXPECT_NEAR(predicted_distance_m(conditions), left_s * left_s, 1e-12);
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kLate);
-  // Who flies slowly itself has more of it.
+  // A slower vehicle has more time to evade.
   conditions.speed_mps = 1.0;
   const double longer_s = (15.0 - 1.1) / (4.0 + 1.0) - 3.0 / 5.0 - 0.1 - 0.3;
   EXPECT_NEAR(predicted_distance_m(conditions), std::min(0.9, way_from_rest_m(longer_s, 1.0, 2.0)), 1e-12);
@@ -69,7 +69,7 @@ TEST(RblPrediction, AnIntruderAsSlowAsAnybodyMayBecomeUnseenIsNotToldFromTheOthe
   conditions.intruder_mps = conditions.speed_mps = 1.0;
   conditions.rate_hz = 1.25;
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
-  conditions.rate_hz = 1.0;  // by 2 m/s between two samples; half a standard deviation of that is as fast
+  conditions.rate_hz = 1.0;  // speed change between samples: sigma 2 m/s, half of it the intruder's speed
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kLate);
   conditions.maneuver_mps2 = 1.0;
@@ -77,7 +77,7 @@ TEST(RblPrediction, AnIntruderAsSlowAsAnybodyMayBecomeUnseenIsNotToldFromTheOthe
 }
 
 TEST(RblPrediction, WhoIsWarnedAsLongAsNeededComesAsideByTheDistance) {
-  for (const double speed_mps : {0.5, 1.0, 4.0}) {  // it reaches its speed on the way, or not
+  for (const double speed_mps : {0.5, 1.0, 4.0}) {  // reaches its speed while evading, or not
     for (const double acceleration_mps2 : {1.0, 2.5}) {
       RblConditions conditions;
       conditions.speed_mps = speed_mps;
@@ -96,7 +96,7 @@ TEST(RblPrediction, WhereSamplesAreFartherOffThanIsReservedNothingIsPromised) {
   conditions.noise = 0.12;
   EXPECT_LT(predicted_distance_m(conditions), kTouching_m);
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
-  conditions.intruder_mps = 2.0;  // which is known in time, as they fly slowly themselves
+  conditions.intruder_mps = 2.0;  // recognized in time, as the vehicles are slow
   conditions.speed_mps = 1.0;
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
   conditions.sigmas = 3.5;
@@ -129,7 +129,7 @@ TEST(RblPrediction, ConditionsAreThoseOfTheScenario) {
   EXPECT_FALSE(told.all_around);
   const RblConditions alone =
       conditions_of(scenario_with("rbl_safety/circle_5", 1, {{"vehicles[intruder].agent.guidance.speed_mps", "0.01"}}));
-  EXPECT_EQ(alone.intruder_mps, 0.0);  // it never comes
+  EXPECT_EQ(alone.intruder_mps, 0.0);  // too slow to arrive
   EXPECT_THROW(conditions_of(scenario_with("square", 1)), std::invalid_argument);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What experiments say of flights on SLAM.
+// Evaluation of flights on SLAM.
 #include "slam_flights.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-/// A straight line of so many steps of a meter, as someone sees it who takes each for `scale` m and turns a little.
+/// Straight line of `steps` steps of 1 m as estimated with a scale error and a turn in each step.
 std::vector<Pose> straight_line(int steps, double scale, double turn_a_step_rad) {
   std::vector<Pose> poses{Pose::Identity()};
   const Pose step = make_pose({scale, 0, 0}, rotation_by({0, 0, turn_a_step_rad}));
@@ -41,7 +41,7 @@ TEST(SlamFlights, WhereTheFramesLieDoesNotMatterForDrift) {
   for (const double drift : drifts_percent(truth, estimate, 20.0)) EXPECT_NEAR(drift, 0.0, 1e-9);
 }
 
-// After L m of a turn of w a meter the way is off by the chord of a circle: L - sin(wL)/w ahead, (1 - cos(wL))/w aside.
+// A turn of w rad a meter over L m gives a position error of L - sin(wL)/w ahead and (1 - cos(wL))/w aside.
 TEST(SlamFlights, ATurnThatNobodyFliesBendsTheWayIntoACircle) {
   const double w = 0.002, L = 50.0;
   const std::vector<double> drifts = drifts_percent(straight_line(100, 1.0, 0.0), straight_line(100, 1.0, w), L);
@@ -56,7 +56,7 @@ TEST(SlamFlights, TheMedianLeavesOutWhatWasNotMeasured) {
   EXPECT_TRUE(std::isnan(median_of({std::nan("")})));
 }
 
-// To and fro beside the building: the submaps of the way back lie on those of the way there.
+// To and fro beside the building: submaps of the return path overlap those of the outward path.
 sim::Scenario to_and_fro(const std::string& form) {
   return scenario_with("campus_slam", 1,
                        {{"vehicles[0].agent.mapping", "none"},
