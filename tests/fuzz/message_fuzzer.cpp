@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fuzz target of what a radio brings: the first byte tells the kind, the second the version, the rest is the payload.
-// What can be read is finite and comes out the same when it is sent on.
+// Fuzz target of radio messages: the first byte selects the kind, the second the version, the rest is the payload.
+// Decoded values must be finite.
 #include <cmath>
 #include <cstring>
 

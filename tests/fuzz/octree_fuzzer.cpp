@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fuzz target of the reader of OctoMap's octrees: the first byte tells the format, the rest is the file.
+// Fuzz target of the reader of OctoMap's octrees: the first byte selects the format, the rest is the file.
 #include <cmath>
 
 #include "swiftlet/sim/errors.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fuzz target of the report of a run: the first byte tells which file of a finished run is damaged, the rest is that
-// file.
+// Fuzz target of the report of a run: the first byte selects the damaged file of a finished run, the rest is its
+// content.
 #include <iterator>
 #include <stdexcept>
 
@@ -19,7 +19,7 @@ struct File {
   const char* content;
 };
 
-/// Each run has only the recorders that are read: states win over trajectories, and figures take most of the time.
+/// Each run has only the recorders that are read: states replace trajectories, and figures take most of the time.
 constexpr File kFiles[] = {{"told", "summary.json", kSummary},
                            {"told", "scenario.yaml", "duration_s: 1\n"},
                            {"states", "csv/uav1/state.csv", "t_s,x_m,y_m,z_m\n1,0,0,5\n"},

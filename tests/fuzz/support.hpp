@@ -12,14 +12,14 @@
 #include <string>
 #include <string_view>
 
-/// What the fuzz targets of files have in common.
+/// Shared by the fuzz targets of files.
 namespace swiftlet::fuzz {
 
 using Input = std::span<const std::uint8_t>;
 
 inline std::string_view text_of(Input input) { return {reinterpret_cast<const char*>(input.data()), input.size()}; }
 
-/// A folder in memory, gone with the process.
+/// A folder in memory that ends with the process.
 class Folder {
  public:
   Folder() : path_("/dev/shm/swiftlet_fuzz_" + std::to_string(getpid())) { std::filesystem::create_directories(path_); }
@@ -40,7 +40,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// A message that a user can do something with.
+/// Aborts on an empty error message, or one of the standard library.
 inline void require_message(const std::exception& problem) {
   const std::string message = problem.what();
   const bool raw = message.empty() || message.starts_with("sto") || message.starts_with("vector::") ||

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does the thread sanitizer see parallel regions as they are (cmake/tsan/openmp.cpp)? `tsan_probe clean` hands data
-// from region to region and must pass without a report; `tsan_probe race` lets iterations of one region share a number.
+// Checks that the thread sanitizer handles parallel regions (cmake/tsan/openmp.cpp): `tsan_probe clean` passes data
+// from region to region and must pass without a report; in `tsan_probe race` iterations of one region share a number.
 #include <cstdio>
 #include <string>
 #include <vector>

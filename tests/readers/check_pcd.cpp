@@ -89,7 +89,7 @@ void check_scan(const std::string& file, const json& scan, bool organized) {
   expect(cloud.height == (organized ? static_cast<unsigned>(rows) : 1U), file + " height");
 }
 
-// Only what is occupied was written.
+// The file holds only occupied voxels.
 void check_map(const std::string& file, const json& map) {
   pcl::PCLPointCloud2 cloud;
   if (pcl::io::loadPCDFile(file, cloud) != 0) throw std::runtime_error("PCL cannot read " + file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Usage: read_pcd FILE. Reads a PCD file as users of the Point Cloud Library do and hands it on: x, y, z, intensity of
-// every point as float32 on standard output.
+// Usage: read_pcd FILE. Reads a PCD file with the Point Cloud Library and writes x, y, z and intensity of every point
+// as float32 to standard output.
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Usage: write_recordings DIR. Records a synthetic run in every format, and writes beside it, in DIR/expected.json,
-// what went in, for the independent readers of this folder to compare with.
+// Usage: write_recordings DIR. Records a synthetic run in every format, and writes the input values to
+// DIR/expected.json, with which the independent readers of this folder compare.
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -178,7 +178,7 @@ std::vector<Module> every_recorder() {
   RosbagConfig plain_bag = bag;
   plain_bag.compression = RosbagConfig::Compression::kNone;
   plain_bag.file = "plain.bag";
-  McapConfig rows_mcap;  // what ROS has no types for
+  McapConfig rows_mcap;  // topics without a ROS type
   rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "events", "spread"};
   rows_mcap.file = "rows.mcap";
   RosbagConfig rows_bag;

@@ -1,4 +1,4 @@
-// A program of somebody else's that runs Swiftlet's simulation.
+// External program that runs Swiftlet's simulation.
 #include <cstdio>
 
 #include "swiftlet/sim/run/simulation.hpp"

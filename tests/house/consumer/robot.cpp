@@ -1,4 +1,4 @@
-// A robot of somebody else's that flies with Swiftlet's core alone.
+// External robot program that uses Swiftlet's core alone.
 #include <cstdio>
 
 #include "swiftlet/core/agent/registry.hpp"
