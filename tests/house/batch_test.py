@@ -86,12 +86,12 @@ class Batch(unittest.TestCase):
         for attempt in range(100):
             batch = self.start("batch", "batch.yaml", "--out", "killed", "--jobs", 2, "--resume", "-q")
             try:
-                # The first lives end after some episodes, however fast the machine is just now. Others end at any
-                # moment: some in the middle of the first words.
+                # The first attempts are killed after some episodes, independent of the machine's speed. Later ones are
+                # killed at random times, some in the middle of the first output.
                 if kills < 3:
                     while batch.poll() is None and count(database) < stored + 5:
                         time.sleep(0.01)
-                # Others' work may take the machine away at any time: every life may last longer than the one before.
+                # Other processes may slow the machine down, so every attempt gets more time than the one before.
                 longest_s = 0.1 * whole_s if kills < 3 else (0.15 + 0.25 * whole_s) * (1.0 + 0.05 * attempt)
                 batch.communicate(timeout=moments.uniform(0.0, longest_s))
                 self.assertEqual(batch.returncode, 0)
@@ -148,7 +148,7 @@ class Batch(unittest.TestCase):
         page = (self.path / "out/report.html").read_text()
         for episode, _ in expected:
             self.assertIn(f'<iframe src="replays/{episode}/replay.html"', page)
-        # One of another flight is not shown, and is flown anew.
+        # A replay of another flight is not shown; its episode is flown again.
         summary = self.path / f"out/replays/{expected[0][0]}/summary.json"
         summary.write_text(summary.read_text().replace(expected[0][1], "0123456789abcdef"))
         self.run_swiftlet("report", "out", "-q", check=True)

@@ -186,7 +186,7 @@ class Cli(unittest.TestCase):
         overlays = self.run_swiftlet("list", "overlays").stdout
         self.assertRegex(overlays, r"\n  detections +drawn by detector vofod, ")
         self.assertEqual(overlays.count("\n  detections "), 1)
-        # What has no description tells the first sentence of its comment.
+        # A file without a description is listed with the first sentence of its comment.
         vehicles = self.path / "vehicles"
         vehicles.mkdir()
         (vehicles / "mine.yaml").write_text("# As flown [Pritzl 2024, sec. III-A]. And more.\nmass_kg: 1\n")
@@ -312,7 +312,7 @@ class Cli(unittest.TestCase):
 
     def test_a_stopped_run_cleans_up_whenever_it_is_stopped(self):
         for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            # While flying, while the world is made, and in the middle of minutes of making it.
+            # During the flight, while the world is built, and during a build of minutes.
             for world in ("empty", "field", "forest, size_m: [300, 300]"):
                 self.scenario.write_text(HOVER.format(duration=100000).replace("type: empty", f"type: {world}"))
                 run = self.start_run()

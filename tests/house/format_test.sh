@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every C++ file is as clang-format and .clang-format write it. Usage: format_test.sh SOURCE_DIR
-# Exit status 77 (skipped) where Debian 12's version of clang-format is not there: others break lines elsewhere.
+# Every C++ file is formatted by clang-format with .clang-format. Usage: format_test.sh SOURCE_DIR
+# Exit status 77 (skipped) without Debian 12's version of clang-format: other versions break lines elsewhere.
 set -euo pipefail
 cd "$1"
 format=clang-format-14

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the build to a prefix of its own and builds foreign projects against it. Usage: install_test.sh BUILD_DIR
+# Installs the build to its own prefix and builds external projects against it. Usage: install_test.sh BUILD_DIR
 set -euo pipefail
 build=$1
 here=$(cd "$(dirname "$0")" && pwd)
@@ -9,8 +9,8 @@ compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
 rm -rf "$work"
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 
-# Every installed header stands alone: it compiles by itself, with the package alone. What it takes from Eigen
-# and from the standard library is read once for all.
+# Every installed header compiles by itself, with the installed package alone. Headers of Eigen and of the standard
+# library are precompiled once for all.
 cd "$work"/prefix/include/swiftlet-*
 headers=$(find . -name '*.hpp' | sed 's,^\./,,' | sort)
 options="-std=c++20 -Werror -Wno-ignored-attributes -I. $(pkg-config --cflags eigen3)"
@@ -21,7 +21,7 @@ alone="echo \"#include \\\"\$1\\\"\" | c++ $options -include '$work/common.hpp' 
 echo "$headers" | xargs -P "$(nproc)" -I HEADER sh -c "$alone" sh HEADER
 echo "$(echo "$headers" | wc -l) headers stand alone"
 
-# A project of somebody else's that knows the installed package only.
+# Builds an external project that finds only the installed package.
 in_project() {  # source binary option...
   local source=$1 binary=$work/$2
   shift 2
@@ -33,7 +33,7 @@ in_project "$here/consumer" consumer
 "$work/consumer/robot"
 "$work/consumer/flight"
 
-# A robot has Eigen and Clipper, and nothing of what the simulator needs.
+# A robot has Eigen and Clipper, and no package that only the simulator needs.
 without=()
 for package in embree yaml-cpp OpenMP fmt nlohmann_json PNG ZLIB Threads SQLite3 CLI11 PCL; do
   without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
@@ -43,7 +43,7 @@ in_project "$here/consumer" on_board -DON_BOARD=ON "${without[@]}"
 cmake -S "$here/../.." -B "$work/core" -G Ninja -DSWIFTLET_SIM=OFF -DCMAKE_CXX_COMPILER="$compiler" "${without[@]}" >/dev/null
 cmake --build "$work/core" --target swiftlet_core_math >/dev/null
 
-# The examples: each judges its own result, and says it.
+# The examples: each checks its own result and reports it.
 in_project "$examples" examples
 cd "$work/examples"
 agent/own_agent
@@ -53,7 +53,7 @@ sensor/own_sensor
 recorder/own_recorder "$examples/recorder/plan.yaml" "$work/recorded"
 [ "$(grep -c '<polyline' "$work/recorded/plan.svg")" = 3 ]
 batch/batch
-# SLAM of recorded data ends where the vehicle was, from where it began, to 0.1 m.
+# SLAM of recorded data ends at the true displacement from the start, to 0.1 m.
 records=$work/examples/records
 "$work/prefix/bin/swiftlet" run "$examples/robot/records.yaml" --threads 1 -q --out "$records"
 robot/recorded_slam "$records/scans/uav1_puck" "$records/csv/uav1/imu.csv" 0 0 0.25 >"$records/slam.tum"
@@ -97,7 +97,7 @@ done
 rewrite_records "$work/seconds" "x y z t" "f f f f" "1 1 1 1"
 if robot/recorded_slam "$work/seconds" "$records/csv/uav1/imu.csv" 0 0 0.25 2>seconds; then exit 1; fi
 grep -q 'expected a field t of TYPE U' seconds
-# A module of one's own by a plugin, and in a program of one's own: the same flight.
+# A module loaded as a plugin and one compiled into a program give the same flight.
 swiftlet=$work/prefix/bin/swiftlet
 spiral=$examples/plugin/spiral.yaml
 plugin=(--set "plugins=[$work/examples/plugin/libspiral.so]")
@@ -111,14 +111,14 @@ refused() {  # message command...: exit status 2, and the message
   "$@" >/dev/null 2>refused || status=$?
   [ "$status" = 2 ] && grep -q "$message" refused || { echo "$*: $status"; cat refused; exit 1; }
 }
-# It is code: nobody but the command line may allow it. Its keys are read as strictly as any other.
+# A plugin is code: only the command line may allow it. Its keys are read as strictly as all others.
 refused 'plugins: expected --allow-plugins' "$swiftlet" check "$spiral" "${plugin[@]}"
 refused 'did you mean "radius_m"' "$swiftlet" check "$spiral" "${plugin[@]}" --allow-plugins --set vehicles[0].agent.guidance.radus_m=1
 refused 'guidance.type: expected one of .*found "spiral"' "$swiftlet" check "$spiral"
 refused 'a shared library, found "nowhere.so"' "$swiftlet" check "$spiral" --set 'plugins=[nowhere.so]' --allow-plugins
 "$swiftlet" reference --plugin plugin/libspiral.so | grep '`climb_mps`' >/dev/null
 "$swiftlet" list guidance --plugin plugin/libspiral.so | grep 'climbs around its start' >/dev/null
-# One for another version, and a library that is none.
+# A plugin for another version, and a library that is no plugin.
 echo 'const char* swiftlet_plugin_version(void) { return "0.0.1 (old)"; } void swiftlet_plugin_register(void) {}' >old.c
 echo 'int nothing;' >none.c
 cc -shared -fPIC -o libold.so old.c
@@ -127,7 +127,7 @@ refused 'a plugin that was built for swiftlet .*, found "libold.so" for 0.0.1 (o
   --set 'plugins=[libold.so]' --allow-plugins
 refused 'which has no SWIFTLET_PLUGIN' "$swiftlet" check "$spiral" --set 'plugins=[libnone.so]' --allow-plugins
 
-# What a program did not plug in, it refuses by name.
+# A program refuses module types that are not registered in it.
 if recorder/own_recorder "$examples/guidance/orbit.yaml" "$work/recorded" 2>refused; then exit 1; fi
 grep -q 'guidance.type: expected one of .*, found .orbit' refused
 if [ -d pcl ]; then pcl/register_scans "$examples/pcl/hall.yaml"; fi  # where this build has the component

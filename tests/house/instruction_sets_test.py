@@ -51,7 +51,7 @@ def random_scenario(draw, seed):
     reach_m, heights_m = WORLDS[world]
     vehicles = []
     for k in range(draw.choice([1, 2, 3])):
-        # Round numbers are where beams meet edges.
+        # Beams meet edges at round numbers.
         place = [draw.uniform(-reach_m, reach_m), draw.uniform(-reach_m, reach_m), draw.uniform(*heights_m)]
         if draw.random() < 0.5:
             place = [round(x) for x in place]

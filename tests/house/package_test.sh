@@ -26,7 +26,7 @@ done
 private=$(dpkg-deb -c "$package" | grep -vE '^(drwxr-xr-x|-rwxr-xr-x|-rw-r--r--) ' || true)
 [ -z "$private" ] || { echo "expected what every account can read, found"; echo "$private"; exit 1; }
 
-# What it names is what it brings: a scenario that only the package has.
+# The program finds the package's own assets: a scenario that only the package has.
 cd "$work/elsewhere"
 share=$work/root/usr/share/swiftlet
 printf 'base: field\nname: only_here\nduration_s: 0.1\n' >"$share/scenarios/only_here.yaml"
@@ -35,7 +35,7 @@ grep -q '"only_here"' run/summary.json
 zcat "$work/root/usr/share/man/man1/swiftlet.1.gz" | grep -q '^.TH SWIFTLET'
 bash -n "$work/root/usr/share/bash-completion/completions/swiftlet"
 
-# One version and one date of release.
+# All files state one version and one date of release.
 expect() { [ "$2" = "$3" ] || { echo "$1: expected $2, found $3"; exit 1; }; }
 version=$("$work/root/usr/bin/swiftlet" --version | cut -d ' ' -f 1)
 released=$(sed -n 's/^## \([0-9].*\)/\1/p' "$source/CHANGELOG.md" | head -n 1)

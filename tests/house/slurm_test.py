@@ -150,7 +150,7 @@ def test(folder):
     assert states(merge)[""] == "FAILED", "the merge should tell that episodes are missing"
     assert len(rows(folder / "shared/results.sqlite")["episodes"]) < 64
 
-    # The user's way on: the task again, then the merge.
+    # The user resubmits the task, then the merge.
     scripts = folder / "shared/slurm"
     again = run("sbatch", "--parsable", f"--array={victim}", scripts / "array.sbatch").stdout.strip()
     last = run("sbatch", "--parsable", f"--dependency=afterany:{again}", scripts / "merge.sbatch").stdout.strip()

@@ -61,7 +61,7 @@ def check_file(file, npm_dir, expected, compression):
     check.check(messages)
     times = [time for of_topic in messages.values() for _, time, _ in of_topic]
 
-    # What the file says about itself.
+    # Header and statistics of the file.
     result.equal([about["header"]["profile"], about["header"]["library"]], ["ros2", "swiftlet"], "header")
     statistics = about["statistics"]
     result.equal(int(statistics["messageCount"]), len(times), "message count")
