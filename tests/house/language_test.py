@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Comments and pages that a reader of the field understands (docs/conventions.md#comments). Usage: language_test.py SOURCE_DIR
+
+A comment or a cell of the reference does not begin with a word that leans on the name beside it, and no comment or page speaks
+of things as of people.
+"""
+import pathlib
+import re
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "support"))
+from tracked import tracked  # noqa: E402
+
+HEADLESS = re.compile(r"(of|that|by|who|whom|whose|which|it|the same)\b", re.IGNORECASE)
+PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody|whosever)\b(?!\.tum)", re.IGNORECASE)
+COMMENT = re.compile(r'^((?:[^"/]|"(?:\\.|[^"\\])*"|/(?!/))*)//[/!]?<?\s?(.*)$')
+
+
+def code_comments(text):
+    """Line, text and whether it begins a comment, of each comment line."""
+    after_comment = False
+    for number, line in enumerate(text.splitlines(), 1):
+        match = COMMENT.match(line)
+        alone = bool(match) and not match.group(1).strip()
+        if match:
+            yield number, match.group(2), not (alone and after_comment)
+        after_comment = alone
+
+
+def cells(text):
+    for number, line in enumerate(text.splitlines(), 1):
+        for cell in line.split("|")[1:-1]:
+            yield number, re.sub(r"^\[[^\]]*\]\s*", "", cell.strip())
+
+
+def faults(root):
+    for path in tracked(root, "*.cpp", "*.hpp", "*.md"):
+        name = str(path.relative_to(root))
+        if path.suffix in (".cpp", ".hpp"):
+            for number, said, begins in code_comments(path.read_text()):
+                if begins and HEADLESS.match(said):
+                    yield name, number, said
+                elif PEOPLE.search(said):
+                    yield name, number, said
+        elif path.suffix == ".md":
+            text = path.read_text()
+            if name == "docs/reference.md":
+                for number, cell in cells(text):
+                    if HEADLESS.match(cell):
+                        yield name, number, cell
+            for number, line in enumerate(text.splitlines(), 1):
+                if PEOPLE.search(line):
+                    yield name, number, line.strip()
+
+
+def main():
+    found = [f"{name}:{number}: {said}" for name, number, said in faults(pathlib.Path(sys.argv[1]).resolve())]
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
