@@ -19,7 +19,7 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::array<const char*, 6> kTeamNames = {
     "true places, the secondary's map",  "true places", "full localization",
-    "full localization, path told once", "single UAV",  "full localization, the guide by SLAM"};
+    "full localization, path sent once", "single UAV",  "full localization, the guide by SLAM"};
 constexpr double kHeight_m = 1.5;
 constexpr double kMapEdge_m = 0.1;
 

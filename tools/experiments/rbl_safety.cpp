@@ -191,9 +191,9 @@ void fly_batch(Experiment& experiment, int count) {
   CsvTable csv({"scene", "seed", "vehicles", "noise", "delay_s", "rate_hz", "all_around", "speed_mps",
                 "acceleration_mps2", "wind_mps", "intruder_mps", "predicted_m", "kind", "least_m", "intruder_m",
                 "warned_s", "needed_s", "contact", "arrived"});
-  FlightKind kinds[] = {{"promised, nobody flies through", "nobody comes"},
+  FlightKind kinds[] = {{"promised, no intruder flies through", "nobody comes"},
                         {"promised, an intruder", "an intruder"},
-                        {"impossible, an intruder may come from where nobody looks", "not looked at"},
+                        {"impossible, an intruder may come from an unobserved direction", "not looked at"},
                         {"impossible, an intruder is known too late", "known too late"},
                         {"impossible, samples may be too far off", "far off"}};
   for (std::size_t i = 0; i < flights.size(); ++i) {
@@ -225,7 +225,7 @@ void fly_batch(Experiment& experiment, int count) {
   experiment.claim("batch: no contact where a distance is promised",
                    fmt::format("{} of {} flights with contact", broken, promised), broken == 0);
   const int nearer = kinds[0].nearer + kinds[1].nearer;
-  experiment.claim("batch: nobody comes nearer than promised",
+  experiment.claim("batch: no vehicle comes nearer than promised",
                    fmt::format("{} of {} flights came nearer", nearer, promised), nearer == 0);
   sim::plot::Figure figure("Least distance, predicted and flown", 1);
   sim::plot::Panel& panel = figure.add_panel("");
