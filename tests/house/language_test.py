@@ -12,7 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "support"))
 from tracked import tracked  # noqa: E402
 
 HEADLESS = re.compile(r"(of|that|by|who|whom|whose|which|it|the same)\b", re.IGNORECASE)
-PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody|whosever)\b(?!\.tum)", re.IGNORECASE)
+PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody)\b(?!\.tum)", re.IGNORECASE)
 COMMENT = re.compile(r'^((?:[^"/]|"(?:\\.|[^"\\])*"|/(?!/))*)//[/!]?<?\s?(.*)$')
 
 
