@@ -123,7 +123,7 @@ echo 'const char* swiftlet_plugin_version(void) { return "0.0.1 (old)"; } void s
 echo 'int nothing;' >none.c
 cc -shared -fPIC -o libold.so old.c
 cc -shared -fPIC -o libnone.so none.c
-refused 'a plugin that was built for swiftlet .*, found "libold.so" for 0.0.1 (old); build it again' "$swiftlet" check "$spiral" \
+refused 'found "libold.so", which has no SWIFTLET_PLUGIN, or that of an older version; build it again' "$swiftlet" check "$spiral" \
   --set 'plugins=[libold.so]' --allow-plugins
 refused 'which has no SWIFTLET_PLUGIN' "$swiftlet" check "$spiral" --set 'plugins=[libnone.so]' --allow-plugins
 
