@@ -191,7 +191,7 @@ void fly_batch(Experiment& experiment, int count) {
   CsvTable csv({"scene", "seed", "vehicles", "noise", "delay_s", "rate_hz", "all_around", "speed_mps",
                 "acceleration_mps2", "wind_mps", "intruder_mps", "predicted_m", "kind", "least_m", "intruder_m",
                 "warned_s", "needed_s", "contact", "arrived"});
-  FlightKind kinds[] = {{"promised, no intruder flies through", "nobody comes"},
+  FlightKind kinds[] = {{"promised, no intruder flies through", "no intruder"},
                         {"promised, an intruder", "an intruder"},
                         {"impossible, an intruder may come from an unobserved direction", "not looked at"},
                         {"impossible, an intruder is known too late", "known too late"},
