@@ -120,7 +120,7 @@ class Command(Made):
     def test_a_report_shows_the_replay_or_tells_how_to_make_one(self):
         self.assertEqual(swiftlet(self.path, "report", "run").returncode, 0)
         frame = re.search('<iframe src="replay.html"[^>]*>', (self.path / "run/report.html").read_text()).group(0)
-        self.assertIn('sandbox="allow-scripts allow-downloads"', frame)  # of a stranger's run, it reads nothing else
+        self.assertIn('sandbox="allow-scripts allow-downloads"', frame)  # the page of an unknown run reads no other file
         swiftlet(self.path, "run", "yard.yaml", "--out", "bare", "-q", "--duration", 1)
         self.assertEqual(swiftlet(self.path, "report", "bare").returncode, 0)
         self.assertIn("swiftlet replay bare", (self.path / "bare/report.html").read_text())
