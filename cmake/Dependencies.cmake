@@ -31,8 +31,9 @@ swiftlet_find_module(zstd libzstd libzstd-dev)
 swiftlet_find_module(lz4 liblz4 liblz4-dev)
 swiftlet_find_module(octomap octomap liboctomap-dev)
 find_package(Threads REQUIRED)
-# GCC brings OpenMP along; clang has it in a package of its own.
-swiftlet_find(OpenMP libomp-dev extended COMPONENTS CXX)
+# Each compiler has its own OpenMP runtime, and g++ brings it along. Only the library's path is used, so that another compiler may link
+# what this one has compiled.
+swiftlet_find(OpenMP libomp-dev build COMPONENTS CXX)
 # Bullet in double precision: Debian's libraries with the suffix -float64. The headers are the same; the macro chooses.
 find_path(BULLET_INCLUDE_DIR btBulletDynamicsCommon.h PATH_SUFFIXES bullet)
 add_library(swiftlet_bullet INTERFACE)

@@ -12,9 +12,8 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_compile_options(swiftlet_options INTERFACE "SHELL:--param ggc-min-heapsize=1000000")
 endif()
-# Only sim/ has parallel regions and only libraries need -fPIC; but the options are the same everywhere, so that the
-# precompiled headers fit every target.
-target_compile_options(swiftlet_options INTERFACE -fopenmp -fPIC)
+# Only libraries need -fPIC, but the options are the same everywhere so that the precompiled headers fit every target.
+target_compile_options(swiftlet_options INTERFACE -fPIC)
 # Eigen must not start threads of its own: agents and sensors run in parallel already.
 target_compile_definitions(swiftlet_options INTERFACE EIGEN_DONT_PARALLELIZE)
 target_compile_features(swiftlet_options INTERFACE cxx_std_20)

@@ -7,6 +7,7 @@
 
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/math/ordered_product.hpp"
 
 namespace swiftlet {
 namespace {
@@ -123,8 +124,7 @@ void InertialFilter::anchor_pose() {
 void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_body_mps2, double dt) {
   const Covariance F = transition(state_, omega_body_radps, force_body_mps2, dt);
   state_ = advanced(state_, omega_body_radps, force_body_mps2, dt);
-  const Covariance FP = F.lazyProduct(P_);
-  P_ = FP.lazyProduct(F.transpose());
+  P_ = propagated(F, P_);
 
   const double accel_q = squared(config_.accel_noise_mps2_sqrt_hz) * dt;
   P_.block<3, 3>(kP, kP).diagonal().array() += accel_q * dt * dt / 4.0;

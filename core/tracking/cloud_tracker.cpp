@@ -39,7 +39,8 @@ Vector3 position_at(const MotionBelief& belief, TimeNs t_belief, TimeNs t) {
 /// -2 log of the density of a difference, up to a constant.
 double statistical_distance(const Vector3& d, const Matrix3& S) {
   const Eigen::LLT<Matrix3> llt(S);
-  const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+  const Matrix3 L = llt.matrixL();
+  const double log_det = 2.0 * elementary::log(L(0, 0) * L(1, 1) * L(2, 2));
   return d.dot(llt.solve(d)) + log_det;
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/ordered_product.hpp"
 
 namespace swiftlet {
 namespace {
@@ -34,16 +35,9 @@ Matrix9 transition(double position_velocity, double position_acceleration, doubl
   return A;
 }
 
-/// A P A^T, coefficient by coefficient: Eigen's product for large matrices, used from 9 x 9 on, costs more and may
-/// start threads.
-Matrix9 transformed(const Matrix9& A, const Matrix9& P) {
-  const Matrix9 AP = A.lazyProduct(P);
-  return AP.lazyProduct(A.transpose());
-}
-
 void predict_belief(MotionBelief& belief, const Matrix9& A, const Matrix9& Xi) {
   belief.mean = A * belief.mean;
-  belief.covariance = transformed(A, belief.covariance) + Xi;
+  belief.covariance = propagated(A, belief.covariance) + Xi;
 }
 
 class KalmanFilter : public MotionFilter {
@@ -242,10 +236,12 @@ double correct_belief(MotionBelief& belief, const Vector3& z_local_m, const Matr
   // Joseph form: stays positive despite rounding.
   Matrix9 I_KH = Matrix9::Identity();
   I_KH.leftCols<3>() -= K;
-  const Matrix9 P = transformed(I_KH, belief.covariance) + (K * Z).lazyProduct(K.transpose());
+  const Matrix9 P =
+      propagated(I_KH, belief.covariance) + ordered_product(Eigen::Matrix<double, 9, 3>(K * Z), K.transpose());
   belief.covariance = 0.5 * (P + P.transpose());
 
-  const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+  const Matrix3 L = llt.matrixL();
+  const double log_det = 2.0 * elementary::log(L(0, 0) * L(1, 1) * L(2, 2));
   return -0.5 * (innovation.dot(llt.solve(innovation)) + log_det + 3.0 * elementary::log(2.0 * std::numbers::pi));
 }
 

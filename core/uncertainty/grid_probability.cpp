@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -109,7 +111,7 @@ class GridIntegral {
         const Eigen::Vector2d d(x.x - c_.mean[0], y.x - c_.mean[1]);
         const double distance_sq = d.dot(c_.inverse * d);
         if (distance_sq > kReach * kReach) continue;
-        const double weight = x.weight * y.weight * c_.peak * std::exp(-0.5 * distance_sq);
+        const double weight = x.weight * y.weight * c_.peak * elementary::exp(-0.5 * distance_sq);
         along_inner(first, c_.inner_mean + c_.slope.dot(d), weight);
       }
     }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kDensityReach = 8.5;  // standard deviations beyond which the d
 constexpr double kTolerance = 1e-9;    // tolerance of one panel of the outer integral
 constexpr int kMaxDepth = 40;
 
-double normal_pdf(double x) { return std::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
+double normal_pdf(double x) { return elementary::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
 
 // Phi(b) - Phi(a), accurate in both tails.
 double normal_between(double a, double b) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <set>
@@ -114,7 +115,7 @@ TEST_P(Golden, RunHasTheSameBitsUnderEveryInstructionSet) {
 }
 
 std::string name_of_run(const testing::TestParamInfo<GoldenRun>& info) {
-  std::string name = info.param.scenario.substr(0, info.param.scenario.find('.'));
+  std::string name = std::filesystem::path(info.param.scenario).stem();
   if (!info.param.settings.empty()) name += "_" + info.param.settings.front().second;
   std::replace_if(
       name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
