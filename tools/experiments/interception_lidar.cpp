@@ -30,7 +30,7 @@ struct HuntTally {
 /// Each flight ends when the interceptor reports success or failure, or a vehicle crashes.
 HuntTally fly_hunts(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, const std::string& name,
                     CsvTable& csv) {
-  const std::vector<sim::RunSummary> runs = fly(experiment, scenarios, {.is_over = hunt_is_over});
+  const std::vector<sim::RunSummary> runs = fly(experiment, scenarios, FlightNotes{.is_over = hunt_is_over});
   const std::vector<double> captures = metric_of(runs, "captures", "interceptor");
   const std::vector<double> first_s = metric_of(runs, "time_to_first_capture_s", "interceptor");
   const std::vector<double> recall = metric_of(runs, "track_recall", "interceptor");

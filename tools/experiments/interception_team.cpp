@@ -83,8 +83,8 @@ class Comparison {
         duels_(std::move(duels)),
         is_over_(std::move(is_over)),
         duration_s_(duels_.team.front().duration_s),
-        first_s_(first_captures_s(fly(experiment, duels_.first, {.is_over = is_over_}), duration_s_)),
-        second_s_(first_captures_s(fly(experiment, duels_.second, {.is_over = is_over_}), duration_s_)) {}
+        first_s_(first_captures_s(fly(experiment, duels_.first, FlightNotes{.is_over = is_over_}), duration_s_)),
+        second_s_(first_captures_s(fly(experiment, duels_.second, FlightNotes{.is_over = is_over_}), duration_s_)) {}
 
   void tell(const std::string& what, const sim::RadioConfig& radio = {}) {
     for (sim::Scenario& scenario : duels_.team) scenario.radio = radio;
