@@ -135,7 +135,7 @@ TEST(Experiments, FlightsComeBackInTheirOrderForAnyNumberOfJobs) {
 
 TEST(Experiments, AFlightEndsEarlierWhenItsExperimentSaysSo) {
   const auto is_over = [](const sim::Simulation& simulation) { return simulation.now() >= from_seconds(0.1); };
-  for (const sim::RunSummary& summary : fly(Experiment({}), short_flights(), {.is_over = is_over}))
+  for (const sim::RunSummary& summary : fly(Experiment({}), short_flights(), FlightNotes{.is_over = is_over}))
     EXPECT_NEAR(summary.simulated_s, 0.1, 0.005);
 }
 

@@ -69,13 +69,13 @@ TEST(RblSettling, WhatItSaidStandsUntilItGetsNearer) {
   const auto says = [&](double x_m, const std::vector<Neighbor>& others) {
     return settling.update(goal, {x_m, 0.0, 5.0}, others, nullptr, from_seconds(0.1 * i++));
   };
-  for (; i <= 50;) says(1.5, there);
+  while (i <= 50) says(1.5, there);
   // The other one flies off: the vehicle has settled until it flies on itself.
-  for (; i <= 60;) EXPECT_EQ(says(1.5, gone).mission, MissionStatus::kDone) << i;
+  while (i <= 60) EXPECT_EQ(says(1.5, gone).mission, MissionStatus::kDone) << i;
   const std::vector<Neighbor> nearer{neighbor_at({1.2, 0.3, 5.0})};
   EXPECT_NE(std::string(says(1.5, nearer).note).find("another vehicle is there"), std::string::npos) << "not anew";
   EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning);
-  for (; i <= 100;) EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning) << i;
+  while (i <= 100) EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning) << i;
 }
 
 TEST(RblSettling, WithoutAReasonItSaysThatItGetsNoNearerAfterTwiceItsPatience) {

@@ -337,7 +337,7 @@ TEST_P(DetectionDefinition, OfARandomRunIsReported) {
       double targets = 0, found = 0, visible = 0, visible_found = 0;
       Mean position, speed, direction;
     };
-    const auto sums_within = [&](double from_m, double to_m) {
+    const auto sums_within = [&, &stage = stage](double from_m, double to_m) {
       Sums sums;
       for (const DetectionScore& s : stage.scores) {
         if (s.distance_m < from_m || s.distance_m > to_m) continue;

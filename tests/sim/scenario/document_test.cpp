@@ -286,7 +286,7 @@ TEST(Ranges, AWholeNumberIsOneAndFits) {
   for (const auto& [text, fits] :
        {std::pair("2147483647", true), {"2147483648", false}, {"-2147483648", true}, {"-2147483649", false}}) {
     Wide wide;
-    const auto read = [&] {
+    const auto read = [&, text = text] {
       read_config_text(
           std::string("n: ") + text, "w.yaml", [&](ConfigVisitor& v) { wide.visit(v); }, {}, example_files());
     };
