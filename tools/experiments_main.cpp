@@ -31,7 +31,7 @@ struct ReproduceOptions {
 
 void print_list() {
   for (const ExperimentType& type : experiment_types()) {
-    fmt::print("{:<22} {:>12}  {}\n", type.name, duration_text(type.expected_s), type.doc);
+    fmt::print("{:<22} {}\n", type.name, type.doc);
   }
 }
 
@@ -106,7 +106,7 @@ static void add_reproduce(CLI::App& app) {
                  {.min = 1, .max = 1e6});
   command.flag("--quick", options->quick, "A small version of each: fewer samples and seeds");
   command.flag("--resume", options->resume, "Do not fly again what an earlier attempt finished (flights.jsonl)");
-  command.flag("--list", options->list, "Only list the experiments and the processor time that they take");
+  command.flag("--list", options->list, "Only list the experiments");
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { reproduce(*options); });
 }

@@ -64,7 +64,7 @@ TEST(Experiments, VerdictsFollowTheTolerance) {
 TEST(Experiments, AQuickVersionSaysSoAndWithHowManyRuns) {
   Experiment experiment({.name = "rbl-real", .quick = true});
   EXPECT_EQ(experiment.repetitions(100, 2), 2);
-  const ExperimentType type{"rbl-real", "doc", 1.0, nullptr};
+  const ExperimentType type{"rbl-real", "doc", nullptr};
   const std::string text = to_markdown(type, experiment);
   EXPECT_THAT(text, HasSubstr("# rbl-real, quick version\n"));
   EXPECT_THAT(text, HasSubstr(", 2 runs a case; fewer and shorter than the full version."));
@@ -81,7 +81,7 @@ TEST(Experiments, NumbersAreShort) {
 TEST(Experiments, TablesEscapeBarsAndKeepTheNumber) {
   Experiment experiment({});
   experiment.row({"P(x | y)", "2", Verdict::kNotJudged, "", 2.0});
-  const ExperimentType type{"name", "doc", 1.0, nullptr};
+  const ExperimentType type{"name", "doc", nullptr};
   EXPECT_THAT(to_markdown(type, experiment), HasSubstr("P(x \\| y)"));
   EXPECT_THAT(to_json(type, experiment), HasSubstr("\"value\": 2.0"));
 }
@@ -217,13 +217,10 @@ TEST(ClaimsInFull, RblForest) { expect_reproduced("rbl-forest", false); }
 TEST(ClaimsInFull, RblReal) { expect_reproduced("rbl-real", false); }
 TEST(ClaimsInFull, RblGhosts) { expect_reproduced("rbl-ghosts", false); }
 
-TEST(Claims, DetectionLatencies) { expect_reproduced("detection-latencies", true); }
-TEST(ClaimsInFull, DetectionLatencies) { expect_reproduced("detection-latencies", false); }
 TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
 TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
 TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }
 TEST(ClaimsInFull, DetectionReal) { expect_reproduced("detection-real", false); }
-TEST(ClaimsInFull, DetectionTakeoff) { expect_reproduced("detection-takeoff", false); }
 
 }  // namespace
 }  // namespace swiftlet::tools

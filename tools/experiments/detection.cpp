@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -217,102 +215,6 @@ void detection_real(Experiment& experiment) {
   plain_row(experiment, "mean position error of detections [m]",
             joined(flights.detections, kFarthestBin_m).mean_error_m(), 3);
   common_rows(experiment, flights);
-}
-
-// ---- take-off, hover, landing --------------------------------------------------------------------------------------
-
-namespace {
-
-// Height above which no rule can take the target for the ground: d_close plus half its size above the lowest place.
-constexpr double kClear_m = 1.5;
-
-/// The target of one flight by scan: height above its start, and whether a track follows it.
-struct Ascent {
-  std::vector<double> t_s, height_m, seen_s, seen_m;
-  int up = 0, followed = 0;          // scans with the target above kClear_m; with a track as well
-  int up_since_found = 0, kept = 0;  // as above, from the first followed scan on
-  double found_s = -1.0;             // delay after it rises above kClear_m; < 0: never found
-
-  Ascent(const std::vector<Sighting>& tracks, double ground_m) {
-    double cleared_s = -1.0;
-    for (const Sighting& sighting : tracks) {
-      const bool found = sighting.found && sighting.error_m < kSame_m;
-      t_s.push_back(to_seconds(sighting.t));
-      height_m.push_back(sighting.p_m.z() - ground_m);
-      if (found) {
-        seen_s.push_back(t_s.back());
-        seen_m.push_back(height_m.back());
-      }
-      if (height_m.back() < kClear_m) continue;
-      if (cleared_s < 0.0) cleared_s = t_s.back();
-      if (found && found_s < 0.0) found_s = t_s.back() - cleared_s;
-      ++up;
-      followed += found ? 1 : 0;
-      if (found_s < 0.0) continue;
-      ++up_since_found;
-      kept += found ? 1 : 0;
-    }
-  }
-};
-
-std::vector<Ascent> ascents_with(Experiment& experiment, const Overrides& overrides) {
-  std::vector<sim::Scenario> scenarios;
-  for (int seed = 1; seed <= experiment.repetitions(5, 1); ++seed) {
-    scenarios.push_back(scenario_with("reproduce/detection_takeoff.yaml", static_cast<std::uint64_t>(seed), overrides));
-  }
-  const Flights flights = fly_and_log(experiment, scenarios, -kOs1Fov_deg, kOs1Fov_deg, 0.0);
-  std::vector<Ascent> ascents;
-  for (const auto& log : flights.logs) ascents.emplace_back(log->tracks(), log->tracks().front().p_m.z());
-  return ascents;
-}
-
-}  // namespace
-
-// The document sets separate background to unknown (overview of sec. III) or to free (eq. 9). The two differ most
-// here, where the target leaves a column of background.
-void detection_takeoff(Experiment& experiment) {
-  struct Interpretation {
-    const char* name;
-    Overrides overrides;
-  };
-  const std::array<Interpretation, 2> interpretations = {
-      {{"unknown (default)", {}}, {"free (eq. 9)", {{"vehicles[0].agent.detector.choices.separate_becomes", "free"}}}}};
-  sim::plot::Figure figure("Take-off, hover and landing (seed 1)", 1);
-  figure.set_panel_size(800, 280);
-  CsvTable csv(
-      {"interpretation", "seed", "found_after_s", "up_scans", "followed_scans", "up_scans_since_found", "kept_scans"});
-  for (const Interpretation& interpretation : interpretations) {
-    const std::vector<Ascent> ascents = ascents_with(experiment, interpretation.overrides);
-    sim::plot::Panel& panel = figure.add_panel(fmt::format("separate background becomes {}", interpretation.name));
-    panel.x.label = "time [s]";
-    panel.y.label = "height [m]";
-    panel.line("target", ascents.front().t_s, ascents.front().height_m, {.color = 6})
-        .scatter("followed", ascents.front().seen_s, ascents.front().seen_m, {.color = 0, .marker_px = 2.0});
-    std::vector<double> delays_s;
-    int up = 0, followed = 0, up_since_found = 0, kept = 0;
-    for (std::size_t i = 0; i < ascents.size(); ++i) {
-      const Ascent& one = ascents[i];
-      csv.row(interpretation.name,
-              {static_cast<double>(i + 1), one.found_s, static_cast<double>(one.up), static_cast<double>(one.followed),
-               static_cast<double>(one.up_since_found), static_cast<double>(one.kept)});
-      if (one.found_s >= 0.0) delays_s.push_back(one.found_s);
-      up += one.up;
-      followed += one.followed;
-      up_since_found += one.up_since_found;
-      kept += one.kept;
-    }
-    experiment.claim(fmt::format("{}: targets that took off beside the ground and were found", interpretation.name),
-                     fmt::format("{} of {}", delays_s.size(), ascents.size()), delays_s.size() == ascents.size());
-    experiment.at_least(
-        fmt::format("{}: followed from then on, while {:g} m up or more [share]", interpretation.name, kClear_m),
-        up_since_found == 0 ? 0.0 : static_cast<double>(kept) / up_since_found, 0.95, 3);
-    plain_row(experiment, fmt::format("{}: found after it was {:g} m up [s]", interpretation.name, kClear_m),
-              mean_and_deviation(delays_s).mean, 3);
-    plain_row(experiment, fmt::format("{}: followed of all the time that it is up [share]", interpretation.name),
-              up == 0 ? 0.0 : static_cast<double>(followed) / up, 3);
-  }
-  experiment.write("detection-takeoff.csv", csv);
-  experiment.write("detection-takeoff.svg", figure);
 }
 
 }  // namespace swiftlet::tools

@@ -112,9 +112,8 @@ class Experiment {
 
 /// One row of registry.cpp.
 struct ExperimentType {
-  const char* name;   ///< "uncertainty-table"
-  const char* doc;    ///< one line: what it shows and which figure or table it regenerates
-  double expected_s;  ///< processor time of the full version, roughly
+  const char* name;  ///< "uncertainty-table"
+  const char* doc;   ///< one line: what it shows and which figure or table it regenerates
   void (*run)(Experiment& experiment);
 };
 

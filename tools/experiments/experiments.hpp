@@ -16,14 +16,12 @@ void detection_ideal(Experiment& experiment);
 void detection_noisy(Experiment& experiment);
 void detection_multi(Experiment& experiment);  // detection_multi.cpp
 void detection_real(Experiment& experiment);
-void detection_takeoff(Experiment& experiment);
-void detection_timing(Experiment& experiment);     // detection_timing.cpp
-void detection_choices(Experiment& experiment);    // detection_choices.cpp
-void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
-void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
-void detection_sparse(Experiment& experiment);     // detection_sparse.cpp
-void detection_small(Experiment& experiment);      // detection_small.cpp
-void detection_shared(Experiment& experiment);     // detection_shared.cpp
+void detection_timing(Experiment& experiment);   // detection_timing.cpp
+void detection_choices(Experiment& experiment);  // detection_choices.cpp
+void detection_beyond(Experiment& experiment);   // detection_beyond.cpp
+void detection_sparse(Experiment& experiment);   // detection_sparse.cpp
+void detection_small(Experiment& experiment);    // detection_small.cpp
+void detection_shared(Experiment& experiment);   // detection_shared.cpp
 
 void interception(Experiment& experiment);        // interception.cpp
 void interception_lidar(Experiment& experiment);  // interception_lidar.cpp
@@ -36,18 +34,14 @@ void forest_guidance(Experiment& experiment);  // forest_guidance.cpp
 void narrow_gap(Experiment& experiment);       // narrow_gap.cpp
 void guidance_timing(Experiment& experiment);  // guidance_timing.cpp
 void communication(Experiment& experiment);    // guidance_timing.cpp
-void guidance_sight(Experiment& experiment);   // guidance_sight.cpp
 
 // Graph SLAM in the control loop
 void safe_loop_closure(Experiment& experiment);  // safe_loop_closure.cpp
 void gps_weighting(Experiment& experiment);      // gps_weighting.cpp
 void submap_navigation(Experiment& experiment);  // submap_navigation.cpp
 void slam_drift(Experiment& experiment);         // slam_drift.cpp
-void slam_aisles(Experiment& experiment);        // slam_aisles.cpp
 void slam_limits(Experiment& experiment);        // slam_limits.cpp
-void slam_in_place(Experiment& experiment);      // slam_in_place.cpp
 void joined_maps(Experiment& experiment);        // joined_maps.cpp
-void slam_matching(Experiment& experiment);      // slam_matching.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
@@ -59,7 +53,6 @@ void rbl_forest(Experiment& experiment);
 void rbl_forest_files(Experiment& experiment);
 void rbl_real(Experiment& experiment);
 void rbl_baselines(Experiment& experiment);
-void rbl_limits(Experiment& experiment);
 void rbl_ghosts(Experiment& experiment);
 void rbl_safety(Experiment& experiment);
 void rbl_peers(Experiment& experiment);

@@ -17,11 +17,10 @@ namespace {
 
 using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-constexpr std::array<const char*, 6> kTeamNames = {
-    "true places, the secondary's map",  "true places", "full localization",
-    "full localization, path sent once", "single UAV",  "full localization, the guide by SLAM"};
+constexpr std::array<const char*, 5> kTeamNames = {"true places, the secondary's map", "true places",
+                                                   "full localization", "full localization, path sent once",
+                                                   "single UAV"};
 constexpr double kHeight_m = 1.5;
-constexpr double kMapEdge_m = 0.1;
 
 struct Run {
   sim::Scenario scenario;
@@ -48,14 +47,12 @@ void map_by_the_secondary(Overrides& changes) {
   changes.emplace_back("vehicles[0].agent.mapping", "{type: occupancy, rays_of: secondary}");
 }
 
-void localize_by_sensors(Overrides& changes, bool by_slam) {
-  const std::string odometry = by_slam ? "" : "{type: odometry, name: lio, model: odometry_lio}, ";
-  changes.emplace_back(
-      "vehicles[0].sensors",
-      fmt::format("[{{type: lidar, name: os0, model: os0_128, mount: {{position_m: [0, 0, 0.15]}}}}, {}"
-                  "{{type: imu, name: imu, model: imu_adis16448}}]",
-                  odometry));
-  changes.emplace_back("vehicles[0].agent.localization", by_slam ? "{type: slam}" : "{type: odometry}");
+void localize_by_sensors(Overrides& changes) {
+  changes.emplace_back("vehicles[0].sensors",
+                       "[{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.15]}}, "
+                       "{type: odometry, name: lio, model: odometry_lio}, "
+                       "{type: imu, name: imu, model: imu_adis16448}]");
+  changes.emplace_back("vehicles[0].agent.localization", "{type: odometry}");
   changes.emplace_back(
       "vehicles[0].agent.relative_localization",
       "{type: sliding_window, other: secondary, source: markers, center_behind_m: 0.025, center_above_m: 0.025}");
@@ -98,7 +95,7 @@ Run make_run(GapTeam team, double safe_distance_m, std::uint64_t seed) {
   if (truth)
     know_the_truth(changes);
   else
-    localize_by_sensors(changes, team == GapTeam::kFullBySlam);
+    localize_by_sensors(changes);
   if (team == GapTeam::kTruthOwnMap) map_by_the_secondary(changes);
   if (team == GapTeam::kFullToldOnce) {
     changes.emplace_back("vehicles[0].agent.guidance.periodic", "false");

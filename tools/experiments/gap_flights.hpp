@@ -10,8 +10,8 @@
 /// A UAV guides a small one through a gap and back, in several configurations [Pritzl 2024, Fig. 6].
 namespace swiftlet::tools {
 
-/// The configurations of Fig. 6, in the order of its legend, and the full one with a guide on SLAM.
-enum class GapTeam { kTruthOwnMap, kTruth, kFull, kFullToldOnce, kSingle, kFullBySlam };
+/// The configurations of Fig. 6, in the order of its legend.
+enum class GapTeam { kTruthOwnMap, kTruth, kFull, kFullToldOnce, kSingle };
 const char* name_of(GapTeam team);
 
 /// All flights of one configuration at one safe distance.

@@ -255,7 +255,7 @@ void rbl_sphere(Experiment& experiment) {
     tell(experiment, c, fly_case(experiment, c, seeds, false, csv), "the circle's radius; ");
     check_safety(experiment, c, seeds, csv);
   }
-  // Beyond the document; `rbl-limits` continues. In a crowd of 60 the lowest vehicle cannot withstand the wakes of
+  // Beyond the document. In a crowd of 60 the lowest vehicle cannot withstand the wakes of
   // those above.
   const int crowds = experiment.repetitions(10, 1);
   check_safety(experiment, {{true, 30, 10.0}, "3d_z"}, crowds, csv);
