@@ -26,7 +26,7 @@ sim::Scenario agile_flight(const std::string& name, std::uint64_t seed, double d
 }
 
 Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, double fov_bottom_deg,
-                    double fov_top_deg, double ignored_s, double bin_m, double least_confidence) {
+                    double fov_top_deg, double ignored_s, double least_confidence) {
   Flights flights;
   for (const sim::Scenario& scenario : scenarios) {
     flights.logs.push_back(std::make_unique<DetectionLog>(scenario, fov_bottom_deg, fov_top_deg, ignored_s));
@@ -44,9 +44,9 @@ Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenari
     flights.false_detections += log->num_false_detections();
     flights.false_tracks += log->num_false_tracks();
   }
-  flights.detections = by_distance(detections, bin_m, kFarthestBin_m);
-  flights.tracks = by_distance(tracks, bin_m, kFarthestBin_m);
-  flights.told_tracks = by_distance(tracks, bin_m, kFarthestBin_m, kTold_s);
+  flights.detections = by_distance(detections, kBin_m, kFarthestBin_m);
+  flights.tracks = by_distance(tracks, kBin_m, kFarthestBin_m);
+  flights.told_tracks = by_distance(tracks, kBin_m, kFarthestBin_m, kTold_s);
   return flights;
 }
 

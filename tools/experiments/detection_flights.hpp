@@ -40,7 +40,7 @@ struct Flights {
 };
 /// @param least_confidence  reports below it count neither as found nor as false
 Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, double fov_bottom_deg,
-                    double fov_top_deg, double ignored_s, double bin_m = kBin_m, double least_confidence = 0.0);
+                    double fov_top_deg, double ignored_s, double least_confidence = 0.0);
 
 /// All bins up to a distance merged.
 DistanceBin joined(const std::vector<DistanceBin>& bins, double up_to_m);

@@ -175,7 +175,7 @@ void detection_small(Experiment& experiment) {
       const double bottom_deg = mid360 ? kMid360Bottom_deg : -kOs1Fov_deg,
                    top_deg = mid360 ? kMid360Top_deg : kOs1Fov_deg;
       tell_small(experiment, fmt::format("{}, {}", mid360 ? "Mid-360" : "OS1-128", small.name),
-                 fly_and_log(experiment, scenarios, bottom_deg, top_deg, kIgnored_s, kBin_m, kTold),
+                 fly_and_log(experiment, scenarios, bottom_deg, top_deg, kIgnored_s, kTold),
                  small.scenario == std::string("detection_pair"), csv);
     }
   }

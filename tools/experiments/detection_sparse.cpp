@@ -208,7 +208,7 @@ void compare_on(Experiment& experiment, const Sensor& sensor, CsvTable& csv, sim
   }
   const Flights by_document = fly_and_log(experiment, document, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s);
   const Flights by_fusion =
-      fly_and_log(experiment, fused, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s, kBin_m, kExists);
+      fly_and_log(experiment, fused, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s, kExists);
   const std::array<FlownMethod, 3> methods = {method_of("vofod", by_document, Part::kDetections),
                                               method_of("tracker of vofod", by_document, Part::kTracks),
                                               method_of("track_before_detect", by_fusion, Part::kDetections)};

@@ -22,7 +22,7 @@ constexpr TimeNs kFirstPlan = 5 * kNsPerSecond, kEvery = kNsPerSecond;
 constexpr double kStep_m = 4.0;
 
 /// Stages of algorithm 1 as in the table; its last row is the total.
-constexpr std::array<const char*, 3> kStages = {"the secondary's path", "the viewpoint", "the primary's path"};
+constexpr std::array<const char*, 3> kPlanningStages = {"the secondary's path", "the viewpoint", "the primary's path"};
 constexpr const char* kWhole = "algorithm 1";
 
 /// Plans once a second during a flight, outside of the vehicle's stack, on a map of the same scans.
@@ -162,7 +162,7 @@ void guidance_timing(Experiment& experiment) {
     published_ms.push_back(1e3 * theirs_s);
     ours_ms.push_back(clock.median_ms());
   };
-  for (std::size_t i = 0; i < stages.size(); ++i) add_row(kStages[i], stages[i], 10.0, "");
+  for (std::size_t i = 0; i < stages.size(); ++i) add_row(kPlanningStages[i], stages[i], 10.0, "");
   add_row(kWhole, whole, 8.9 / 0.3, fmt::format("; {} plans found no way", failed));
   experiment.row({"insertion of a scan into the map [s]", short_number(1e-3 * insertion.median_ms(), 2),
                   Verdict::kNotJudged, fmt::format("median of {}", insertion.times_ms().size()),

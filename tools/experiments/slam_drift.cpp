@@ -11,11 +11,65 @@
 #include "experiments.hpp"
 #include "parallel.hpp"
 #include "slam_flights.hpp"
-#include "slam_rounds.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 
 namespace swiftlet::tools {
 namespace {
+
+/// A closed path in a world, free of obstacles for every seed.
+struct DriftWorld {
+  const char* scenario;
+  const char* start_m;
+  const char* waypoints_m;
+  double round_m;
+  double agile_mps;
+  bool costly;  // many leaves: left out of quick versions
+  const char* more_key = "";
+  const char* more = "";
+};
+constexpr DriftWorld kDriftWorlds[] = {
+    {"campus", "[-12.5, -10, 3]", "[[12.5, -10, 3], [12.5, 10, 4], [-12.5, 10, 4], [-12.5, -10, 3]]", 90.0, 6.0, false},
+    {"forest", "[-27, -12, 4]",
+     "[[-12, -8, 4], [0, 0, 4], [10, 12, 4], [27, 15, 4], [10, 12, 4], [0, 0, 4], [-12, -8, 4], [-27, -12, 4]]", 126.0,
+     4.0, true},
+    {"warehouse", "[-17.3, -5.68, 3.6]", "[[17.3, -5.68, 3.6], [17.3, 0, 3.6], [-17.3, 0, 3.6], [-17.3, -5.68, 3.6]]",
+     80.5, 5.0, false},
+    {"hall", "[-5, -3, 2]", "[[5, -3, 2.5], [5, 3, 2], [-5, 3, 2.5], [-5, -3, 2]]", 32.0, 4.0, false},
+    {"field", "[-12, -12, 4]", "[[12, -12, 4], [12, 12, 4.5], [-12, 12, 4], [-12, -12, 4]]", 96.0, 6.0, true,
+     "world.num_trees", "60"},
+};
+
+struct DriftLidar {
+  const char* model;
+  const char* label;
+  double limit_percent;  // median drift of local SLAM
+};
+constexpr DriftLidar kDriftLidars[] = {
+    {"puck_lite", "Puck LITE", 0.6}, {"os1_128", "OS1-128", 0.3}, {"mid360", "Mid-360", 0.3}};
+
+sim::Scenario round_flight(const DriftWorld& world, const DriftLidar& lidar, bool agile, double way_m,
+                           std::uint64_t seed) {
+  constexpr double kCalm_mps = 2.0;
+  const double speed_mps = agile ? world.agile_mps : kCalm_mps;
+  std::vector<std::pair<std::string, std::string>> changes = {
+      {"snapshots", "[]"},
+      {"vehicles[0].model", "x500"},
+      {"vehicles[0].start.position_m", world.start_m},
+      {"vehicles[0].sensors",
+       fmt::format("[{{type: lidar, name: lidar, model: {}, mount: {{position_m: [0, 0, 0.15]}}}}, "
+                   "{{type: imu, name: imu, model: imu_adis16448}}]",
+                   lidar.model)},
+      {"vehicles[0].agent.localization", "{type: slam, global: {enabled: true}}"},
+      {"vehicles[0].agent.control.limits.set", agile ? "agile" : "medium"},
+      {"vehicles[0].agent.guidance",
+       fmt::format("{{type: waypoints, speed_mps: {}, loop: true, waypoints_m: {}}}", speed_mps, world.waypoints_m)},
+      {"duration_s", fmt::format("{:.1f}", way_m / (agile ? 0.65 : 0.93) / speed_mps)},
+  };
+  if (*world.more_key != '\0') changes.emplace_back(world.more_key, world.more);
+  sim::Scenario scenario = scenario_with(world.scenario, seed, std::move(changes));
+  scenario.vehicles.resize(1);
+  return sim::validated(std::move(scenario));
+}
 
 struct DriftCase {
   const DriftWorld* world;
@@ -171,8 +225,7 @@ void slam_drift(Experiment& experiment) {
         const double way_m = experiment.quick() ? std::max(world.round_m + 45.0, 100.0) : 300.0;
         for (int seed = 1; seed <= seeds; ++seed) {
           cases.push_back({&world, &lidar, agile, static_cast<std::uint64_t>(seed)});
-          scenarios.push_back(
-              round_flight(world, lidar, agile, way_m, cases.back().seed, "{type: slam, global: {enabled: true}}"));
+          scenarios.push_back(round_flight(world, lidar, agile, way_m, cases.back().seed));
         }
       }
     }
