@@ -102,10 +102,10 @@ double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction
   const int steps = static_cast<int>(config_.horizon_max_s / kMeetingGrain_s);
   for (int i = 1; i < steps; ++i) {
     const double t_s = i * kMeetingGrain_s;
-    const Vector3 way_m = target.at(t_s).p_m - to_target_m - self.p_m;
-    const Vector3 missing_m = way_m - t_s * self.v_mps;
-    if (way_m.head<2>().norm() - reach_m_ > t_s * limits_.horizontal_speed_mps) continue;
-    if (std::abs(way_m.z()) > t_s * limits_.vertical_speed_mps) continue;
+    const Vector3 displacement_m = target.at(t_s).p_m - to_target_m - self.p_m;
+    const Vector3 missing_m = displacement_m - t_s * self.v_mps;
+    if (displacement_m.head<2>().norm() - reach_m_ > t_s * limits_.horizontal_speed_mps) continue;
+    if (std::abs(displacement_m.z()) > t_s * limits_.vertical_speed_mps) continue;
     if (missing_m.head<2>().norm() - reach_m_ >
         way_by_m(t_s, limits_.horizontal_acceleration_mps2, limits_.horizontal_jerk_mps3))
       continue;

@@ -17,7 +17,7 @@ namespace swiftlet {
 inline constexpr double kSameTarget_m = 3.0;  ///< largest distance between two estimates of the same target
 
 /// Another interceptor, by its newest report. Local frame.
-struct Fellow {
+struct ChasePeer {
   ChaseReport::Word word = ChaseReport::Word::kIdle;
   TimeNs t = 0;  ///< time of the report
   double arrival_s = 0.0;
@@ -44,7 +44,7 @@ class ChaseTeam {
   /// Associates tracks with interceptors: the nearest one to the reported position.
   /// @param target  id of the own target; 0: none
   void recognize(std::span<const Track> tracks, std::uint32_t target);
-  bool is_fellow(std::uint32_t track) const;
+  bool is_peer(std::uint32_t track) const;
   /// Does another interceptor lead the chase of the target at this position?
   bool is_led(const Vector3& p_local_m, TimeNs now) const;
   /// Marks interceptors with the same target.
@@ -63,26 +63,26 @@ class ChaseTeam {
   /// Has another interceptor caught the own target?
   bool has_caught() const;
   /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.
-  const Fellow* chasing(const Vector3& own_local_m, TimeNs now) const;
+  const ChasePeer* chasing(const Vector3& own_local_m, TimeNs now) const;
 
-  bool is_time_to_tell(TimeNs now) const { return !fellows_.empty() && now >= next_word_; }
+  bool is_report_due(TimeNs now) const { return !peers_.empty() && now >= next_report_; }
   /// @param path  predicted path of the vehicle from now on. Local frame, like the target.
-  void tell(ChaseReport::Word word, TimeNs now, double arrival_s, const PointState& target, const PathAhead& path,
-            const FrameChange& to_world, Outbox& outbox);
+  void report(ChaseReport::Word word, TimeNs now, double arrival_s, const PointState& target, const PathAhead& path,
+              const FrameChange& to_world, Outbox& outbox);
 
  private:
-  struct Heard {
+  struct Received {
     bool fresh = false;
     std::uint32_t track = 0;  // 0: not seen
-    Fellow fellow;
+    ChasePeer peer;
   };
 
   VehicleId self_;
-  std::vector<Heard> fellows_;  // indexed by VehicleId; empty: no other vehicle
+  std::vector<Received> peers_;  // indexed by VehicleId; empty: no other vehicle
   VehicleId leader_ = kNoVehicle;
   bool leads_ = true;
-  TimeNs next_word_ = 0;
-  ChaseReport said_, heard_;  // kept to reuse their memory
+  TimeNs next_report_ = 0;
+  ChaseReport sent_, received_;  // kept to reuse their memory
 };
 
 }  // namespace swiftlet

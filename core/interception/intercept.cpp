@@ -34,8 +34,8 @@ constexpr double kSureFor_s = 0.5;
 constexpr double kPreciseFor_s = 1.0;
 /// Standard deviations of the track inside the rim, and inside the top and bottom, at which a capture is believed.
 constexpr double kInsideRimSigmas = 2.0, kInsideHeightSigmas = 1.0;
-constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a reported target
-constexpr double kLeadInVain_s = 6.0, kTired_s = 4.0;
+constexpr double kReportedSigma_m = 0.5, kReportedSigma_mps = 1.0;  // standard deviations of a reported target
+constexpr double kLeadTimeout_s = 6.0, kMaxLeadPenalty_s = 4.0;
 constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
 constexpr int kPathParts = 5;         // steps of the governor between points of a reported path
 constexpr double kSlowest_mps = 0.5;  // slower velocities give no direction
@@ -76,7 +76,7 @@ class Intercept : public Guidance {
       divide_task();
       plan();
     }
-    if (team_.is_time_to_tell(now_)) tell(input.estimate, outbox);
+    if (team_.is_report_due(now_)) report(input.estimate, outbox);
     fly(governor_, since_check_s_, 0.0, input.dt_s);
     since_check_s_ += input.dt_s;
     output.goal = governor_.state();
@@ -122,7 +122,7 @@ class Intercept : public Guidance {
     surroundings_.fence = Geofence(config_.fence, to_local);
     team_.listen(input.observation, to_local);
     team_.recognize(input.tracks, had_target_ ? target_id_ : 0);
-    if (config_.target.empty() && had_target_ && team_.is_fellow(target_id_)) forget_target();
+    if (config_.target.empty() && had_target_ && team_.is_peer(target_id_)) forget_target();
     surroundings_.map = config_.walls == InterceptConfig::Walls::kMap ? input.map : nullptr;
     const Vector3 bias_m = p_local_m_ - governor_.state().position_m;
     bias_local_m_ = bias_m.cwiseMax(-kGreatestBias_m).cwiseMin(kGreatestBias_m);
@@ -134,7 +134,7 @@ class Intercept : public Guidance {
     double least_m = std::numeric_limits<double>::infinity();
     for (const Track& track : input.tracks) {
       if (to_seconds(now_ - track.t) > config_.track_timeout_s) continue;
-      if (config_.target.empty() ? team_.is_fellow(track.id) : track.id != target_id_) continue;
+      if (config_.target.empty() ? team_.is_peer(track.id) : track.id != target_id_) continue;
       double distance_m = (track.position_m - p_local_m_).norm();
       // Targets that no other interceptor leads come first.
       const bool is_free = config_.target.empty() && !team_.is_led(track.position_m, now_);
@@ -177,7 +177,7 @@ class Intercept : public Guidance {
   void meet_bystanders(const GuidanceInput& input, const Track* target) {
     surroundings_.bystanders.clear();
     for (const Track& track : input.tracks) {
-      if (&track == target || team_.is_fellow(track.id)) continue;
+      if (&track == target || team_.is_peer(track.id)) continue;
       if (surroundings_.bystanders.size() == surroundings_.bystanders.capacity()) break;
       if (target != nullptr && config_.target.empty() &&
           (track.position_m - target->position_m).norm() < kSecondTrack_m)
@@ -223,8 +223,8 @@ class Intercept : public Guidance {
         output.note = "waiting for a target";
         if (sees)
           enter(Mode::kChasing);
-        else if (const Fellow* fellow = who_sees())
-          go_where_told(*fellow);
+        else if (const ChasePeer* peer = peer_with_target())
+          go_to_reported_target(*peer);
         break;
       case Mode::kSearching:
         search(dt_s);
@@ -301,13 +301,15 @@ class Intercept : public Guidance {
   }
 
   /// An interceptor that sees a target. With `target` set, only that vehicle's track counts.
-  const Fellow* who_sees() const { return config_.target.empty() ? team_.chasing(p_local_m_, now_) : nullptr; }
+  const ChasePeer* peer_with_target() const {
+    return config_.target.empty() ? team_.chasing(p_local_m_, now_) : nullptr;
+  }
 
   /// Searches where another interceptor sees its target.
-  void go_where_told(const Fellow& fellow) {
-    const PointState told = fellow.target_at(now_);
-    search_.begin(told, kTold_m, kTold_mps);
-    goal_local_m_ = told.p_m;
+  void go_to_reported_target(const ChasePeer& peer) {
+    const PointState reported = peer.target_at(now_);
+    search_.begin(reported, kReportedSigma_m, kReportedSigma_mps);
+    goal_local_m_ = reported.p_m;
     highest_m_ = search_.highest_near_m(p_local_m_);
     if (mode_ == Mode::kWaiting) {
       since_look_s_ = since_think_s_ = 0.0;
@@ -320,7 +322,7 @@ class Intercept : public Guidance {
     since_look_s_ += dt_s;
     since_think_s_ += dt_s;
     if (since_look_s_ < kLook_s) return;
-    if (const Fellow* fellow = who_sees()) go_where_told(*fellow);
+    if (const ChasePeer* peer = peer_with_target()) go_to_reported_target(*peer);
     search_.advance(since_look_s_, surroundings_.fence);
     search_.look(p_local_m_, since_look_s_, surroundings_.map);
     since_look_s_ = 0.0;
@@ -336,26 +338,26 @@ class Intercept : public Guidance {
   /// that others try: it may be held off by what its estimate does not model.
   void divide_task() {
     const double change_s = team_.leads() && chases() ? since_check_s_ : -since_check_s_;
-    led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kLeadInVain_s + kTired_s);
+    led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kLeadTimeout_s + kMaxLeadPenalty_s);
     arrival_s_ = kNeverThere_s;
     const bool could = chases() && outside_s_ == 0.0;
     if (could) {
       const Reference& r = governor_.state();
       arrival_s_ = planner_.least_time_s({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m());
-      arrival_s_ += std::max(0.0, led_for_s_ - kLeadInVain_s);
+      arrival_s_ += std::max(0.0, led_for_s_ - kLeadTimeout_s);
       if (mode_ == Mode::kLeaving) arrival_s_ += config_.after_capture_s;
     }
     team_.decide(now_, could ? std::optional(arrival_s_) : std::nullopt);
   }
 
-  void tell(const StateEstimate& estimate, Outbox& outbox) {
+  void report(const StateEstimate& estimate, Outbox& outbox) {
     const bool caught = mode_ == Mode::kDone && captures_ >= config_.captures;
     const ChaseReport::Word word = chases() ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
                                    : caught ? ChaseReport::Word::kCaught
                                    : mode_ == Mode::kSearching ? ChaseReport::Word::kSearches
                                                                : ChaseReport::Word::kIdle;
     const PointState target = chases() ? target_.at(0.0) : PointState{goal_local_m_, Vector3::Zero(), Vector3::Zero()};
-    team_.tell(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
+    team_.report(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
   }
 
   /// Predicted path of the vehicle from its present plan.

@@ -74,7 +74,7 @@ TEST(ChaseTeam, WhoIsAloneLeads) {
   ChaseTeam alone(0, 1);
   alone.decide(0, 5.0);
   EXPECT_TRUE(alone.leads());
-  EXPECT_FALSE(alone.is_time_to_tell(0)) << "nobody is there to hear it";
+  EXPECT_FALSE(alone.is_report_due(0)) << "nobody is there to hear it";
 }
 
 TEST(ChaseTeam, TheSoonestLeads) {
@@ -263,7 +263,7 @@ TEST(ChaseTeam, AFellowIsWhereItsPathLeadsShiftedToWhereItIsSeen) {
   tracks[0].t = here.observation.t;
   tracks[0].position_m = {5.5, 1.0, 10.0};  // its report gives (5, 1, 10)
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_fellow(4));
+  EXPECT_TRUE(here.team.is_peer(4));
   const Bystander other = here.bystanders()[0];
   EXPECT_NEAR((other.at(0.0) - Vector3(5.5, 1.0, 10.0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR((other.at(0.5) - Vector3(5.5, 2.0, 10.0)).norm(), 0.0, 1e-6);
@@ -278,16 +278,16 @@ TEST(ChaseTeam, TheTargetInAFellowsNetIsNotTheFellow) {
   tracks[0].id = 7;
   tracks[0].position_m = {5.0, 0.0, 8.4};
   here.team.recognize(tracks, 7);
-  EXPECT_FALSE(here.team.is_fellow(7));
+  EXPECT_FALSE(here.team.is_peer(7));
   tracks[0].position_m.z() = 9.5;
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_fellow(7)) << "two bodies are not that near";
+  EXPECT_TRUE(here.team.is_peer(7)) << "two bodies are not that near";
   tracks.push_back(tracks[0]);
   tracks[1].id = 8;
   tracks[1].position_m.z() = 9.9;
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_fellow(8)) << "the nearest track is the fellow";
-  EXPECT_FALSE(here.team.is_fellow(7));
+  EXPECT_TRUE(here.team.is_peer(8)) << "the nearest track is the fellow";
+  EXPECT_FALSE(here.team.is_peer(7));
 }
 
 TEST(ChaseTeam, HearsThatItsTargetIsCaught) {
@@ -313,20 +313,20 @@ TEST(ChaseTeam, WhatItTellsIsWhatItIsTold) {
   path.places_local_m[0] = {1, 2, 3};
   path.places_local_m[1] = {1.5, 2, 3};
   Outbox outbox(0);
-  ASSERT_TRUE(team.is_time_to_tell(0));
-  team.tell(Word::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
-  EXPECT_FALSE(team.is_time_to_tell(from_seconds(0.05)));
-  EXPECT_TRUE(team.is_time_to_tell(from_seconds(0.11)));
+  ASSERT_TRUE(team.is_report_due(0));
+  team.report(Word::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
+  EXPECT_FALSE(team.is_report_due(from_seconds(0.05)));
+  EXPECT_TRUE(team.is_report_due(from_seconds(0.11)));
   ASSERT_EQ(outbox.messages().size(), 1U);
   Observation observation;
   observation.messages = outbox.messages();
   ChaseTeam other(1, 2);
   other.listen(observation, {});
   ASSERT_NE(other.chasing({50, 0, 0}, 0), nullptr);
-  const Fellow& fellow = *other.chasing({50, 0, 0}, 0);
-  EXPECT_EQ(fellow.arrival_s, 1.25);
-  EXPECT_TRUE(fellow.at(from_seconds(0.25)).isApprox(Vector3(1.5, 2, 3)));
-  EXPECT_TRUE(fellow.target_at(from_seconds(2.0)).p_m.isApprox(Vector3(6, 5, 6)));
+  const ChasePeer& peer = *other.chasing({50, 0, 0}, 0);
+  EXPECT_EQ(peer.arrival_s, 1.25);
+  EXPECT_TRUE(peer.at(from_seconds(0.25)).isApprox(Vector3(1.5, 2, 3)));
+  EXPECT_TRUE(peer.target_at(from_seconds(2.0)).p_m.isApprox(Vector3(6, 5, 6)));
 }
 
 }  // namespace
