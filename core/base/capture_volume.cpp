@@ -23,24 +23,24 @@ Vector3 CaptureVolume::center(const Vector3& p_m, double yaw_rad) const {
 }
 
 std::optional<double> CaptureVolume::met_m(const Vector3& from_net_m, const Vector3& to_net_m) const {
-  const Vector3 way_m = to_net_m - from_net_m;
+  const Vector3 motion_m = to_net_m - from_net_m;
   // The part of the segment between bottom and top.
   double first = 0.0, last = 1.0;
   const double low = -0.5 * height_m - from_net_m.z(), high = 0.5 * height_m - from_net_m.z();
-  if (way_m.z() == 0.0) {
+  if (motion_m.z() == 0.0) {
     if (low > 0.0 || high < 0.0) return std::nullopt;
   } else {
-    double a = low / way_m.z(), b = high / way_m.z();
+    double a = low / motion_m.z(), b = high / motion_m.z();
     if (a > b) std::swap(a, b);
     first = std::max(first, a);
     last = std::min(last, b);
     if (first > last) return std::nullopt;
   }
   // Its point nearest to the axis.
-  const double length_sq = way_m.head<2>().squaredNorm();
-  const double nearest = length_sq > 0.0 ? -from_net_m.head<2>().dot(way_m.head<2>()) / length_sq : first;
+  const double length_sq = motion_m.head<2>().squaredNorm();
+  const double nearest = length_sq > 0.0 ? -from_net_m.head<2>().dot(motion_m.head<2>()) / length_sq : first;
   const double at = std::clamp(nearest, first, last);
-  const double miss_m = (from_net_m.head<2>() + at * way_m.head<2>()).norm();
+  const double miss_m = (from_net_m.head<2>() + at * motion_m.head<2>()).norm();
   if (miss_m > radius_m) return std::nullopt;
   return miss_m;
 }

@@ -103,10 +103,10 @@ double BeamIndex::nearest_return_m(const Vector3& direction_local) const {
 BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
   BeamExposure result;
   const Vector3 p_m = target.p_local_m + to_seconds(middle_ - target.t) * target.v_local_mps;
-  const Vector3 way_m = p_m - p_local_lidar_m_;
-  const double range_m = way_m.norm();
+  const Vector3 from_lidar_m = p_m - p_local_lidar_m_;
+  const double range_m = from_lidar_m.norm();
   if (!(range_m > kNearest_m) || beams_.empty()) return result;
-  const Vector3 d = way_m / range_m;
+  const Vector3 d = from_lidar_m / range_m;
   const double width_sq = target.radius_m * target.radius_m + 2.0 * target.sigma_m * target.sigma_m;
   const double moves_m = moved_m_ + half_sweep_s_ * target.v_local_mps.norm();
   const double reach =

@@ -31,12 +31,12 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
   }
   pair->silent_sweeps = 0;
   if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and no return between them
-  const Vector3 from_m = mean_of(a_local_m), way_m = mean_of(b_local_m) - from_m;
+  const Vector3 from_m = mean_of(a_local_m), axis_m = mean_of(b_local_m) - from_m;
   const double in_middle = elementary::log(kMiddleOfOne / kMiddleOfTwo);
   const double beside = elementary::log((1.0 - kMiddleOfOne) / (1.0 - kMiddleOfTwo));
   const auto count = [&](std::span<const Vector3> points_m) {
     for (const Vector3& p_m : points_m) {
-      const double third = 3.0 * (p_m - from_m).dot(way_m) / std::max(way_m.squaredNorm(), 1e-12);
+      const double third = 3.0 * (p_m - from_m).dot(axis_m) / std::max(axis_m.squaredNorm(), 1e-12);
       pair->log_odds += third > 1.0 && third < 2.0 ? in_middle : beside;
     }
   };

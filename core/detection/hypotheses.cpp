@@ -26,12 +26,12 @@ constexpr double kLeastDetection = 0.02;  // least probability of detection of s
 constexpr double kSameSide = 0.1;
 // least existence probability of a former target, which may be silent because it is hidden
 constexpr double kSilentTarget = 0.1;
-constexpr double kUnlikelyLost = 2.0;     // factor of sigma_lost_m for hypotheses that are no targets yet
-constexpr double kSizeMemory = 0.998;     // factor by which the size of a body may shrink per sweep
-constexpr double kSmallest_m = 0.04;      // size of a body whose returns all lie in one place
-constexpr double kMostSize = 1.5;         // largest size of a body, as a multiple of body_m
-constexpr std::size_t kLeastToDoubt = 6;  // fewest returns in a sweep that can split a body
-constexpr double kNeverSmall = 1e-12;     // lower bound of the prior of a small object; keeps its log odds finite
+constexpr double kUnlikelyLost = 2.0;          // factor of sigma_lost_m for hypotheses that are no targets yet
+constexpr double kSizeMemory = 0.998;          // factor by which the size of a body may shrink per sweep
+constexpr double kSmallest_m = 0.04;           // size of a body whose returns all lie in one place
+constexpr double kMostSize = 1.5;              // largest size of a body, as a multiple of body_m
+constexpr std::size_t kMinReturnsToSplit = 6;  // fewest returns in a sweep that can split a body
+constexpr double kNeverSmall = 1e-12;          // lower bound of the prior of a small object; keeps its log odds finite
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
 constexpr double kMostVoxels = 1000.0;  // largest search radius in voxels; exceeds every map
@@ -270,7 +270,7 @@ void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
 // Each part of a large body begins a hypothesis of its own. Joins those whose returns show a single body.
 void Hypotheses::join_parts(const LocalCloud& cloud) {
   parts_.begin_sweep();
-  for (std::size_t k = 0; k < hypotheses_.size(); ++k) doubt_body(k);
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) split_body(k);
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = i + 1; j < hypotheses_.size(); ++j) {
       const Hypothesis &a = hypotheses_[i], &b = hypotheses_[j];
@@ -310,9 +310,9 @@ bool Hypotheses::are_neighbors(std::size_t i, std::size_t j) const {
 
 // Splits a large body when the air between its halves shows two: it returns to the usual size, and the other part
 // begins a new hypothesis.
-void Hypotheses::doubt_body(std::size_t k) {
+void Hypotheses::split_body(std::size_t k) {
   Hypothesis& h = hypotheses_[k];
-  if (!(h.size_m > 0.0) || returns_of_[k].size() < kLeastToDoubt) return;
+  if (!(h.size_m > 0.0) || returns_of_[k].size() < kMinReturnsToSplit) return;
   places_of(k, part_a_m_);
   Vector3 mean_m = Vector3::Zero();
   for (const Vector3& p_m : part_a_m_) mean_m += p_m / static_cast<double>(part_a_m_.size());
@@ -558,8 +558,8 @@ Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud, std:
   m.t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(candidates.size());
   m.extent_m = box.sizes();
   const Vector3 centroid_m = sum_m / count;
-  const Vector3 way_m = centroid_m - beams_.p_local_lidar_m();
-  m.p_local_m = centroid_m + config_.target.seen_side_m / std::max(way_m.norm(), 1e-3) * way_m;
+  const Vector3 from_lidar_m = centroid_m - beams_.p_local_lidar_m();
+  m.p_local_m = centroid_m + config_.target.seen_side_m / std::max(from_lidar_m.norm(), 1e-3) * from_lidar_m;
   m.covariance = pose_covariance(centroid_m) + sampling_sq(size_m) * (1.0 / count + kSameSide) * Matrix3::Identity();
   return m;
 }
@@ -600,24 +600,24 @@ BeamExposure Hypotheses::exposure_of(const Hypothesis& h) const {
   return beams_.exposure({h.t, h.p_local_m(), h.v_local_mps(), sigma_m, config_.target.radius_m});
 }
 
-void Hypotheses::append_told(std::vector<Detection>& detections) const {
+void Hypotheses::append_reported(std::vector<Detection>& detections) const {
   for (const Hypothesis& h : hypotheses_) {
-    if (!is_told(h)) continue;
+    if (!is_reported(h)) continue;
     Detection d;
     d.t = h.t;
     d.position_m = h.p_local_m();
     d.covariance = h.position_covariance();
     d.extent_m = h.extent_m;
     d.num_points = h.num_returns;
-    d.confidence = h.told();
+    d.confidence = h.confidence();
     d.reflectivity = h.reflectivity;
     detections.push_back(d);
   }
 }
 
-void Hypotheses::append_told(std::vector<Track>& tracks) const {
+void Hypotheses::append_reported(std::vector<Track>& tracks) const {
   for (const Hypothesis& h : hypotheses_) {
-    if (!is_told(h)) continue;
+    if (!is_reported(h)) continue;
     Track track;
     track.id = h.identity;
     track.t = h.t;

@@ -28,14 +28,14 @@ class TrackBeforeDetect : public Detector {
   std::span<const Track> tracks() const override { return tracks_; }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay told;
-    told.name = "detections";
-    told.kind = Overlay::Kind::kSpheres;
-    told.size_m = 0.35F;
-    told.legend = {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}};
-    told.colors = {told.legend.front().color};
-    for (const Track& track : tracks_) told.positions.push_back(track.position_m.cast<float>());
-    overlays.push_back(std::move(told));
+    Overlay tracked;
+    tracked.name = "detections";
+    tracked.kind = Overlay::Kind::kSpheres;
+    tracked.size_m = 0.35F;
+    tracked.legend = {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}};
+    tracked.colors = {tracked.legend.front().color};
+    for (const Track& track : tracks_) tracked.positions.push_back(track.position_m.cast<float>());
+    overlays.push_back(std::move(tracked));
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
@@ -57,9 +57,9 @@ class TrackBeforeDetect : public Detector {
     if (!worker_.due(t)) return;
     worker_.stop();
     hypotheses_.take(*taken_);
-    hypotheses_.append_told(output.detections);
+    hypotheses_.append_reported(output.detections);
     tracks_.clear();
-    hypotheses_.append_told(tracks_);
+    hypotheses_.append_reported(tracks_);
     output.has_detections = true;
     output.stamp = taken_->stamp();
     taken_ = nullptr;

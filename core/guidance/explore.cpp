@@ -47,7 +47,7 @@ class Explore : public Guidance {
     }
     output.goal = hold_;
     output.speed_limit_mps = config_.speed_mps;
-    tell(output);
+    fill(output);
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
@@ -149,7 +149,7 @@ class Explore : public Guidance {
     enter(State::kFailure);
   }
 
-  void tell(GuidanceOutput& output) const {
+  void fill(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
     switch (state_) {
       case State::kLooking:

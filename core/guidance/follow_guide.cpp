@@ -68,14 +68,14 @@ class FollowGuide : public Guidance {
   bool listen(const GuidanceInput& input) {
     bool heard = false;
     for (const Message& message : input.observation.messages) {
-      GuidingPath told;
-      if (message.from != primary_ || read_message(message, told) != Reading::kDone) continue;
-      if (linked_ && told.path <= newest_path_) continue;  // outdated by a later one
-      const TimeNs t = told.has_instant ? from_own_time(told.t) : input.estimate.t;
-      const Pose* T_local_body = told.has_instant ? pose_at(told.t) : &input.estimate.T_local_body;
+      GuidingPath received;
+      if (message.from != primary_ || read_message(message, received) != Reading::kDone) continue;
+      if (linked_ && received.path <= newest_path_) continue;  // outdated by a later one
+      const TimeNs t = received.has_instant ? from_own_time(received.t) : input.estimate.t;
+      const Pose* T_local_body = received.has_instant ? pose_at(received.t) : &input.estimate.T_local_body;
       const bool remembered = t >= input.poses[0].t && t <= input.estimate.t;
       if (T_local_body == nullptr && !remembered) continue;  // no pose is known for its time
-      take(told, level(T_local_body != nullptr ? *T_local_body : input.poses.at(t)), input.estimate);
+      take(received, level(T_local_body != nullptr ? *T_local_body : input.poses.at(t)), input.estimate);
       heard = true;
     }
     return heard;
@@ -87,15 +87,15 @@ class FollowGuide : public Guidance {
     return sent == reported_.end() ? nullptr : &sent->T_local_body;
   }
 
-  void take(const GuidingPath& told, const Pose& T_local_body, const StateEstimate& estimate) {
-    newest_path_ = told.path;
+  void take(const GuidingPath& received, const Pose& T_local_body, const StateEstimate& estimate) {
+    newest_path_ = received.path;
     num_visited_ = 0;
-    word_ = told.word;
-    moves_within_m_ = told.word == GuidingPath::Word::kMove ? std::min(told.radius_m, kFigure_m) : 0.0;
+    command_ = received.word;
+    moves_within_m_ = received.word == GuidingPath::Word::kMove ? std::min(received.radius_m, kFigure_m) : 0.0;
     const bool flew = !path_.empty();
     path_.clear();
     const double yaw_rad = yaw_of(T_local_body.linear());
-    for (const GuidingWaypoint& waypoint : told.waypoints) {
+    for (const GuidingWaypoint& waypoint : received.waypoints) {
       Reference& place = path_.emplace_back();
       place.position_m = T_local_body * waypoint.p_body_m.cast<double>();
       place.yaw_rad = std::remainder(yaw_rad + static_cast<double>(waypoint.yaw_rad), 2.0 * std::numbers::pi);
@@ -162,9 +162,9 @@ class FollowGuide : public Guidance {
   }
 
   void choose_goal(const GuidanceInput& input, GuidanceOutput& output) {
-    output.mission = word_ == GuidingPath::Word::kDone     ? MissionStatus::kDone
-                     : word_ == GuidingPath::Word::kFailed ? MissionStatus::kFailed
-                                                           : MissionStatus::kEndless;
+    output.mission = command_ == GuidingPath::Word::kDone     ? MissionStatus::kDone
+                     : command_ == GuidingPath::Word::kFailed ? MissionStatus::kFailed
+                                                              : MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     output.goal = path_.empty() ? goal_ : path_.front();
     output.note = lost_                   ? "hovers: the link to its guide is lost"
@@ -214,7 +214,7 @@ class FollowGuide : public Guidance {
   bool started_ = false;
   bool linked_ = false, lost_ = false, was_guided_ = false;
   TimeNs last_heard_ = 0, next_report_ = 0;
-  GuidingPath::Word word_ = GuidingPath::Word::kGuide;
+  GuidingPath::Word command_ = GuidingPath::Word::kGuide;
   double moves_within_m_ = 0.0;  // 0: no motion requested
   std::uint32_t newest_path_ = 0;
   std::uint16_t num_visited_ = 0;

@@ -53,7 +53,7 @@ class Guide : public Guidance {
     speak(input, outbox);
     output.goal = hold_;
     output.speed_limit_mps = config_.speed_mps;
-    tell(output);
+    fill(output);
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
@@ -398,7 +398,7 @@ class Guide : public Guidance {
 
   void start_guiding() {
     path_.assign(plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
-    was_told_ = tried_ahead_ = false;
+    was_path_sent_ = tried_ahead_ = false;
     enter(GuideState::kSecondaryMoving);
   }
 
@@ -499,45 +499,45 @@ class Guide : public Guidance {
   // Messages to the others: the rest of their path in their level body frame, or an empty path, on which they hover.
 
   void speak(const GuidanceInput& input, Outbox& outbox) {
-    if (now_ < next_word_ || std::ranges::none_of(team_, &Guided::was_known)) return;
-    next_word_ = now_ + guiding_period_;
-    ++num_words_;
+    if (now_ < next_report_ || std::ranges::none_of(team_, &Guided::was_known)) return;
+    next_report_ = now_ + guiding_period_;
+    ++num_reports_;
     for (std::size_t i = 0; i < team_.size(); ++i) {
       if (team_[i].was_known) speak_to(i, input, outbox);
     }
   }
 
   void speak_to(std::size_t i, const GuidanceInput& input, Outbox& outbox) {
-    GuidingPath told;
-    told.path = num_words_;
+    GuidingPath report;
+    report.path = num_reports_;
     const bool its_turn = i == moving_;
     if (its_turn) {
       const bool guides = state_ == GuideState::kSecondaryMoving && moving().ready();
-      if (guides && !config_.periodic && was_told_) return;
-      if (guides) append_path(input, told);
-      was_told_ = guides;
+      if (guides && !config_.periodic && was_path_sent_) return;
+      if (guides) append_path(input, report);
+      was_path_sent_ = guides;
     }
-    told.word = is_done()                     ? GuidingPath::Word::kDone
-                : has_failed()                ? GuidingPath::Word::kFailed
-                : its_turn && figure_m_ > 0.0 ? GuidingPath::Word::kMove
-                                              : GuidingPath::Word::kGuide;
-    told.radius_m = its_turn ? figure_m_ : 0.0;
-    write_message(told, outbox.say(team_[i].id));
+    report.word = is_done()                     ? GuidingPath::Word::kDone
+                  : has_failed()                ? GuidingPath::Word::kFailed
+                  : its_turn && figure_m_ > 0.0 ? GuidingPath::Word::kMove
+                                                : GuidingPath::Word::kGuide;
+    report.radius_m = its_turn ? figure_m_ : 0.0;
+    write_message(report, outbox.say(team_[i].id));
   }
 
   /// The path in the level body frame at the time of the newest odometry, so that the radio's delay does not shift it.
-  void append_path(const GuidanceInput& input, GuidingPath& told) const {
-    told.has_instant = true;
-    told.t = there().heard_stamp;
+  void append_path(const GuidanceInput& input, GuidingPath& report) const {
+    report.has_instant = true;
+    report.t = there().heard_stamp;
     const double yaw_rad = there().heard_yaw_rad;
     const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
-    const std::size_t num_told = config_.motion == GuideConfig::Motion::kTogether
+    const std::size_t num_sent = config_.motion == GuideConfig::Motion::kTogether
                                      ? num_in_sight(*input.map, input.estimate.T_local_body.translation())
                                      : path_.size();
-    told.waypoints.reserve(num_told);
-    for (const PlannedPose& pose : std::span(path_).first(num_told)) {
+    report.waypoints.reserve(num_sent);
+    for (const PlannedPose& pose : std::span(path_).first(num_sent)) {
       const Vector3 d_m = pose.p_local_m - there().heard_position_m;
-      GuidingWaypoint& waypoint = told.waypoints.emplace_back();
+      GuidingWaypoint& waypoint = report.waypoints.emplace_back();
       waypoint.p_body_m = Vector3(c * d_m.x() + s * d_m.y(), c * d_m.y() - s * d_m.x(), d_m.z()).cast<float>();
       waypoint.yaw_rad = static_cast<float>(std::remainder(pose.yaw_rad - yaw_rad, 2.0 * std::numbers::pi));
     }
@@ -546,7 +546,7 @@ class Guide : public Guidance {
   bool is_done() const { return state_ == GuideState::kGoalReached && !anybody_has_more_goals(); }
   bool has_failed() const { return state_ == GuideState::kFailure && failures_ > config_.retries; }
 
-  void tell(GuidanceOutput& output) const {
+  void fill(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
     switch (state_) {
       case GuideState::kIdle:
@@ -605,9 +605,9 @@ class Guide : public Guidance {
   std::uint64_t checked_ = 0;      // revision of the map in which the remaining paths were checked
   const char* why_planning_ = "planning";
 
-  TimeNs next_word_ = 0;
-  std::uint32_t num_words_ = 0;
-  bool was_told_ = false;
+  TimeNs next_report_ = 0;
+  std::uint32_t num_reports_ = 0;
+  bool was_path_sent_ = false;
 
   std::uint64_t num_plans_ = 0, num_given_up_primary_ = 0, num_given_up_secondary_ = 0;
 };

@@ -52,7 +52,7 @@ class Navigate : public Guidance {
     }
     output.goal = hold_;
     output.speed_limit_mps = config_.speed_mps;
-    tell(output);
+    fill(output);
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
@@ -153,7 +153,7 @@ class Navigate : public Guidance {
     enter(State::kFailure);
   }
 
-  void tell(GuidanceOutput& output) const {
+  void fill(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
     switch (state_) {
       case State::kPlanning:

@@ -139,9 +139,9 @@ void NeighborMemory::forget(TimeNs now) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < filters_.size(); ++i) {
     if (filters_[i].in_view) filters_[i].missed += passed;
-    if (filters_[i].looked_at) filters_[i].sought += passed;
+    if (filters_[i].looked_at) filters_[i].unseen_in_view += passed;
     longest_s_ = std::max(longest_s_, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
-    if ((config_.remember_hidden ? filters_[i].sought : now - filters_[i].seen) > timeout) continue;
+    if ((config_.remember_hidden ? filters_[i].unseen_in_view : now - filters_[i].seen) > timeout) continue;
     if (kept < i) filters_[kept] = filters_[i];
     ++kept;
   }
@@ -196,7 +196,7 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
   predict(filter, t);
   filter.seen = t;
   filter.own_local_m = own_local_m;
-  filter.missed = filter.sought = 0;
+  filter.missed = filter.unseen_in_view = 0;
   const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
   const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();
   filter.x += K * (position_local_m - filter.x.head<3>());

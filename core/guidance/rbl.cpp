@@ -24,12 +24,12 @@ constexpr double kShortestToFace_m = 0.3;  // shorter displacements give no head
 // Violation of a plane beyond which the vehicle evades without turning its sensor first.
 constexpr double kPressed_m = 0.01;
 constexpr double kHurry = 3.0;
-// Neighbors unseen for longer than this no longer shrink the cell below kDoubtLeaves_m. Larger values slow the team
+// Neighbors unseen for longer than this no longer shrink the cell below kMinCellSize_m. Larger values slow the team
 // down after a dropout.
 constexpr double kLongUnseen_s = 5.0;
 // Smallest cell radius left by the uncertainty of a neighbor unseen for long. At 0 the vehicle retreats indefinitely
 // from a lost neighbor.
-constexpr double kDoubtLeaves_m = 1.0;
+constexpr double kMinCellSize_m = 1.0;
 constexpr double kComing_mps = 0.5;  // lowest closing speed of a neighbor that is evaded
 // A neighbor counts as approaching if its closing speed exceeds this many of its standard deviations.
 constexpr double kComes_sigmas = 0.5;
@@ -321,7 +321,7 @@ class Rbl : public Guidance {
       double cell_m = cut.offset_m;
       if (to_seconds(now - neighbor.seen) > kLongUnseen_s) {
         const double sure_m = braking_cut(self, other, distance_m, vertical_m, 0.0).offset_m;
-        cell_m = std::max(cell_m, std::min(sure_m, kDoubtLeaves_m));
+        cell_m = std::max(cell_m, std::min(sure_m, kMinCellSize_m));
       }
       keep_behind(cut, cell_m);
       const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
@@ -528,11 +528,11 @@ class Rbl : public Guidance {
   }
 
   /// Next short step outside the view, if the vehicle has been or viewed there.
-  std::optional<Vector3> slowly_local_m(const Vector3& p_local_m, const Vector3& way_m) const {
-    const double length_m = way_m.norm();
+  std::optional<Vector3> slowly_local_m(const Vector3& p_local_m, const Vector3& displacement_m) const {
+    const double length_m = displacement_m.norm();
     if (length_m <= 0.0) return std::nullopt;
-    const Vector3 bit_m = std::min(1.0, kUnseen_m / length_m) * way_m;
-    const Vector3 front_m = bit_m + config_.cells.encumbrance_m / length_m * way_m;
+    const Vector3 bit_m = std::min(1.0, kUnseen_m / length_m) * displacement_m;
+    const Vector3 front_m = bit_m + config_.cells.encumbrance_m / length_m * displacement_m;
     if (!viewed_.contains(p_local_m + front_m, *map_)) return std::nullopt;
     return p_local_m + bit_m;
   }

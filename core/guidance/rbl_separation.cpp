@@ -99,18 +99,18 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
   // Direction and length of the evasion in the scaled space, and its duration from rest.
   struct Escape {
     Vector3 out = Vector3::Zero();
-    double way_m = 0.0, time_s = std::numeric_limits<double>::infinity();
+    double path_length_m = 0.0, time_s = std::numeric_limits<double>::infinity();
   };
   // Shortest evasion along `out` to the required distance from the other's path.
   const auto escape = [&](const Vector3& out) {
     const double out_m = out.dot(beside);
     const double over_m2 = std::max(0.0, beside.squaredNorm() - out_m * out_m);
-    const double way_m = std::max(0.0, std::sqrt(distance_m * distance_m - over_m2) - out_m);
+    const double path_length_m = std::max(0.0, std::sqrt(distance_m * distance_m - over_m2) - out_m);
     const Vector3 direction = out.cwiseQuotient(scale);
     const double length = direction.norm();
     const double mps2 =
         along(direction / length, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
-    return Escape{out, way_m, std::sqrt(2.0 * way_m * length / mps2)};
+    return Escape{out, path_length_m, std::sqrt(2.0 * path_length_m * length / mps2)};
   };
   Escape best;
   if (beside.norm() > kTouching_m) best = escape(beside.normalized());
@@ -132,15 +132,15 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
   }
   const Vector3 unscaled = scale.cwiseProduct(best.out);
   const double stretch = unscaled.norm();
-  const double out_m = best.way_m + unscaled.dot(self.stop_local_m - self.p_local_m);
+  const double out_m = best.path_length_m + unscaled.dot(self.stop_local_m - self.p_local_m);
   return HalfSpace{-unscaled / stretch, -out_m / stretch};
 }
 
 // The stopping distances v t + v^2 / 2a of both vehicles and the distance to keep fill the range.
 double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2) {
-  const double way_m = std::max(0.0, 0.5 * (range_m - distance_m));
-  if (way_m == std::numeric_limits<double>::infinity()) return way_m;
-  return braking_mps2 * (std::sqrt(unknown_s * unknown_s + 2.0 * way_m / braking_mps2) - unknown_s);
+  const double path_length_m = std::max(0.0, 0.5 * (range_m - distance_m));
+  if (path_length_m == std::numeric_limits<double>::infinity()) return path_length_m;
+  return braking_mps2 * (std::sqrt(unknown_s * unknown_s + 2.0 * path_length_m / braking_mps2) - unknown_s);
 }
 
 MotionLimits RblSeparationConfig::within(MotionLimits limits) const {

@@ -24,17 +24,17 @@ RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std
   if (distance_m < least_m_ - kSettlingStep_m) {
     least_m_ = distance_m;
     since_ = now;
-    told_ = {};
+    reported_ = {};
   }
   const double waited_s = to_seconds(now - since_);
   if (patience_s_ <= 0.0 || waited_s < patience_s_) return {};
   const RblStatus status = reason(goal, p_local_m, neighbors, map);
   if (status.mission != MissionStatus::kRunning) {
-    if (status.mission != told_.mission) told_ = status;
-  } else if (told_.mission == MissionStatus::kRunning && waited_s >= kUnexplained * patience_s_) {
-    told_.note = "it gets no nearer to its goal";
+    if (status.mission != reported_.mission) reported_ = status;
+  } else if (reported_.mission == MissionStatus::kRunning && waited_s >= kUnexplained * patience_s_) {
+    reported_.note = "it gets no nearer to its goal";
   }
-  return told_;
+  return reported_;
 }
 
 /// Reason why the goal is not reached; kRunning if none is known.

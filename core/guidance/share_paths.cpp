@@ -17,15 +17,15 @@ namespace {
 
 constexpr double kInterval_s = 0.1;  // interval between points of a path
 constexpr int kPathParts = 5;        // steps of the governor in that interval
-constexpr double kToldInterval_s = 0.2;
+constexpr double kReportInterval_s = 0.2;
 // A reference slower than this at the goal counts as at rest and ends the prediction.
 constexpr double kPathStanding_mps = 0.02;
 constexpr double kAgain_s = 0.2;    // period of repeated messages, against losses
 constexpr double kBetter_m = 0.05;  // least improvement of a plan over the flown path
 
-PathInTime heard(const SharedPath& said, const FrameChange& to_local) {
-  PathInTime path{said.t, said.interval_s, {}};
-  for (const SharedPath::Place& place : said.places) {
+PathInTime heard(const SharedPath& received, const FrameChange& to_local) {
+  PathInTime path{received.t, received.interval_s, {}};
+  for (const SharedPath::Place& place : received.places) {
     path.places_local_m.push_back(to_local.point(place.p_world_m.cast<double>()));
   }
   return path;
@@ -50,12 +50,12 @@ class SharePaths : public Guidance {
     if (!plan_ && now_ >= next_plan_) {
       next_plan_ += from_seconds(config_.period_s);
       plan(goal_local_m, to_local);
-      if (plan_) tell(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
+      if (plan_) report(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
     }
-    if (now_ >= next_word_) {
-      next_word_ = now_ + from_seconds(kAgain_s);
-      tell(input.estimate, SharedPath::Word::kFlown, flown_.path, outbox);
-      if (plan_) tell(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
+    if (now_ >= next_report_) {
+      next_report_ = now_ + from_seconds(kAgain_s);
+      report(input.estimate, SharedPath::Word::kFlown, flown_.path, outbox);
+      if (plan_) report(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
     }
     fly(input, output);
     Vector3 to_goal_m = goal_local_m - input.estimate.T_local_body.translation();
@@ -87,15 +87,16 @@ class SharePaths : public Guidance {
 
   void listen(const Observation& observation, const FrameChange& to_local) {
     for (const Message& message : observation.messages) {
-      SharedPath said;
-      if (read_message(message, said) != Reading::kDone || said.places.empty() || !(said.interval_s > 0.0)) continue;
+      SharedPath received;
+      if (read_message(message, received) != Reading::kDone || received.places.empty() || !(received.interval_s > 0.0))
+        continue;
       if (message.from < 0 || message.from >= static_cast<VehicleId>(others_.size())) continue;
       Other& other = others_[static_cast<std::size_t>(message.from)];
-      if (said.word == SharedPath::Word::kPlan) {
-        other.plan = heard(said, to_local);
+      if (received.word == SharedPath::Word::kPlan) {
+        other.plan = heard(received, to_local);
         plan_heard_ = plan_heard_ || (plan_ && !keeps_clear(plan_->path, *other.plan));
       } else {
-        other.flown = heard(said, to_local);
+        other.flown = heard(received, to_local);
         if (other.plan && other.plan->t <= other.flown->t) other.plan.reset();
       }
     }
@@ -116,7 +117,7 @@ class SharePaths : public Guidance {
     if (!plan_heard_ && keeps_clear(plan_->path)) {
       flown_.to_local_m = plan_->to_local_m;
       flown_.path = plan_->path;
-      next_word_ = now_;
+      next_report_ = now_;
     }
     plan_.reset();
   }
@@ -185,16 +186,16 @@ class SharePaths : public Guidance {
     return left_m + 0.2 * std::max(0.0, to_seconds(path.end() - now_));
   }
 
-  void tell(const StateEstimate& estimate, SharedPath::Word word, const PathInTime& path, Outbox& outbox) {
-    said_.word = word;
-    said_.t = std::max(now_, path.t);
-    said_.interval_s = kToldInterval_s;
-    said_.places.clear();
-    for (TimeNs t = said_.t;; t += from_seconds(kToldInterval_s)) {
-      said_.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
+  void report(const StateEstimate& estimate, SharedPath::Word word, const PathInTime& path, Outbox& outbox) {
+    sent_.word = word;
+    sent_.t = std::max(now_, path.t);
+    sent_.interval_s = kReportInterval_s;
+    sent_.places.clear();
+    for (TimeNs t = sent_.t;; t += from_seconds(kReportInterval_s)) {
+      sent_.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
       if (t >= path.end()) break;
     }
-    write_message(said_, outbox.say());
+    write_message(sent_, outbox.say());
   }
 
   void fly(const GuidanceInput& input, GuidanceOutput& output) {
@@ -210,12 +211,12 @@ class SharePaths : public Guidance {
   SharePathsConfig config_;
   MotionLimits limits_;
   ReferenceGovernor governor_;
-  TimeNs now_ = 0, next_plan_ = 0, checked_ = 0, next_word_ = 0;
+  TimeNs now_ = 0, next_plan_ = 0, checked_ = 0, next_report_ = 0;
   bool started_ = false, plan_heard_ = false, arrived_ = false;
   Way flown_{ReferenceGovernor(MotionLimits{}), Vector3::Zero(), {}};
   std::optional<Way> plan_;
   std::vector<Other> others_;  // indexed by VehicleId
-  SharedPath said_;            // kept to reuse its memory
+  SharedPath sent_;            // kept to reuse its memory
 };
 
 }  // namespace

@@ -51,9 +51,10 @@ void CloudRegistrar::place_columns(const Scan& scan, std::vector<Pose>& T_local_
     place(scan, poses_.size(), poses_, T_local_lidar);
     return;
   }
-  told_.clear();
-  for (const StampedPose& told : scan.external_poses) told_.push_back({told.t, to_local_.pose(told.T_world_body)});
-  place(scan, static_cast<int>(told_.size()), told_, T_local_lidar);
+  external_poses_.clear();
+  for (const StampedPose& pose : scan.external_poses)
+    external_poses_.push_back({pose.t, to_local_.pose(pose.T_world_body)});
+  place(scan, static_cast<int>(external_poses_.size()), external_poses_, T_local_lidar);
 }
 
 bool CloudRegistrar::make(std::shared_ptr<const Scan> scan, LocalCloud& cloud) {

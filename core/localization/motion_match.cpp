@@ -17,18 +17,18 @@ constexpr std::size_t kMaxChains = 256;    // most chains; racks and signs shine
 
 }  // namespace
 
-MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry& told, const OdometryDrift& drift,
+MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry& reported, const OdometryDrift& drift,
                          double clock_s, double gap_max_s) {
   std::vector<Vector3> local_m, other_m;
   std::vector<double> weights;
   local_m.reserve(seen.size());
   other_m.reserve(seen.size());
   weights.reserve(seen.size());
-  if (told.empty()) return {};
+  if (reported.empty()) return {};
   for (const Sighting& sighting : seen) {
-    const auto motion = told.at(sighting.t - from_seconds(clock_s), gap_max_s);
+    const auto motion = reported.at(sighting.t - from_seconds(clock_s), gap_max_s);
     if (!motion) continue;
-    const double drifted_m2 = drift.position_variance_m2(told.newest().flown - motion->flown);
+    const double drifted_m2 = drift.position_variance_m2(reported.newest().flown - motion->flown);
     local_m.push_back(sighting.p_local_m);
     other_m.push_back(motion->p_other_local_m);
     weights.push_back(1.0 / (sighting.covariance.trace() / 3.0 + drifted_m2));

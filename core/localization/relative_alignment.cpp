@@ -196,17 +196,17 @@ const std::optional<FrameAlignment>& RelativeAlignment::fit(const OtherMotion& a
 }
 
 Vector3 RelativeAlignment::residual(const AlignmentPair& pair, const Guess& guess) const {
-  const Vector3 told_m = pair.p_other_m + (guess.clock_s - pair.clock_s) * -pair.v_other_mps;
-  return pair.p_local_m - guess.anchor_local_m - turn_about_z(guess.yaw_rad) * (told_m - anchor_other_m_);
+  const Vector3 reported_m = pair.p_other_m + (guess.clock_s - pair.clock_s) * -pair.v_other_mps;
+  return pair.p_local_m - guess.anchor_local_m - turn_about_z(guess.yaw_rad) * (reported_m - anchor_other_m_);
 }
 
 /// Derivative of the residual by anchor, heading and clock.
 RelativeAlignment::Matrix35 RelativeAlignment::jacobian(const AlignmentPair& pair, const Guess& guess) const {
   const Matrix3 R = turn_about_z(guess.yaw_rad);
-  const Vector3 told_m = pair.p_other_m + (guess.clock_s - pair.clock_s) * -pair.v_other_mps;
+  const Vector3 reported_m = pair.p_other_m + (guess.clock_s - pair.clock_s) * -pair.v_other_mps;
   Matrix35 J;
   J.leftCols<3>() = -Matrix3::Identity();
-  J.col(3) = -z_cross(R * (told_m - anchor_other_m_));
+  J.col(3) = -z_cross(R * (reported_m - anchor_other_m_));
   J.col(4) = R * pair.v_other_mps;
   return J;
 }
@@ -245,15 +245,15 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
   for (std::size_t offset = (count + 1) / 2; offset >= 1 && num_hypotheses < kMaxHypotheses; --offset) {
     for (std::size_t i = 0; i + offset < count && num_hypotheses < kMaxHypotheses; ++i) {
       const AlignmentPair &a = pairs_[i], &b = pairs_[i + offset];
-      const Vector3 told_m = b.p_other_m - a.p_other_m, seen_m = b.p_local_m - a.p_local_m;
-      const double told = told_m.head<2>().norm(), seen = seen_m.head<2>().norm();
-      if (!(told >= apart_m && told > 0.0 && seen > 0.0)) continue;
+      const Vector3 reported_m = b.p_other_m - a.p_other_m, seen_m = b.p_local_m - a.p_local_m;
+      const double reported = reported_m.head<2>().norm(), seen = seen_m.head<2>().norm();
+      if (!(reported >= apart_m && reported > 0.0 && seen > 0.0)) continue;
       const double sigma_m = std::sqrt(3.0 / information_[i].trace() + 3.0 / information_[i + offset].trace());
-      if (std::abs(told - seen) > config_.gate_sigma * sigma_m) continue;  // one of the two is an outlier
+      if (std::abs(reported - seen) > config_.gate_sigma * sigma_m) continue;  // one of the two is an outlier
       ++num_hypotheses;
       Guess guess;
       guess.clock_s = clock_.clock_s;
-      guess.yaw_rad = elementary::atan2(seen_m.y(), seen_m.x()) - elementary::atan2(told_m.y(), told_m.x());
+      guess.yaw_rad = elementary::atan2(seen_m.y(), seen_m.x()) - elementary::atan2(reported_m.y(), reported_m.x());
       guess.anchor_local_m = 0.5 * (a.p_local_m + b.p_local_m) -
                              turn_about_z(guess.yaw_rad) * (0.5 * (a.p_other_m + b.p_other_m) - anchor_other_m_);
       double sum = 0.0;

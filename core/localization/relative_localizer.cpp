@@ -163,7 +163,7 @@ class SlidingWindow : public RelativeLocalizer {
     if (mates_[m].take(seen_[*nearest])) {
       owners_[*nearest] = kTaken;
     } else if (num_missing_ == 0) {
-      mates_[m].doubt(seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
+      mates_[m].mark_ambiguous(seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
     }
   }
 
@@ -222,53 +222,53 @@ class SharedWorld : public RelativeLocalizer {
  public:
   SharedWorld(const SharedWorldConfig& config, const AgentSetup& setup) : config_(config) {
     for (const VehicleId id : vehicles_named(config.other, config.others, setup, "relative_localization")) {
-      told_.push_back({id, std::nullopt});
+      reported_.push_back({id, std::nullopt});
     }
   }
 
   void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox&) override {
     for (const Message& message : input.observation.messages) {
       OdometryReport report;
-      for (Told& other : told_) {
+      for (Reported& other : reported_) {
         if (message.from == other.id && read_message(message, report) == Reading::kDone)
           other.newest = motion_of(report);
       }
     }
     const TimeNs t = input.observation.t;
-    for (const Told& other : told_) {
+    for (const Reported& other : reported_) {
       if (!other.newest || t - other.newest->t > from_seconds(config_.timeout_s)) continue;
       relatives.push_back(FrameChange::to_local(input.estimate).relative(estimate_of(other, t)));
     }
   }
 
  private:
-  struct Told {
+  struct Reported {
     VehicleId id;
     std::optional<OtherMotion> newest;  // latest report, in the world
   };
 
-  RelativeEstimate estimate_of(const Told& other, TimeNs t) const {
+  RelativeEstimate estimate_of(const Reported& other, TimeNs t) const {
     const OtherMotion& newest = *other.newest;
     const double since_s = to_seconds(t - newest.t);
-    RelativeEstimate told;
-    told.t = t;
-    told.other = other.id;
-    told.position_m = newest.p_other_local_m + since_s * newest.v_other_local_mps;
-    told.velocity_mps = newest.v_other_local_mps;
-    told.yaw_rad = std::remainder(newest.yaw_rad + since_s * newest.yaw_rate_radps, 2.0 * kPi);
+    RelativeEstimate estimate;
+    estimate.t = t;
+    estimate.other = other.id;
+    estimate.position_m = newest.p_other_local_m + since_s * newest.v_other_local_mps;
+    estimate.velocity_mps = newest.v_other_local_mps;
+    estimate.yaw_rad = std::remainder(newest.yaw_rad + since_s * newest.yaw_rate_radps, 2.0 * kPi);
     const double sigma_rad = config_.yaw_sigma_deg * kRadPerDeg;
-    told.covariance.setZero();
-    told.covariance.diagonal() << Vector3::Constant(config_.sigma_m * config_.sigma_m),
+    estimate.covariance.setZero();
+    estimate.covariance.diagonal() << Vector3::Constant(config_.sigma_m * config_.sigma_m),
         Vector3::Constant(config_.sigma_m * config_.sigma_m), sigma_rad * sigma_rad;
-    told.seen = told.heard = newest.t;
-    told.heard_stamp = newest.stamp;
-    told.heard_position_m = newest.p_other_local_m;
-    told.heard_yaw_rad = newest.yaw_rad;
-    return told;
+    estimate.seen = estimate.heard = newest.t;
+    estimate.heard_stamp = newest.stamp;
+    estimate.heard_position_m = newest.p_other_local_m;
+    estimate.heard_yaw_rad = newest.yaw_rad;
+    return estimate;
   }
 
   SharedWorldConfig config_;
-  std::vector<Told> told_;
+  std::vector<Reported> reported_;
 };
 
 void check_names(ConfigVisitor& v, const std::string& other, const std::vector<std::string>& others) {

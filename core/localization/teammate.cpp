@@ -107,7 +107,7 @@ bool Teammate::take(const Sighting& sighting) {
   return true;
 }
 
-void Teammate::doubt(TimeNs t) {
+void Teammate::mark_ambiguous(TimeNs t) {
   if (t - last_accepted_ <= from_seconds(config_.reacquire_s)) return;
   filter_.stop();
   ++num_lost_;
@@ -141,12 +141,12 @@ void Teammate::pair() {
   const TimeNs clock = from_seconds(clock_s_now);
   std::erase_if(waiting_, [&](const Sighting& sighting) {
     if (sighting.t - clock > odometry_.newest().t) return false;
-    const auto told = odometry_.at(sighting.t - clock, config_.odometry_gap_max_s);
-    if (!told || sighting.t < last_pair_) return true;
+    const auto reported = odometry_.at(sighting.t - clock, config_.odometry_gap_max_s);
+    if (!reported || sighting.t < last_pair_) return true;
     last_pair_ = sighting.t;
     const double sigma_m = config_.filter.odometry_sigma_m;
     alignment_.push({sighting.t, sighting.p_local_m, sighting.covariance + sigma_m * sigma_m * Matrix3::Identity(),
-                     told->p_other_local_m, told->v_other_local_mps, clock_s_now, told->flown});
+                     reported->p_other_local_m, reported->v_other_local_mps, clock_s_now, reported->flown});
     return true;
   });
 }
@@ -203,7 +203,7 @@ void Teammate::append_overlays(std::vector<Overlay>& overlays) const {
   Overlay place = overlay_of("relative", Overlay::Kind::kSpheres, 0.0F, kMeaning, kBlue);
   Overlay heading = overlay_of("relative", Overlay::Kind::kLines, 3.0F, kMeaning, kBlue);
   Overlay seen = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "sightings in the window", kBlue);
-  Overlay told = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kYellow);
+  Overlay reported = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kYellow);
   for (const AlignmentPair& pair : alignment_.pairs()) seen.positions.push_back(pair.p_local_m.cast<float>());
   if (filter_.started()) {
     const Matrix3 C = last_.covariance.topLeftCorner<3, 3>();
@@ -213,10 +213,10 @@ void Teammate::append_overlays(std::vector<Overlay>& overlays) const {
     heading.positions = {last_.position_m.cast<float>(), (last_.position_m + 0.5 * ahead).cast<float>()};
     const FrameAlignment alignment = filter_.alignment();
     for (const AlignmentPair& pair : alignment_.pairs()) {
-      told.positions.push_back(alignment.point(pair.p_other_m).cast<float>());
+      reported.positions.push_back(alignment.point(pair.p_other_m).cast<float>());
     }
   }
-  for (Overlay* overlay : {&place, &heading, &seen, &told}) overlays.push_back(std::move(*overlay));
+  for (Overlay* overlay : {&place, &heading, &seen, &reported}) overlays.push_back(std::move(*overlay));
 }
 
 }  // namespace swiftlet

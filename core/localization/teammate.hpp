@@ -57,7 +57,7 @@ class Teammate {
   /// when the filter rejects it.
   bool take(const Sighting& sighting);
   /// Drops the estimate after reacquire_s without an accepted sighting, as a sighting elsewhere may be this vehicle.
-  void doubt(TimeNs t);
+  void mark_ambiguous(TimeNs t);
   /// Queues a possible sighting of this vehicle until newer odometry arrives.
   void wait(const Sighting& sighting);
   /// Queues the new sightings of a chain.

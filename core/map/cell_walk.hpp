@@ -33,7 +33,8 @@ struct CellWalk {
 /// Distance [m] from the start of a segment to the first cell on it that satisfies the predicate; negative if there is
 /// none. Any frame, the same for all arguments.
 template <class Predicate>
-double way_to_first_m(const Vector3& from_m, const Vector3& to_m, double cells_per_m, Cell& cell, Predicate&& is_it) {
+double distance_to_first_m(const Vector3& from_m, const Vector3& to_m, double cells_per_m, Cell& cell,
+                           Predicate&& is_it) {
   const double length_m = (to_m - from_m).norm();
   const Vector3 direction = length_m > 0.0 ? Vector3((to_m - from_m) / length_m) : Vector3(Vector3::UnitX());
   CellWalk walk(from_m * cells_per_m, direction);

@@ -84,9 +84,9 @@ void OverlaidOccupancy::append_cells(const Vector3& min_local_m, const Vector3& 
         for (int x = low.x(); x <= high.x(); ++x) {
           const Vector3 cell_local_m = (Eigen::Array3d(x, y, z) + 0.5) * edge;
           if (!keep_out.contains(cell_local_m) || !accept(cell_local_m)) continue;
-          const bool told = std::any_of(keep_outs_.begin(), keep_outs_.begin() + static_cast<std::ptrdiff_t>(i),
-                                        [&](const KeepOut& other) { return other.contains(cell_local_m); });
-          if (!told && below_.state(cell_local_m) != CellState::kOccupied) centers_local_m.push_back(cell_local_m);
+          const bool listed = std::any_of(keep_outs_.begin(), keep_outs_.begin() + static_cast<std::ptrdiff_t>(i),
+                                          [&](const KeepOut& other) { return other.contains(cell_local_m); });
+          if (!listed && below_.state(cell_local_m) != CellState::kOccupied) centers_local_m.push_back(cell_local_m);
         }
       }
     }
@@ -131,10 +131,10 @@ std::optional<SegmentHit> OverlaidOccupancy::first_hit(const Vector3& from_local
   std::optional<SegmentHit> first = below_.first_hit(from_local_m, to_local_m);
   const double length_m = (to_local_m - from_local_m).norm();
   for (const KeepOut& keep_out : keep_outs_) {
-    const std::optional<double> way_m = keep_out.entered_after_m(from_local_m, to_local_m);
-    if (!way_m || (first && first->distance_m <= *way_m)) continue;
-    const double part = length_m > 0.0 ? *way_m / length_m : 0.0;
-    first = SegmentHit{*way_m, center_of_cell(from_local_m + part * (to_local_m - from_local_m))};
+    const std::optional<double> hit_distance_m = keep_out.entered_after_m(from_local_m, to_local_m);
+    if (!hit_distance_m || (first && first->distance_m <= *hit_distance_m)) continue;
+    const double part = length_m > 0.0 ? *hit_distance_m / length_m : 0.0;
+    first = SegmentHit{*hit_distance_m, center_of_cell(from_local_m + part * (to_local_m - from_local_m))};
   }
   return first;
 }

@@ -23,7 +23,7 @@ int place_bits(double keep_radius_m, double block_m) {
   while (bits < kMostPlaceBits && (1 << bits) < across) ++bits;
   return bits;
 }
-constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kEmptySlot = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
   constexpr std::uint64_t kMask = (1ULL << 21U) - 1U;  // +-1 million cells per axis
@@ -83,7 +83,7 @@ bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
   const std::uint64_t key = key_of(cell);
   const std::size_t mask = ends_.size() - 1;
   std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 16U) & mask;
-  while (ends_[slot] != kNobody) {
+  while (ends_[slot] != kEmptySlot) {
     if (ends_[slot] == key) return false;
     slot = (slot + 1) & mask;
   }
@@ -96,7 +96,7 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   ++revision_;
   times_.push_back(times_.empty() ? now : std::max(now, times_.back()));
   passing_.clear();
-  ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kNobody);
+  ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kEmptySlot);
   const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
   // Hits come first, so that no ray clears what another ray has just hit.
   for (const Ray& ray : rays) {
@@ -247,10 +247,11 @@ double SparseVoxelMap::distance_m(const Vector3& p_local_m, double max_m) const 
 
 std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
   Cell cell;
-  const double way_m = way_to_first_m(from_local_m, to_local_m, cells_per_m_, cell,
-                                      [&](const Cell& at) { return state_of(at) == CellState::kOccupied; });
-  if (way_m < 0.0) return std::nullopt;
-  return SegmentHit{way_m, center_of(cell)};
+  const double hit_distance_m = distance_to_first_m(from_local_m, to_local_m, cells_per_m_, cell, [&](const Cell& at) {
+    return state_of(at) == CellState::kOccupied;
+  });
+  if (hit_distance_m < 0.0) return std::nullopt;
+  return SegmentHit{hit_distance_m, center_of(cell)};
 }
 
 bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {

@@ -517,10 +517,11 @@ double SubmapMap::clearance_m(const Vector3& p_local_m, double max_m) const {
 
 std::optional<SegmentHit> SubmapMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
   Cell cell;
-  const double way_m = way_to_first_m(from_local_m, to_local_m, cells_per_m_, cell,
-                                      [&](const Cell& at) { return state_of(at) == CellState::kOccupied; });
-  if (way_m < 0.0) return std::nullopt;
-  return SegmentHit{way_m, center_of(cell)};
+  const double hit_distance_m = distance_to_first_m(from_local_m, to_local_m, cells_per_m_, cell, [&](const Cell& at) {
+    return state_of(at) == CellState::kOccupied;
+  });
+  if (hit_distance_m < 0.0) return std::nullopt;
+  return SegmentHit{hit_distance_m, center_of(cell)};
 }
 
 bool SubmapMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {

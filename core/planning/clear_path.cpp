@@ -25,9 +25,9 @@ Cell cell_at(const Vector3& p_local_m, double edge_m) { return (p_local_m.array(
 
 /// Point of the segment from a to b that is nearest to p.
 Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
-  const Vector3 way_m = b_m - a_m;
-  const double share = way_m.dot(p_m - a_m) / std::max(way_m.squaredNorm(), 1e-12);
-  return a_m + std::clamp(share, 0.0, 1.0) * way_m;
+  const Vector3 segment_m = b_m - a_m;
+  const double share = segment_m.dot(p_m - a_m) / std::max(segment_m.squaredNorm(), 1e-12);
+  return a_m + std::clamp(share, 0.0, 1.0) * segment_m;
 }
 
 /// Length of the shortest path on an empty grid, in cells.

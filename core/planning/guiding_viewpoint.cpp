@@ -150,9 +150,9 @@ class ViewpointSearch {
   /// and the center of an occupied cell exceeds the true one by at most a cell's diagonal.
   bool is_in_sight(const Vector3& from_local_m, const Vector3& to_local_m) const {
     const double edge_m = map_.edge_m(), far_m = rules_.clearance_m + edge_m;
-    const Vector3 way_m = to_local_m - from_local_m;
-    const double length_m = way_m.norm();
-    const Vector3 direction = way_m / std::max(length_m, 1e-9);
+    const Vector3 displacement_m = to_local_m - from_local_m;
+    const double length_m = displacement_m.norm();
+    const Vector3 direction = displacement_m / std::max(length_m, 1e-9);
     double at_m = 0.0;
     while (at_m < length_m) {
       const Vector3 p_local_m = from_local_m + at_m * direction;
@@ -197,9 +197,9 @@ class ViewpointSearch {
   /// The line through the path's beginning and end, extended in both directions beyond the range of sight.
   std::array<Vector2, 2> long_chord() const {
     const Vector2 first_local_m = path_local_m_.front().head<2>(), last_local_m = path_local_m_.back().head<2>();
-    const Vector2 way_m = last_local_m - first_local_m;
-    const double more = 3.0 * rules_.ray_max_m / std::max(way_m.norm(), 1e-3);
-    return {first_local_m - more * way_m, last_local_m + more * way_m};
+    const Vector2 displacement_m = last_local_m - first_local_m;
+    const double more = 3.0 * rules_.ray_max_m / std::max(displacement_m.norm(), 1e-3);
+    return {first_local_m - more * displacement_m, last_local_m + more * displacement_m};
   }
 
   /// Lines 16 to 24: intersection of as many visibility regions from `first` on as have a point in common.

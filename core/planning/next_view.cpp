@@ -50,13 +50,13 @@ class ViewSearch {
       const int next = open_.top().node;
       open_.pop();
       if (met_[next].closed) continue;
-      const double way_m = met_[next].cost * config_.step_m;
-      if (worth(1.0, way_m) <= best_) break;  // no view farther away is better
+      const double path_length_m = met_[next].cost * config_.step_m;
+      if (worth(1.0, path_length_m) <= best_) break;  // no view farther away is better
       if (static_cast<int>(expansions_) == config_.max_expansions) {
         if (end_ < 0) found.status = NextViewStatus::kBudgetSpent;
         break;
       }
-      consider(next, way_m);
+      consider(next, path_length_m);
       expand(next);
     }
     found.expansions = expansions_;
@@ -71,17 +71,19 @@ class ViewSearch {
   }
 
  private:
-  double worth(double share, double way_m) const { return share * elementary::exp(-config_.way_weight_per_m * way_m); }
+  double worth(double share, double path_length_m) const {
+    return share * elementary::exp(-config_.way_weight_per_m * path_length_m);
+  }
   Vector3 place_of(const Cell& cell) const { return start_local_m_ + config_.step_m * cell.cast<double>(); }
 
   /// Judges every second lattice point along each axis, which costs an eighth and finds equally good views.
-  void consider(int node, double way_m) {
+  void consider(int node, double path_length_m) {
     const Cell& cell = met_[node].cell;
     if (((cell.x() | cell.y() | cell.z()) & 1) != 0 || node == 0) return;
     unknown_in_sight(view_, config_, box_, given_up_, place_of(cell), config_.num_rays, in_sight_local_m_);
     const double share = static_cast<double>(in_sight_local_m_.size()) / config_.num_rays;
-    if (share < config_.share_min || worth(share, way_m) <= best_) return;
-    best_ = worth(share, way_m);
+    if (share < config_.share_min || worth(share, path_length_m) <= best_) return;
+    best_ = worth(share, path_length_m);
     share_ = share;
     end_ = node;
   }

@@ -76,11 +76,11 @@ class Tree {
     }
   }
 
-  std::vector<Vector3> way_to(int node) const {
-    std::vector<Vector3> way_m;
-    for (int i = node; i >= 0; i = parent_[index(i)]) way_m.push_back(at(i));
-    std::reverse(way_m.begin(), way_m.end());
-    return way_m;
+  std::vector<Vector3> path_to(int node) const {
+    std::vector<Vector3> path_m;
+    for (int i = node; i >= 0; i = parent_[index(i)]) path_m.push_back(at(i));
+    std::reverse(path_m.begin(), path_m.end());
+    return path_m;
   }
 
  private:
@@ -119,9 +119,9 @@ class SampledPath {
       grow(sample());
     }
     if (goal_parents_.empty()) return {};
-    std::vector<Vector3> way_m = tree_.way_to(best_parent());
-    way_m.push_back(goal_m_);
-    return way_m;
+    std::vector<Vector3> path_m = tree_.path_to(best_parent());
+    path_m.push_back(goal_m_);
+    return path_m;
   }
   std::size_t num_samples() const { return static_cast<std::size_t>(num_samples_); }
 
@@ -130,7 +130,7 @@ class SampledPath {
 
   Vector3 sample() const {
     if (uniform(0) < sampling_.goal_share && goal_parents_.empty()) return goal_m_;
-    if (!goal_parents_.empty()) return sample_of_shorter_ways();
+    if (!goal_parents_.empty()) return sample_for_shorter_path();
     Vector3 p_m;
     for (int i = 0; i < 3; ++i) {
       p_m[i] = min_m_[i] + (max_m_[i] - min_m_[i]) * uniform(static_cast<std::uint32_t>(1 + i));
@@ -138,7 +138,7 @@ class SampledPath {
     return p_m;
   }
 
-  Vector3 sample_of_shorter_ways() const {
+  Vector3 sample_for_shorter_path() const {
     Vector3 in_ball;
     std::uint32_t index = 1;
     do {
@@ -151,10 +151,10 @@ class SampledPath {
 
   void grow(const Vector3& toward_m) {
     const int nearest = tree_.nearest(toward_m);
-    const Vector3 way_m = toward_m - tree_.at(nearest);
-    const double length_m = way_m.norm();
+    const Vector3 displacement_m = toward_m - tree_.at(nearest);
+    const double length_m = displacement_m.norm();
     if (length_m < 1e-9) return;
-    const Vector3 p_m = tree_.at(nearest) + std::min(1.0, sampling_.step_m / length_m) * way_m;
+    const Vector3 p_m = tree_.at(nearest) + std::min(1.0, sampling_.step_m / length_m) * displacement_m;
     if (!space_.is_clear_segment(tree_.at(nearest), p_m)) return;
     const int added = star_ ? add_rewired(nearest, p_m) : tree_.add(nearest, p_m);
     reach_goal(added);

@@ -382,11 +382,11 @@ void CloudTracker::publish_modes(std::vector<TrackModes>& modes) const {
   if (!filter_->has_modes()) return;
   for (const Target& target : targets_) {
     if (target.num_detections < config_.min_detections) continue;
-    TrackModes& told = modes.emplace_back();
-    told.id = target.id;
+    TrackModes& reported = modes.emplace_back();
+    reported.id = target.id;
     for (std::size_t m = 0; m < TrackModes::kModels; ++m) {
-      told.probability[m] = target.state.mode_probability[m];
-      told.mean_local_m[m] = target.state.modes[m].mean;
+      reported.probability[m] = target.state.mode_probability[m];
+      reported.mean_local_m[m] = target.state.modes[m].mean;
     }
   }
   std::sort(modes.begin(), modes.end(), [](const TrackModes& a, const TrackModes& b) { return a.id < b.id; });

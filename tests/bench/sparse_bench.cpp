@@ -32,7 +32,7 @@ void track_before_detect(benchmark::State& state, const LidarConfig& lidar) {
     hypotheses.take(*cloud);
     took_s.push_back(processor_time_s() - start_s);
     state.SetIterationTime(took_s.back());
-    hypotheses.append_told(detections);
+    hypotheses.append_reported(detections);
   }
   std::sort(took_s.begin(), took_s.end());
   state.counters["median_ms"] = 1e3 * took_s[took_s.size() / 2];

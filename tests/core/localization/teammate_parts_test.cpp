@@ -346,7 +346,7 @@ TEST(Teammate, ThatIsSeenElsewhereForSoLongIsLost) {
     KnownMate known(config);
     ASSERT_TRUE(known.mate.known());
     EXPECT_EQ(known.mate.num_starts(), 1U);
-    known.mate.doubt(known.t + 2 * kNsPerSecond + more);
+    known.mate.mark_ambiguous(known.t + 2 * kNsPerSecond + more);
     EXPECT_EQ(known.mate.known(), more == 0);
     EXPECT_EQ(known.mate.num_lost(), more == 0 ? 0U : 1U);
   }

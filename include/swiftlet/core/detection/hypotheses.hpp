@@ -42,7 +42,7 @@ struct Hypothesis {
   double reflectivity = 0.0;
 
   /// Probability that a UAV is there: it exists, and is not too small.
-  double told() const { return existence * (1.0 - small.probability()); }
+  double confidence() const { return existence * (1.0 - small.probability()); }
   Vector3 p_local_m() const { return mean.head<3>(); }
   Vector3 v_local_mps() const { return mean.tail<3>(); }
   Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
@@ -63,8 +63,8 @@ class Hypotheses {
   /// All hypotheses, the likeliest first.
   std::span<const Hypothesis> all() const { return hypotheses_; }
   /// Appends the hypotheses above the reporting threshold; detections and tracks in the same order.
-  void append_told(std::vector<Detection>& detections) const;
-  void append_told(std::vector<Track>& tracks) const;
+  void append_reported(std::vector<Detection>& detections) const;
+  void append_reported(std::vector<Track>& tracks) const;
   const AirMap& air() const { return air_; }
   void append_counters(std::vector<Counter>& counters) const;
 
@@ -104,7 +104,7 @@ class Hypotheses {
   void join_parts(const LocalCloud& cloud);
   void places_of(std::size_t k, std::vector<Vector3>& places_local_m) const;
   bool are_neighbors(std::size_t i, std::size_t j) const;
-  void doubt_body(std::size_t k);
+  void split_body(std::size_t k);
   void join(const LocalCloud& cloud, std::size_t stays, std::size_t goes);
   void begin(const LocalCloud& cloud);
   double remember(Hypothesis& newborn, const Measurement& measurement) const;
@@ -124,7 +124,7 @@ class Hypotheses {
   Matrix3 pose_covariance(const Vector3& p_local_m) const;
   double clutter_density_per_m3(const Measurement& measurement, double beams_per_sr) const;
   BeamExposure exposure_of(const Hypothesis& hypothesis) const;
-  bool is_told(const Hypothesis& hypothesis) const { return hypothesis.told() >= config_.told_existence; }
+  bool is_reported(const Hypothesis& hypothesis) const { return hypothesis.confidence() >= config_.told_existence; }
 
   TrackBeforeDetectConfig config_;
   Eigen::Matrix<double, 7, 7> Sigma_w_;

@@ -68,10 +68,10 @@ class NeighborMemory {
     std::int64_t key = 0;
     TimeNs t = 0;  // time of the state
     TimeNs seen = 0;
-    TimeNs missed = 0;      ///< time in view since the last measurement
-    TimeNs sought = 0;      ///< time in the field of view since the last measurement, including beyond the range
-    bool in_view = true;    ///< at the last update
-    bool looked_at = true;  ///< at the last update
+    TimeNs missed = 0;          ///< time in view since the last measurement
+    TimeNs unseen_in_view = 0;  ///< time in the field of view since the last measurement, including beyond the range
+    bool in_view = true;        ///< at the last update
+    bool looked_at = true;      ///< at the last update
     Vector3 own_local_m = Vector3::Zero();  ///< position of the own vehicle at the last measurement
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();

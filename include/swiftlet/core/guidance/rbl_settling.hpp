@@ -42,7 +42,7 @@ class RblSettling {
                           const OccupancyView* map);
 
   double patience_s_;
-  RblStatus told_;
+  RblStatus reported_;
   double least_m_ = std::numeric_limits<double>::infinity();  // smallest distance to the goal so far
   TimeNs since_ = 0;
 };

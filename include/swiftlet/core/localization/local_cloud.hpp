@@ -50,7 +50,7 @@ class CloudRegistrar {
   double own_radius_m_;
   LocalPoses poses_;
   FrameChange to_local_;
-  std::vector<TimedPose> told_;  // scratch: external poses in the local frame
+  std::vector<TimedPose> external_poses_;  // scratch: external poses in the local frame
 };
 
 /// Pool of local clouds: a cloud's memory is reused once no stage references it.

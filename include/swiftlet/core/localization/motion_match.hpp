@@ -16,7 +16,7 @@ struct MotionMatch {
   double spread_m = 0.0;        ///< RMS horizontal distance of those from their mean
   double residual_sigma = 0.0;  ///< RMS residual per axis after the best alignment, in standard deviations
 };
-MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry& told, const OdometryDrift& drift,
+MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry& reported, const OdometryDrift& drift,
                          double clock_s, double gap_max_s);
 
 /// Groups successive sightings of one object: the step between them is within a vehicle's reach.
