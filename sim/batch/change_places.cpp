@@ -43,18 +43,18 @@ std::optional<Found> find_change(const Node& batch, const std::string& key) {
 }  // namespace
 
 std::string with_places_of_changes(const std::string& message, const Node& batch) {
-  std::string told;
+  std::string text;
   std::istringstream lines(message);
   for (std::string line; std::getline(lines, line);) {
-    if (!told.empty()) told += '\n';
+    if (!text.empty()) text += '\n';
     const std::size_t end = line.find(": ");
     std::optional<Found> found;
     if (line.starts_with(kMark) && end != std::string::npos) {
       found = find_change(batch, line.substr(kMark.size(), end - kMark.size()));
     }
-    told += found ? error_line(found->place, found->path, line.substr(end + 2)) : line;
+    text += found ? error_line(found->place, found->path, line.substr(end + 2)) : line;
   }
-  return told;
+  return text;
 }
 
 }  // namespace swiftlet::sim

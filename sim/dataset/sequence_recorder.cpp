@@ -76,8 +76,8 @@ class SequenceRecorder : public Recorder {
     boxes_ = std::make_unique<BoxMaker>(world_, info.vehicle_shapes, vehicle_);
     poses_file_ = OutputFile(directory_ / "poses.txt");
     times_file_ = OutputFile(directory_ / "times.txt");
-    told_file_ = OutputFile(directory_ / "told.tum");
-    told_file_.append("# t_s x_m y_m z_m qx qy qz qw\n");
+    external_poses_file_ = OutputFile(directory_ / "told.tum");
+    external_poses_file_.append("# t_s x_m y_m z_m qx qy qz qw\n");
     boxes_file_ = OutputFile(directory_ / "boxes.csv");
     boxes_file_.append(kBoxesHeader);
   }
@@ -88,7 +88,7 @@ class SequenceRecorder : public Recorder {
     if (tick.scans.empty()) return;
     for (const auto& scan : tick.scans[static_cast<std::size_t>(vehicle_)]) {
       if (scan->scan.sensor != sensor_) continue;
-      for (const StampedPose& told : scan->scan.external_poses) told_.push(told.t, told.T_world_body);
+      for (const StampedPose& pose : scan->scan.external_poses) external_poses_.push(pose.t, pose.T_world_body);
       if (num_scans_++ % content_.every != 0) continue;
       frames_->push(scan);
       write_frame(*scan);
@@ -96,7 +96,7 @@ class SequenceRecorder : public Recorder {
   }
 
   std::vector<std::filesystem::path> finish() override {
-    for (OutputFile* file : {&poses_file_, &times_file_, &told_file_, &boxes_file_}) file->finish();
+    for (OutputFile* file : {&poses_file_, &times_file_, &external_poses_file_, &boxes_file_}) file->finish();
     SequenceStatistics of_frames = frames_->finish();
     statistics_->add(of_frames);
     statistics_->pixel_shift_by_row = std::move(of_frames.pixel_shift_by_row);
@@ -146,13 +146,13 @@ class SequenceRecorder : public Recorder {
     row_.clear();
     times_file_.append(row_.add_seconds(scan.stamp).line());
 
-    const PoseHistory& belief = told_.empty() ? estimate_ : told_;
+    const PoseHistory& belief = external_poses_.empty() ? estimate_ : external_poses_;
     if (belief.empty()) return;
     const Pose T_world_lidar = belief.at(scan.stamp) * scan.T_body_lidar;
     row_.clear();
     row_.add_seconds(scan.stamp).add(T_world_lidar.translation());
     row_.add(Eigen::Quaterniond(T_world_lidar.linear()).coeffs());
-    told_file_.append(row_.line());
+    external_poses_file_.append(row_.line());
   }
 
   void write_boxes(const LabeledScan& labeled) {
@@ -188,8 +188,8 @@ class SequenceRecorder : public Recorder {
   std::unique_ptr<FrameWriter> frames_;
   std::unique_ptr<BoxMaker> boxes_;
   StateHistory truth_;
-  PoseHistory estimate_, told_;
-  OutputFile poses_file_, times_file_, told_file_, boxes_file_;
+  PoseHistory estimate_, external_poses_;
+  OutputFile poses_file_, times_file_, external_poses_file_, boxes_file_;
   int num_scans_ = 0;
   int num_frames_ = 0;
   TextRow row_{' '};

@@ -95,7 +95,7 @@ class Verification {
   }
 
   bool canceled() const { return options_.canceled && options_.canceled(); }
-  void tell(double done, const std::string& note) const {
+  void report_progress(double done, const std::string& note) const {
     if (options_.progress) options_.progress(done, note);
   }
 
@@ -165,7 +165,7 @@ class Verification {
       check_file(name, file["bytes"].get<std::uint64_t>(), file["xxh128"].get<std::string>());
       ++report_.files;
       if (report_.files % 64 == 0) {
-        tell(0.5 * static_cast<double>(report_.files) / static_cast<double>(all), "hashes");
+        report_progress(0.5 * static_cast<double>(report_.files) / static_cast<double>(all), "hashes");
       }
     }
     for (const auto& entry : fs::recursive_directory_iterator(directory_)) {
@@ -305,8 +305,8 @@ class Verification {
     double done = 0.0;
     for (const auto& [sequence, frames] : drawn) {
       if (canceled()) return;
-      tell(0.5 + 0.5 * done / static_cast<double>(drawn.size()),
-           "sequence " + sequence_name(sequences_[sequence].sequence) + " again");
+      report_progress(0.5 + 0.5 * done / static_cast<double>(drawn.size()),
+                      "sequence " + sequence_name(sequences_[sequence].sequence) + " again");
       resimulate(sequences_[sequence], content, frames);
       done += 1.0;
     }

@@ -278,11 +278,11 @@ struct PhysicsWorld::Impl {
   /// contacts, so that all pairs of a well separated fleet are rarely tested.
   void find_near_pairs() {
     near_pairs.clear();
-    double way_m = 0.0;
+    double displacement_m = 0.0;
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
-      way_m = std::max(way_m, (positions[i] - pairs_from[i]).norm() + vehicles[i].travel_m);
+      displacement_m = std::max(displacement_m, (positions[i] - pairs_from[i]).norm() + vehicles[i].travel_m);
     }
-    if (2.0 * way_m < least_gap_m) return;
+    if (2.0 * displacement_m < least_gap_m) return;
 
     least_gap_m = std::numeric_limits<double>::infinity();
     pairs_from = positions;
@@ -375,8 +375,10 @@ struct PhysicsWorld::Impl {
     pairs.clear();
     for (const Contacts::Pair& pair : near_pairs) {
       const double reach_m = vehicles[pair.a].contact_reach_m + vehicles[pair.b].contact_reach_m;
-      const double way_m = (states[pair.a].v_world_mps.norm() + states[pair.b].v_world_mps.norm()) * config.step_s;
-      if ((before[pair.a].p_world_m - before[pair.b].p_world_m).norm() < reach_m + way_m) pairs.push_back(pair);
+      const double displacement_m =
+          (states[pair.a].v_world_mps.norm() + states[pair.b].v_world_mps.norm()) * config.step_s;
+      if ((before[pair.a].p_world_m - before[pair.b].p_world_m).norm() < reach_m + displacement_m)
+        pairs.push_back(pair);
     }
     for (const VehicleId id : near_vehicles) {
       Vehicle& vehicle = vehicles[id];

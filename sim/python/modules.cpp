@@ -53,11 +53,11 @@ py::object value_of(const KeyValue& value) {
       value);
 }
 
-Key key_from(const py::tuple& told) {
-  Key key{told[0].cast<std::string>(), told[1].cast<std::string>(), value_from(told[2]), Range::any(),
-          told[5].cast<std::vector<std::string>>()};
-  if (!told[3].is_none()) key.range.min = told[3].cast<double>();
-  if (!told[4].is_none()) key.range.max = told[4].cast<double>();
+Key key_from(const py::tuple& definition) {
+  Key key{definition[0].cast<std::string>(), definition[1].cast<std::string>(), value_from(definition[2]), Range::any(),
+          definition[5].cast<std::vector<std::string>>()};
+  if (!definition[3].is_none()) key.range.min = definition[3].cast<double>();
+  if (!definition[4].is_none()) key.range.max = definition[4].cast<double>();
   return key;
 }
 
@@ -72,23 +72,23 @@ AgentNeeds needs_from(const py::dict& needs) {
 /// @return whether the name is new: a class defined again replaces the earlier one
 void add_class(const std::string& kind, const std::string& name, const std::string& doc, const py::object& type,
                const py::list& keys, const py::dict& needs) {
-  auto* told = new PythonClass{name, doc, type.inc_ref().ptr(), {}, needs_from(needs)};
-  for (const py::handle key : keys) told->keys.push_back(key_from(py::cast<py::tuple>(key)));
-  told->needs_clouds = needs["clouds"].cast<bool>();
-  told->needs_map = needs["map"].cast<bool>();
-  told->needs_relatives = needs["relatives"].cast<bool>();
-  told->needs_world = needs["world"].cast<bool>();
+  auto* definition = new PythonClass{name, doc, type.inc_ref().ptr(), {}, needs_from(needs)};
+  for (const py::handle key : keys) definition->keys.push_back(key_from(py::cast<py::tuple>(key)));
+  definition->needs_clouds = needs["clouds"].cast<bool>();
+  definition->needs_map = needs["map"].cast<bool>();
+  definition->needs_relatives = needs["relatives"].cast<bool>();
+  definition->needs_world = needs["world"].cast<bool>();
   static std::vector<std::string> kinds;  // indexed by slot
   for (std::size_t i = 0; i < g_num_classes; ++i) {
     if (kinds[i] != kind || g_classes[i]->name != name) continue;
-    g_classes[i] = told;  // redefinition, as in a notebook
+    g_classes[i] = definition;  // redefinition, as in a notebook
     return;
   }
   if (g_num_classes == kMaxClasses) throw std::runtime_error("there are 64 modules of Python already");
-  const ModuleType module{told->name.c_str(), told->doc.c_str(), kMakers[g_num_classes]};
+  const ModuleType module{definition->name.c_str(), definition->doc.c_str(), kMakers[g_num_classes]};
   add_row(kind, module);  // throws when the name is taken
   kinds.push_back(kind);
-  g_classes[g_num_classes++] = told;
+  g_classes[g_num_classes++] = definition;
 }
 
 py::dict airframe_dict(const Airframe& airframe) {

@@ -133,11 +133,11 @@ class PythonGuidance final : public Guidance {
   }
 
   GuidanceNeeds needs() const override {
-    const PythonClass& told = stepper_.its_class;
-    return {.clouds = told.needs_clouds,
-            .map = told.needs_map,
-            .relatives = told.needs_relatives,
-            .world = told.needs_world};
+    const PythonClass& definition = stepper_.its_class;
+    return {.clouds = definition.needs_clouds,
+            .map = definition.needs_map,
+            .relatives = definition.needs_relatives,
+            .world = definition.needs_world};
   }
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {

@@ -74,9 +74,9 @@ struct Foliage {
   explicit Foliage(const FoliageMotion& of_world) : motion(of_world) {}
 
   FoliageMotion motion;
-  TriangleScene rest;                    ///< the moving leaves at rest
-  std::vector<float> share_of_sway;      ///< one per triangle of `rest`
-  std::vector<std::uint32_t> tree, way;  ///< one per triangle of `rest`, arguments of FoliageMotion
+  TriangleScene rest;                        ///< the moving leaves at rest
+  std::vector<float> share_of_sway;          ///< one per triangle of `rest`
+  std::vector<std::uint32_t> tree, pattern;  ///< one per triangle of `rest`, arguments of FoliageMotion
   std::uint32_t num_trees = 0;
   TriangleScene firm;  ///< the rest of the world
 };

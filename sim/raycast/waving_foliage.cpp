@@ -66,7 +66,7 @@ std::unique_ptr<Foliage> make_foliage(const Scene& scene, const TriangleScene& w
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       copy_triangle(world, first_triangle[i] + k, foliage->rest);
       foliage->tree.push_back(tree);
-      foliage->way.push_back(foliage->motion.way_of(tree, piece_of_vertex[mesh.triangles[k][0]]));
+      foliage->pattern.push_back(foliage->motion.pattern_of(tree, piece_of_vertex[mesh.triangles[k][0]]));
       foliage->share_of_sway.push_back(static_cast<float>(FoliageMotion::share_of_sway((heights[k] - foot) / height)));
     }
   }
@@ -89,15 +89,16 @@ void WavingFoliage::move_to(TimeNs t) {
   const double t_s = to_seconds(t);
   for (std::uint32_t tree = 0; tree < leaves.num_trees; ++tree)
     sway_m_[tree] = leaves.motion.sway_m(tree, t_s).cast<float>();
-  for (std::uint32_t way = 0; way < FoliageMotion::kWays; ++way)
-    flutter_m_[way] = leaves.motion.flutter_m(way, t_s).cast<float>();
+  for (std::uint32_t pattern = 0; pattern < FoliageMotion::kNumPatterns; ++pattern)
+    flutter_m_[pattern] = leaves.motion.flutter_m(pattern, t_s).cast<float>();
   const auto count = static_cast<std::int64_t>(leaves_.size());
 #pragma omp parallel for schedule(static) if (count > 10'000)
   for (std::int64_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f way_m = leaves.share_of_sway[i] * sway_m_[leaves.tree[i]] + flutter_m_[leaves.way[i]];
+    const Eigen::Vector3f displacement_m =
+        leaves.share_of_sway[i] * sway_m_[leaves.tree[i]] + flutter_m_[leaves.pattern[i]];
     for (int k = 0; k < 3; ++k) {
-      leaves_.corners_m[i][k] = leaves.rest.corners_m[i][k] + way_m;
-      leaves_.enlarged_m[i][k] = enlarged_at_rest_m_[i][k] + way_m;
+      leaves_.corners_m[i][k] = leaves.rest.corners_m[i][k] + displacement_m;
+      leaves_.enlarged_m[i][k] = enlarged_at_rest_m_[i][k] + displacement_m;
     }
     leaves_.facets[i].corner_m = leaves_.corners_m[i][0];
   }

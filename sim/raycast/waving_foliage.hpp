@@ -26,8 +26,8 @@ class WavingFoliage {
 
   std::shared_ptr<const StaticScene> world_;
   std::vector<std::array<Eigen::Vector3f, 3>> enlarged_at_rest_m_;
-  std::vector<Eigen::Vector3f> sway_m_;                          // displacement of each tree's top
-  std::array<Eigen::Vector3f, FoliageMotion::kWays> flutter_m_;  // displacement of each flutter pattern
+  std::vector<Eigen::Vector3f> sway_m_;                                 // displacement of each tree's top
+  std::array<Eigen::Vector3f, FoliageMotion::kNumPatterns> flutter_m_;  // displacement of each flutter pattern
   TriangleScene leaves_;
 };
 

@@ -20,8 +20,8 @@ void put_state(const VehicleState& state, double clearance_m, const Action& acti
   StateColumns truth(sink), estimate(sink, "est_");
   VehicleState::visit(state, truth);
   Columns(sink).field("clearance_m", clearance_m, "[m] clearance to the nearest surface or vehicle");
-  const WorldEstimate told = in_world(action.estimate);
-  WorldEstimate::visit(told, estimate);
+  const WorldEstimate estimate_world = in_world(action.estimate);
+  WorldEstimate::visit(estimate_world, estimate);
   put_columns(action.reference, sink, "ref_");
   for (int i = 0; i < num_rotors; ++i) {
     sink.number({{}, "rotor*_radps", std::to_string(i).c_str(), "[rad/s] true speed of each rotor"},

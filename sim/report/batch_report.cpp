@@ -383,14 +383,14 @@ std::string all_quantities(const BatchTable& table) {
 
 // --- single episodes ---
 
-const Quantity* worst_by(const BatchTable& table, const std::vector<const Quantity*>& telling) {
+const Quantity* worst_by(const BatchTable& table, const std::vector<const Quantity*>& informative) {
   if (!table.config.report.worst_by.empty()) {
     for (const Quantity& q : table.quantities) {
       if (q.metric == table.config.report.worst_by || q.vehicle + "." + q.metric == table.config.report.worst_by)
         return &q;
     }
   }
-  return telling.empty() ? nullptr : telling.front();
+  return informative.empty() ? nullptr : informative.front();
 }
 
 /// Indices of episodes, worst first.
@@ -497,7 +497,7 @@ bool has_replay(const fs::path& directory, const EpisodeRow& row) {
 }
 
 std::vector<EpisodeRow> worst_episodes(const BatchTable& table, std::size_t count) {
-  const Quantity* quantity = worst_by(table, telling_quantities(table));
+  const Quantity* quantity = worst_by(table, informative_quantities(table));
   std::vector<EpisodeRow> rows;
   if (quantity == nullptr) return rows;
   for (const std::size_t i : worst_first(table, *quantity)) {
@@ -508,11 +508,11 @@ std::vector<EpisodeRow> worst_episodes(const BatchTable& table, std::size_t coun
 }
 
 std::string batch_report_html(const BatchTable& table, const fs::path& directory) {
-  const auto telling = telling_quantities(table);
+  const auto informative = informative_quantities(table);
   std::string body = heading(table) + outcome_section(table);
-  for (const Quantity* quantity : telling) body += quantity_section(table, *quantity);
+  for (const Quantity* quantity : informative) body += quantity_section(table, *quantity);
   body += html::section("All metrics", all_quantities(table));
-  if (const Quantity* quantity = worst_by(table, telling)) body += worst_section(table, *quantity, directory);
+  if (const Quantity* quantity = worst_by(table, informative)) body += worst_section(table, *quantity, directory);
   body += failure_section(table) + timing_section(table);
   body += html::section("Batch file, with every default",
                         html::folded(table.info.file, "<pre>" + escape_markup(table.info.text) + "</pre>"));

@@ -137,7 +137,7 @@ std::string shown(const std::string& value) {
 }
 
 /// Share of the variance between the groups; with one group, the relative variation.
-double telling(const BatchTable& table, const Quantity& quantity) {
+double informativeness(const BatchTable& table, const Quantity& quantity) {
   const SampleSummary all = summarize(quantity.values);
   if (all.n < 2 || !(all.sd > 1e-9 * std::abs(all.mean))) return 0.0;
   if (table.groups.size() < 2) return all.mean != 0.0 ? std::min(1.0, all.sd / std::abs(all.mean)) : 1.0;
@@ -276,13 +276,13 @@ std::uint64_t count_outcome(const BatchTable& table, const std::string& outcome,
   }));
 }
 
-std::vector<const Quantity*> telling_quantities(const BatchTable& table) {
+std::vector<const Quantity*> informative_quantities(const BatchTable& table) {
   if (!table.config.report.metrics.empty()) return named_quantities(table);
   std::vector<std::pair<double, const Quantity*>> ranked;
   for (const Quantity& quantity : table.quantities) {
     const bool is_one_of_many =
         !quantity.vehicle.empty() && quantity.vehicle != kMean && table.find(quantity.metric, kMean) != nullptr;
-    if (!is_one_of_many) ranked.emplace_back(telling(table, quantity), &quantity);
+    if (!is_one_of_many) ranked.emplace_back(informativeness(table, quantity), &quantity);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<const Quantity*> chosen;

@@ -102,11 +102,11 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
 }
 
 /// The start pose known to the vehicle; zero for unknown parts.
-Pose told_start(const StartConfig& start, const VehicleState& truth) {
+Pose known_start(const StartConfig& start, const VehicleState& truth) {
   if (start.known == StartKnown::kPose) return truth.T_world_body();
-  Pose told = Pose::Identity();
-  if (start.known == StartKnown::kPosition) told.translation() = truth.p_world_m;
-  return told;
+  Pose known = Pose::Identity();
+  if (start.known == StartKnown::kPosition) known.translation() = truth.p_world_m;
+  return known;
 }
 
 std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::size_t i, const Scene& world) {
@@ -235,7 +235,7 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.vehicle_names = vehicle_names(scenario);
     setup.airframe = scenario.vehicles[i].airframe;
     setup.start_known = scenario.vehicles[i].start.known;
-    setup.T_local_body_start = told_start(scenario.vehicles[i].start, vehicles[i].start);
+    setup.T_local_body_start = known_start(scenario.vehicles[i].start, vehicles[i].start);
     setup.tick_s = scenario.tick_s;
     setup.prior_map = prior_map(scenario.vehicles[i], i, world);
     for (const Module& sensor : scenario.vehicles[i].sensors) {

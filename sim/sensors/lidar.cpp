@@ -329,7 +329,7 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
     out.scan.beams = out.own_beams;
   }
   scene_.begin(truth, stamp, duration_);
-  external_poses_.tell(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.external_poses);
+  external_poses_.append_poses(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.external_poses);
 
   // Each number is a function of (sweep, beam), so it does not depend on the distribution over threads.
   constexpr int kChunk = 4096;

@@ -58,8 +58,8 @@ void ExternalPoses::advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in
   rotation_noise_ = rotation_process_.value();
 }
 
-void ExternalPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp,
-                         TimeNs duration, std::uint32_t sweep, std::vector<StampedPose>& out) {
+void ExternalPoses::append_poses(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp,
+                                 TimeNs duration, std::uint32_t sweep, std::vector<StampedPose>& out) {
   out.clear();
   if (!config_.enabled) return;
   const int intervals =
@@ -71,10 +71,10 @@ void ExternalPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pos
     // [Vrba 2025, eqs. 40, 41], solved for the measured pose.
     const Pose T_world_lidar = truth.at(vehicle, t).T_world_body() * T_body_lidar;
     const Eigen::Matrix3d R_n = rotation_of_rpy(rotation_noise_).toRotationMatrix();
-    Pose told = Pose::Identity();
-    told.linear() = T_world_lidar.linear() * R_n.transpose();
-    told.translation() = T_world_lidar.translation() - position_noise_;
-    out.push_back({t, told * T_lidar_body});
+    Pose measured = Pose::Identity();
+    measured.linear() = T_world_lidar.linear() * R_n.transpose();
+    measured.translation() = T_world_lidar.translation() - position_noise_;
+    out.push_back({t, measured * T_lidar_body});
   }
 }
 

@@ -15,8 +15,8 @@ class ExternalPoses {
  public:
   ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity);
 
-  void tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp, TimeNs duration,
-            std::uint32_t sweep, std::vector<StampedPose>& out);
+  void append_poses(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp,
+                    TimeNs duration, std::uint32_t sweep, std::vector<StampedPose>& out);
 
  private:
   void advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_sweep);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSlowest = 0.8, kFastest = 1.25;
 constexpr double kAcross = 0.5;     // sway across the wind, relative to that along it
 constexpr double kFlutterUp = 0.5;  // vertical flutter, relative to that along the other axes
-constexpr std::uint32_t kOfTrees = 0, kOfWays = 1, kOfLeaves = 2;  // separate random streams
+constexpr std::uint32_t kOfTrees = 0, kOfPatterns = 1, kOfLeaves = 2;  // separate random streams
 constexpr std::uint32_t kNumbersOfOne = 8;
 
 double oscillation(const Random& random, std::uint32_t domain, std::uint32_t first, double hz, double t_s) {
@@ -63,16 +63,16 @@ double FoliageMotion::share_of_sway(double height) {
   return within * within;
 }
 
-Vector3 FoliageMotion::flutter_m(std::uint32_t way, double t_s) const {
-  const std::uint32_t first = kNumbersOfOne * way;
+Vector3 FoliageMotion::flutter_m(std::uint32_t pattern, double t_s) const {
+  const std::uint32_t first = kNumbersOfOne * pattern;
   const auto axis = [&](std::uint32_t k) {
-    return oscillation(random_, kOfWays, first + 2 * k, config_.flutter_hz, t_s);
+    return oscillation(random_, kOfPatterns, first + 2 * k, config_.flutter_hz, t_s);
   };
   return config_.flutter_m * Vector3(axis(0), axis(1), kFlutterUp * axis(2));
 }
 
-std::uint32_t FoliageMotion::way_of(std::uint32_t tree, std::uint32_t leaf) const {
-  return random_.bits(kOfLeaves + tree, leaf)[0] % kWays;
+std::uint32_t FoliageMotion::pattern_of(std::uint32_t tree, std::uint32_t leaf) const {
+  return random_.bits(kOfLeaves + tree, leaf)[0] % kNumPatterns;
 }
 
 }  // namespace swiftlet::sim

@@ -412,7 +412,7 @@ TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
     rows.push_back({"only_noise", "", noise, "", ""});
     return rows;
   };
-  EXPECT_EQ(labels(telling_quantities(made_table(2, {"v"}, 4, "", metrics))),
+  EXPECT_EQ(labels(informative_quantities(made_table(2, {"v"}, 4, "", metrics))),
             (std::vector<std::string>{"m7", "m6", "m5", "m4", "m3", "m2"}));
   // With a single group, the metrics with the largest variation relative to their mean.
   const auto alone = [](std::size_t, std::size_t, std::uint64_t seed) {
@@ -423,7 +423,7 @@ TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
                                   {"negative", "", -100.0 - 10.0 * s, "m", ""},
                                   {"about_zero", "", s - 1.5, "m", ""}};
   };
-  EXPECT_EQ(labels(telling_quantities(made_table(1, {"v"}, 4, "", alone))),
+  EXPECT_EQ(labels(informative_quantities(made_table(1, {"v"}, 4, "", alone))),
             (std::vector<std::string>{"about_zero", "more", "negative", "little"}));
 }
 
@@ -437,7 +437,7 @@ TEST(BatchTables, NamedQuantitiesAreThoseOfTheRunTheMeanOrTheVehicle) {
                                   {"single", "a", s, "", ""}};
   };
   const auto shown = [&](const std::string& names) {
-    return labels(telling_quantities(made_table(1, {"v"}, 3, "report: {metrics: [" + names + "]}\n", metrics)));
+    return labels(informative_quantities(made_table(1, {"v"}, 3, "report: {metrics: [" + names + "]}\n", metrics)));
   };
   EXPECT_EQ(shown("of_run"), std::vector<std::string>{"of_run"});
   EXPECT_EQ(shown("each"), std::vector<std::string>{"each (mean)"});

@@ -93,8 +93,8 @@ TEST(Foliage, IsAPureFunctionOfSeedTreeAndTime) {
   EXPECT_EQ(a.sway_m(3, 12.5), b.sway_m(3, 12.5));
   EXPECT_NE(a.sway_m(3, 12.5), other.sway_m(3, 12.5));
   EXPECT_NE(a.sway_m(3, 12.5), a.sway_m(4, 12.5));
-  int ways[FoliageMotion::kWays] = {};
-  for (std::uint32_t leaf = 0; leaf < 25'600; ++leaf) ++ways[a.way_of(3, leaf)];
+  int ways[FoliageMotion::kNumPatterns] = {};
+  for (std::uint32_t leaf = 0; leaf < 25'600; ++leaf) ++ways[a.pattern_of(3, leaf)];
   EXPECT_GT(*std::min_element(std::begin(ways), std::end(ways)), 50) << "of 100 in the mean";
   EXPECT_LT(*std::max_element(std::begin(ways), std::end(ways)), 160);
 }

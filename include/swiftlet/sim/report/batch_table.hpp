@@ -72,6 +72,6 @@ std::uint64_t count_outcome(const BatchTable& table, const std::string& outcome,
 
 /// Quantities to plot: those named by the batch file, otherwise six. With several groups, these have the largest share
 /// of variance between groups, otherwise the largest variation.
-std::vector<const Quantity*> telling_quantities(const BatchTable& table);
+std::vector<const Quantity*> informative_quantities(const BatchTable& table);
 
 }  // namespace swiftlet::sim

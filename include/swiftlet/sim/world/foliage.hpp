@@ -29,7 +29,7 @@ struct FoliageConfig {
 /// along all three axes. All motions are harmonic. Leaves do not rotate.
 class FoliageMotion {
  public:
-  static constexpr int kWays = 256;  ///< number of flutter patterns; each leaf cluster uses one of them
+  static constexpr int kNumPatterns = 256;  ///< number of flutter patterns; each leaf cluster uses one of them
 
   FoliageMotion(const FoliageConfig& config, std::uint64_t seed);
 
@@ -37,10 +37,10 @@ class FoliageMotion {
   Vector3 sway_m(std::uint32_t tree, double t_s) const;
   /// Share of the top's sway for a leaf at this height. @param height 0: foot, 1: top
   static double share_of_sway(double height);
-  /// Displacement of a leaf cluster by its flutter [m]. @param way index of the pattern, 0 to kWays - 1
-  Vector3 flutter_m(std::uint32_t way, double t_s) const;
+  /// Displacement of a leaf cluster by its flutter [m]. @param pattern index of the pattern, 0 to kNumPatterns - 1
+  Vector3 flutter_m(std::uint32_t pattern, double t_s) const;
   /// Flutter pattern of a leaf cluster of a tree.
-  std::uint32_t way_of(std::uint32_t tree, std::uint32_t leaf) const;
+  std::uint32_t pattern_of(std::uint32_t tree, std::uint32_t leaf) const;
 
  private:
   FoliageConfig config_;
