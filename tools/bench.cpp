@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/agent/tells_stages.hpp"
+#include "swiftlet/core/agent/stage_notifier.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
@@ -93,20 +93,26 @@ const Case kCases[] = {
 struct BusyCase {
   const char* name;
   const char* what;
-  BesideOthers (*measure)(int threads, const TellProgress& tell);
+  BesideOthers (*measure)(int threads, const ProgressCallback& report_progress);
 };
 
 const BusyCase kBusyCases[] = {
     {"busy_crowd_1khz", "100 X500, no LiDAR, 1 kHz physics",
-     [](int threads, const TellProgress& tell) { return fly_beside_others(crowd(0.001), 1.0, threads, tell); }},
+     [](int threads, const ProgressCallback& report_progress) {
+       return fly_beside_others(crowd(0.001), 1.0, threads, report_progress);
+     }},
     {"busy_crowd_250hz", "100 X500, no LiDAR, 250 Hz physics",
-     [](int threads, const TellProgress& tell) { return fly_beside_others(crowd(0.004), 2.0, threads, tell); }},
+     [](int threads, const ProgressCallback& report_progress) {
+       return fly_beside_others(crowd(0.004), 2.0, threads, report_progress);
+     }},
     {"busy_mid360", "4 X500 with a Mid-360 each in a forest",
-     [](int threads, const TellProgress& tell) {
-       return fly_beside_others(with_copies(read("bench_mid360"), 4, 4.0), 0.5, threads, tell);
+     [](int threads, const ProgressCallback& report_progress) {
+       return fly_beside_others(with_copies(read("bench_mid360"), 4, 4.0), 0.5, threads, report_progress);
      }},
     {"busy_batch", "a batch of single X500",
-     [](int threads, const TellProgress& tell) { return fly_batch_beside_others(threads, tell); }},
+     [](int threads, const ProgressCallback& report_progress) {
+       return fly_batch_beside_others(threads, report_progress);
+     }},
 };
 
 struct Result {

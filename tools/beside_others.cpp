@@ -79,7 +79,8 @@ void run_swiftlet(std::vector<std::string> arguments) {
 
 }  // namespace
 
-BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int threads, const TellProgress& tell) {
+BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int threads,
+                               const ProgressCallback& report_progress) {
   const BusyProcesses others(threads);
   const sim::World world = sim::build_world(scenario.world, scenario.seed_of_world());
   sim::Simulation by_one(scenario, 1, world), by_all(scenario, threads, world);
@@ -94,13 +95,13 @@ BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int
     fly_until(by_all, until_s);
     one += between - before;
     all += spent(others, RUSAGE_SELF) - between;
-    tell(static_cast<double>(turn) / kTurns);
+    report_progress(static_cast<double>(turn) / kTurns);
   }
   if (by_one.state_hash() != by_all.state_hash()) throw std::logic_error("bench: one thread and all fly differently");
   return compare(one, all, threads, others.count());
 }
 
-BesideOthers fly_batch_beside_others(int workers, const TellProgress& tell) {
+BesideOthers fly_batch_beside_others(int workers, const ProgressCallback& report_progress) {
   const BusyProcesses others(workers);
   const ScratchFolder folder;
   const fs::path file = folder / "batch.yaml";
@@ -113,7 +114,7 @@ BesideOthers fly_batch_beside_others(int workers, const TellProgress& tell) {
       const Spent before = spent(others, RUSAGE_CHILDREN);
       run_swiftlet({"batch", file, "--out", out, "--quiet", "--jobs", std::to_string(alone ? 1 : workers)});
       (alone ? one : all) += spent(others, RUSAGE_CHILDREN) - before;
-      tell((turn - (alone ? 0.5 : 0.0)) / kBatchTurns);
+      report_progress((turn - (alone ? 0.5 : 0.0)) / kBatchTurns);
     }
   }
   return compare(one, all, workers, others.count());

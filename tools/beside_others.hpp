@@ -18,13 +18,14 @@ struct BesideOthers {
   double share_kept = 0.0;
 };
 
-using TellProgress = std::function<void(double done)>;
+using ProgressCallback = std::function<void(double done)>;
 
 /// Alternates two copies of the scenario in turns of `turn_s` of simulated time, one with a single thread, one with
 /// all.
-BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int threads, const TellProgress& tell);
+BesideOthers fly_beside_others(const sim::Scenario& scenario, double turn_s, int threads,
+                               const ProgressCallback& report_progress);
 
 /// Alternates turns of `swiftlet batch` with one worker and with several.
-BesideOthers fly_batch_beside_others(int workers, const TellProgress& tell);
+BesideOthers fly_batch_beside_others(int workers, const ProgressCallback& report_progress);
 
 }  // namespace swiftlet::tools

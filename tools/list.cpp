@@ -51,7 +51,7 @@ void print_metrics() {
 }
 
 void print_outcomes() {
-  for (const sim::OutcomeWord& word : sim::outcome_words()) print_line(word.name, word.definition);
+  for (const sim::OutcomeDefinition& word : sim::outcome_definitions()) print_line(word.name, word.definition);
 }
 
 /// Sources of an overlay: the stack itself, a stage of any type, or named types of a stage.

@@ -8,7 +8,7 @@
 
 #include "core/agent/look_around.hpp"
 #include "core/agent/trail.hpp"
-#include "swiftlet/core/agent/tells_stages.hpp"
+#include "swiftlet/core/agent/stage_notifier.hpp"
 #include "swiftlet/core/control/controller.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/ensure.hpp"
@@ -37,7 +37,7 @@ Reference at_rest_with(const StateEstimate& estimate) {
 }
 
 /// All stages work in the local frame; outputs (`action_`) are in the world.
-class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public TellsStages {
+class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvider, public StageNotifier {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
       : self_(setup.self),
@@ -47,7 +47,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
         registrar_(setup.airframe.circumscribed_radius_m()),
         reference_governor_(control.limits.resolve()),
         controller_(setup.airframe, control.gains, setup.tick_s),
-        joins_maps_(dynamic_cast<const JoinsMaps*>(stages_.localization.get())),
+        joined_map_provider_(dynamic_cast<const JoinedMapProvider*>(stages_.localization.get())),
         outbox_(setup.self) {
     if (needs_.map && stages_.mapping == nullptr) {
       throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
@@ -96,7 +96,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     return action_;
   }
 
-  void tell_stages(std::function<void(AgentStage)> begins) override { begins_ = std::move(begins); }
+  void set_stage_listener(std::function<void(AgentStage)> begins) override { begins_ = std::move(begins); }
 
   void append_counters(std::vector<Counter>& counters) const override {
     const auto append = [&](const auto& stage, const char* key) {
@@ -126,8 +126,8 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   }
 
   std::shared_ptr<const SavedMap> saved_map() const override {
-    const auto* keeper = dynamic_cast<const KeepsMap*>(stages_.localization.get());
-    std::shared_ptr<const SavedMap> saved = keeper != nullptr ? keeper->saved_map() : nullptr;
+    const auto* provider = dynamic_cast<const SavedMapProvider*>(stages_.localization.get());
+    std::shared_ptr<const SavedMap> saved = provider != nullptr ? provider->saved_map() : nullptr;
     const SubmapPoses* poses = stages_.localization->submap_poses();
     if (saved == nullptr || poses == nullptr || stages_.mapping == nullptr) return saved;
     std::vector<MapPiece> pieces;
@@ -136,7 +136,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   }
 
   std::span<const JoinedMap> joined_maps() const override {
-    return joins_maps_ != nullptr ? joins_maps_->joined_maps() : std::span<const JoinedMap>();
+    return joined_map_provider_ != nullptr ? joined_map_provider_->joined_maps() : std::span<const JoinedMap>();
   }
 
  private:
@@ -315,8 +315,8 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   CloudRegistrar registrar_;
   ReferenceGovernor reference_governor_;
   MultirotorController controller_;
-  const JoinsMaps* joins_maps_;             // null: localization joins no maps
-  std::function<void(AgentStage)> begins_;  // called when a stage begins; may be empty
+  const JoinedMapProvider* joined_map_provider_;  // null: localization joins no maps
+  std::function<void(AgentStage)> begins_;        // called when a stage begins; may be empty
 
   Outbox outbox_;
   Action action_;

@@ -23,14 +23,14 @@ class OccupancyMapper : public Mapper {
             {config.every_column, config.every_row, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
-    if (!config.tell_rays_to.empty()) tell_to_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
+    if (!config.tell_rays_to.empty()) receiver_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
   }
 
   void step(const MapperInput& input, Outbox& outbox) override {
     p_local_m_ = input.estimate.T_local_body.translation();
     if (rays_of_ != kNoVehicle) {
       for (const Message& message : input.observation.messages) {
-        if (message.from == rays_of_ && read_message(message, told_) == Reading::kDone) insert_told(input);
+        if (message.from == rays_of_ && read_message(message, message_) == Reading::kDone) insert_received(input);
       }
       return;
     }
@@ -39,7 +39,7 @@ class OccupancyMapper : public Mapper {
       const std::span<const OccupancyMap::Ray> rays = scan_rays_.take(*cloud, vehicles_);
       map_.keep_around(p_local_m_);
       map_.insert(rays, cloud->end());
-      if (tell_to_ != kNoVehicle) tell(rays, cloud->end(), FrameChange::to_world(input.estimate), outbox);
+      if (receiver_ != kNoVehicle) send(rays, cloud->end(), FrameChange::to_world(input.estimate), outbox);
     }
   }
 
@@ -65,27 +65,27 @@ class OccupancyMapper : public Mapper {
 
  private:
   // Inserts the rays reported by another vehicle, without those that end on this vehicle.
-  void insert_told(const MapperInput& input) {
+  void insert_received(const MapperInput& input) {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     rays_.clear();
-    for (const ToldRay& ray : told_.rays) {
+    for (const MapRay& ray : message_.rays) {
       const Eigen::Vector3f end_local_m = to_local.point(ray.end_world_m.cast<double>()).cast<float>();
       const bool is_self = ray.hit && (end_local_m.cast<double>() - p_local_m_).norm() < config_.tracked_radius_m;
       if (is_self) continue;
       rays_.push_back({to_local.point(ray.origin_world_m.cast<double>()).cast<float>(), end_local_m, ray.hit});
     }
     map_.keep_around(p_local_m_);
-    map_.insert(rays_, told_.t);
+    map_.insert(rays_, message_.t);
   }
 
-  void tell(std::span<const OccupancyMap::Ray> rays, TimeNs t, const FrameChange& to_world, Outbox& outbox) {
-    told_.t = t;
-    told_.rays.clear();
+  void send(std::span<const OccupancyMap::Ray> rays, TimeNs t, const FrameChange& to_world, Outbox& outbox) {
+    message_.t = t;
+    message_.rays.clear();
     for (const OccupancyMap::Ray& ray : rays) {
-      told_.rays.push_back({to_world.point(ray.origin_local_m.cast<double>()).cast<float>(),
-                            to_world.point(ray.end_local_m.cast<double>()).cast<float>(), ray.hit});
+      message_.rays.push_back({to_world.point(ray.origin_local_m.cast<double>()).cast<float>(),
+                               to_world.point(ray.end_local_m.cast<double>()).cast<float>(), ray.hit});
     }
-    write_message(told_, outbox.say(tell_to_));
+    write_message(message_, outbox.say(receiver_));
   }
 
   OccupancyMapperConfig config_;
@@ -94,8 +94,8 @@ class OccupancyMapper : public Mapper {
   ScanRays scan_rays_;
   VehiclesAround vehicles_;
   std::vector<OccupancyMap::Ray> rays_;  // reported by another vehicle
-  VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
-  MapRays told_;
+  VehicleId rays_of_ = kNoVehicle, receiver_ = kNoVehicle;
+  MapRays message_;
 };
 
 }  // namespace

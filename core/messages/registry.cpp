@@ -14,7 +14,7 @@
 #include "swiftlet/core/messages/submap_descriptor.hpp"
 #include "swiftlet/core/messages/submap_places.hpp"
 #include "swiftlet/core/messages/submap_request.hpp"
-#include "swiftlet/core/messages/told_tracks.hpp"
+#include "swiftlet/core/messages/track_report.hpp"
 
 namespace swiftlet {
 namespace {
@@ -24,7 +24,7 @@ constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
     message_kind<MapRays>(),          message_kind<SharedPath>(),     message_kind<SubmapDescriptor>(),
     message_kind<SubmapPlaces>(),     message_kind<SubmapRequest>(),  message_kind<SubmapChunk>(),
-    message_kind<MapClosures>(),      message_kind<ToldTracks>(),     message_kind<ChaseReport>(),
+    message_kind<MapClosures>(),      message_kind<TrackReport>(),    message_kind<ChaseReport>(),
 };
 
 /// Fields that recordings add to a message.

@@ -122,7 +122,7 @@ FrameLink::FrameLink(const FrameLinkConfig& config, const OdometryDriftConfig& d
 
 void FrameLink::clear() {
   started_ = false;
-  told_.reset();
+  alignment_.reset();
   last_ = measured_ = -1;
   num_disagreements_ = 0;
 }
@@ -130,7 +130,7 @@ void FrameLink::clear() {
 void FrameLink::update(const ObserverHistory& own, const ObserverHistory& other) {
   const TimeNs t = std::min(own.until(), other.until());
   if (t >= 0 && (last_ < 0 || t - last_ >= from_seconds(config_.interval_s))) compare(own, other, t);
-  tell(own, other);
+  update_alignment(own, other);
 }
 
 void FrameLink::compare(const ObserverHistory& own, const ObserverHistory& other, TimeNs t) {
@@ -189,8 +189,8 @@ std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& ancho
   const auto best = std::max_element(matches.begin(), matches.end(), [](const Match& m, const Match& n) {
     return m.pairs.size() != n.pairs.size() ? m.pairs.size() < n.pairs.size() : m.bends < n.bends;
   });
-  const bool is_telling = best->duration_s >= config_.alone_s && best->bends >= config_.alone_sigmas;
-  if (best->pairs.size() == 1 && !is_telling) return std::nullopt;
+  const bool is_unambiguous = best->duration_s >= config_.alone_s && best->bends >= config_.alone_sigmas;
+  if (best->pairs.size() == 1 && !is_unambiguous) return std::nullopt;
   const bool in_doubt = std::any_of(matches.begin(), matches.end(), [&](const Match& m) {
     return m.pairs.size() >= best->pairs.size() &&
            squared_sigmas_between(m.alignment, best->alignment) > kDisagreement_sigma_sq;
@@ -255,8 +255,8 @@ void FrameLink::append_pairs(std::size_t own, std::size_t other, double yaw_rad,
   const double common_sq = config_.sigma_common_m * config_.sigma_common_m;
   const std::size_t first = pairs.size();
   TimeNs next = std::numeric_limits<TimeNs>::max();
-  const std::span<const PathSample> told = other_paths_[other]->samples();
-  for (auto s = told.rbegin(); s != told.rend(); ++s) {
+  const std::span<const PathSample> samples = other_paths_[other]->samples();
+  for (auto s = samples.rbegin(); s != samples.rend(); ++s) {
     if (s->t > next) continue;
     const auto seen = own_paths_[own]->at(s->t, config_.gap_max_s);
     if (!seen) continue;
@@ -412,8 +412,8 @@ void FrameLink::measure(TimeNs t) {
 
 /// Publishes the present alignment, propagated by odometry since the newest common instant. Drops one that is too
 /// uncertain.
-void FrameLink::tell(const ObserverHistory& own, const ObserverHistory& other) {
-  told_.reset();
+void FrameLink::update_alignment(const ObserverHistory& own, const ObserverHistory& other) {
+  alignment_.reset();
   if (!started_ || own.self().empty() || other.self().empty()) return;
   const State now = drifted(state_, own.self().newest(), other.self().newest());
   const Matrix3 place = now.P.topLeftCorner<3, 3>();
@@ -425,13 +425,13 @@ void FrameLink::tell(const ObserverHistory& own, const ObserverHistory& other) {
     ++num_lost_;
     return;
   }
-  FrameAlignment told;
-  told.anchor_other_m = now.anchor_other_m;
-  told.anchor_local_m = now.x.head<3>();
-  told.yaw_rad = std::remainder(now.x(3), 2.0 * kPi);
-  told.covariance = now.P;
-  told.covariance.diagonal().head<3>().array() += config_.sigma_common_m * config_.sigma_common_m;
-  told_ = told;
+  FrameAlignment alignment;
+  alignment.anchor_other_m = now.anchor_other_m;
+  alignment.anchor_local_m = now.x.head<3>();
+  alignment.yaw_rad = std::remainder(now.x(3), 2.0 * kPi);
+  alignment.covariance = now.P;
+  alignment.covariance.diagonal().head<3>().array() += config_.sigma_common_m * config_.sigma_common_m;
+  alignment_ = alignment;
 }
 
 MotionEstimate in_own_frame(const FrameAlignment& alignment, const MotionEstimate& in_other) {

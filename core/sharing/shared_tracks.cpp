@@ -9,7 +9,7 @@
 
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/messages/kind.hpp"
-#include "swiftlet/core/messages/told_tracks.hpp"
+#include "swiftlet/core/messages/track_report.hpp"
 #include "swiftlet/core/tracking/trackers.hpp"
 
 namespace swiftlet {
@@ -38,7 +38,7 @@ MotionEstimate estimate_of(const Track& track) {
 
 /// Another observer: its reports and the alignment of its frame.
 struct Peer {
-  struct Told {
+  struct ReportedTrack {
     std::uint32_t identity = 0;
     TimeNs t = 0;
     MotionEstimate estimate;  // in the peer's frame
@@ -51,7 +51,7 @@ struct Peer {
   TimeNs newest = -1;
   MotionEstimate self;  // at `newest`
   double yaw_rad = 0.0, yaw_rate_radps = 0.0;
-  std::vector<Told> told;
+  std::vector<ReportedTrack> reported;
 };
 
 class SharedTracks : public Tracker {
@@ -72,7 +72,7 @@ class SharedTracks : public Tracker {
       peer.link.update(own_history_, peer.history);
     }
     fuse(input.observation.t);
-    tell(tracks);
+    report(tracks);
     say(input, outbox);
     return true;
   }
@@ -92,7 +92,7 @@ class SharedTracks : public Tracker {
     }
     counters.push_back({"messages of tracks that came after a newer one", num_overtaken_, num_heard_, "rate_hz"});
     counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_heard_, "rate_hz"});
-    counters.push_back({"tracks that were not told because there were too many", num_untold_, num_own_, "max_told"});
+    counters.push_back({"tracks that were not told because there were too many", num_unsent_, num_own_, "max_told"});
     counters.push_back(
         {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
     counters.push_back({"targets told together that turned out to be two", fusion_.num_broken(), fusion_.num_joined(),
@@ -127,21 +127,21 @@ class SharedTracks : public Tracker {
   }
 
   void hear(const Message& message) {
-    ToldTracks told;
-    const Reading reading = read_message(message, told);
+    TrackReport received;
+    const Reading reading = read_message(message, received);
     if (reading == Reading::kOtherKind || message.from == self_ || message.from == kNoVehicle) return;
     ++num_heard_;
-    if (reading != Reading::kDone || told.t > message.received + kAhead) {
+    if (reading != Reading::kDone || received.t > message.received + kAhead) {
       ++num_unreadable_;
       return;
     }
     Peer& peer = peer_of(message.from);
-    if (peer.newest >= 0 && told.t + kRestart < peer.newest) start_over(peer);
-    if (told.t <= peer.newest) {
+    if (peer.newest >= 0 && received.t + kRestart < peer.newest) start_over(peer);
+    if (received.t <= peer.newest) {
       ++num_overtaken_;
       return;
     }
-    take(peer, told);
+    take(peer, received);
   }
 
   Peer& peer_of(VehicleId id) {
@@ -158,20 +158,20 @@ class SharedTracks : public Tracker {
     peer.newest = -1;
   }
 
-  void take(Peer& peer, const ToldTracks& told) {
-    peer.newest = told.t;
-    peer.self.mean << told.p_local_m, told.v_local_mps;
+  void take(Peer& peer, const TrackReport& received) {
+    peer.newest = received.t;
+    peer.self.mean << received.p_local_m, received.v_local_mps;
     peer.self.covariance.setIdentity();
     const double sigma_m = config_.frame.sigma_own_m;
     peer.self.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
     peer.self.covariance.diagonal().tail<3>().setConstant(kOwnVelocity_sigma_mps * kOwnVelocity_sigma_mps);
-    peer.yaw_rad = told.yaw_rad;
-    peer.yaw_rate_radps = told.yaw_rate_radps;
-    peer.history.push_self(told.t, told.p_local_m, told.v_local_mps, told.yaw_rad, sigma_m);
-    peer.told.clear();
-    TimeNs until = told.t;
-    for (const ToldTracks::Told& track : told.tracks) {
-      Peer::Told known{track.identity, told.t - from_seconds(track.age_s), {}, track.existence};
+    peer.yaw_rad = received.yaw_rad;
+    peer.yaw_rate_radps = received.yaw_rate_radps;
+    peer.history.push_self(received.t, received.p_local_m, received.v_local_mps, received.yaw_rad, sigma_m);
+    peer.reported.clear();
+    TimeNs until = received.t;
+    for (const TrackReport::Entry& track : received.tracks) {
+      Peer::ReportedTrack known{track.identity, received.t - from_seconds(track.age_s), {}, track.existence};
       known.estimate.mean << track.p_local_m.cast<double>(), track.v_local_mps.cast<double>();
       known.estimate.covariance = track.covariance.cast<double>();
       const bool is_sound = is_covariance(known.estimate.covariance) && track.existence >= 0.0F &&
@@ -183,9 +183,10 @@ class SharedTracks : public Tracker {
       until = std::min(until, known.t);
       peer.history.push_track(track.identity, known.t, known.estimate.p_m(), known.estimate.v_mps(),
                               known.estimate.covariance.topLeftCorner<3, 3>());
-      peer.told.push_back(std::move(known));
+      peer.reported.push_back(std::move(known));
     }
-    std::sort(peer.told.begin(), peer.told.end(), [](const auto& a, const auto& b) { return a.identity < b.identity; });
+    std::sort(peer.reported.begin(), peer.reported.end(),
+              [](const auto& a, const auto& b) { return a.identity < b.identity; });
     peer.history.complete_until(until);
   }
 
@@ -210,9 +211,9 @@ class SharedTracks : public Tracker {
     }
     for (const Peer& peer : peers_) {
       if (!counts(peer, now)) continue;
-      for (const Peer::Told& told : peer.told) {
-        const MotionEstimate local = in_own_frame(*peer.link.alignment(), told.estimate);
-        observed_.push_back({peer.id, told.identity, at(local, told.t, t_), told.existence});
+      for (const Peer::ReportedTrack& track : peer.reported) {
+        const MotionEstimate local = in_own_frame(*peer.link.alignment(), track.estimate);
+        observed_.push_back({peer.id, track.identity, at(local, track.t, t_), track.existence});
       }
     }
     leave_out_observers(t_, now);
@@ -225,7 +226,7 @@ class SharedTracks : public Tracker {
     for (const Track& track : own_tracks_) t = std::max(t, track.t);
     for (const Peer& peer : peers_) {
       if (!counts(peer, now)) continue;
-      for (const Peer::Told& told : peer.told) t = std::max(t, told.t);
+      for (const Peer::ReportedTrack& track : peer.reported) t = std::max(t, track.t);
     }
     return t >= 0 ? t : now;
   }
@@ -307,9 +308,9 @@ class SharedTracks : public Tracker {
       bodies_.push_back({o.observer, o.identity, vehicle, t});
   }
 
-  void tell(std::vector<Track>& tracks) const {
+  void report(std::vector<Track>& tracks) const {
     tracks.clear();
-    for (const FusedTrack& fused : fusion_.told()) {
+    for (const FusedTrack& fused : fusion_.reported()) {
       Track& track = tracks.emplace_back();
       track.id = fused.id;
       track.t = t_;
@@ -342,15 +343,15 @@ class SharedTracks : public Tracker {
   // ---- output
   void say(const TrackerInput& input, Outbox& outbox) {
     const TimeNs t = input.observation.t;
-    if (said_ >= 0 && to_seconds(t - said_) < (1.0 - 1e-6) / config_.rate_hz) return;
-    said_ = t;
-    ToldTracks told;
+    if (last_sent_ >= 0 && to_seconds(t - last_sent_) < (1.0 - 1e-6) / config_.rate_hz) return;
+    last_sent_ = t;
+    TrackReport sent;
     const StateEstimate& estimate = input.estimate;
-    told.t = t;
-    told.p_local_m = estimate.T_local_body.translation();
-    told.v_local_mps = estimate.v_local_mps;
-    told.yaw_rad = yaw_of(estimate.T_local_body.linear());
-    told.yaw_rate_radps = (estimate.T_local_body.linear() * estimate.omega_body_radps).z();
+    sent.t = t;
+    sent.p_local_m = estimate.T_local_body.translation();
+    sent.v_local_mps = estimate.v_local_mps;
+    sent.yaw_rad = yaw_of(estimate.T_local_body.linear());
+    sent.yaw_rate_radps = (estimate.T_local_body.linear() * estimate.omega_body_radps).z();
     order_.clear();
     for (std::size_t i = 0; i < own_tracks_.size(); ++i) {
       ++num_own_;
@@ -360,12 +361,12 @@ class SharedTracks : public Tracker {
                      [&](std::size_t a, std::size_t b) { return existences_[a] > existences_[b]; });
     const auto most = static_cast<std::size_t>(config_.max_told);
     if (order_.size() > most) {
-      num_untold_ += order_.size() - most;
+      num_unsent_ += order_.size() - most;
       order_.resize(most);
     }
     for (const std::size_t i : order_) {
       const Track& track = own_tracks_[i];
-      ToldTracks::Told& out = told.tracks.emplace_back();
+      TrackReport::Entry& out = sent.tracks.emplace_back();
       out.identity = track.id;
       out.age_s = static_cast<float>(std::max(0.0, to_seconds(t - track.t)));
       out.existence = static_cast<float>(existences_[i]);
@@ -373,7 +374,7 @@ class SharedTracks : public Tracker {
       out.v_local_mps = track.velocity_mps.cast<float>();
       out.covariance = track.covariance.topLeftCorner<6, 6>().cast<float>();
     }
-    write_message(told, outbox.say());
+    write_message(sent, outbox.say());
   }
 
   std::optional<RelativeEstimate> place_of(const Peer& peer, TimeNs t) const {
@@ -408,9 +409,9 @@ class SharedTracks : public Tracker {
   TrackFusion fusion_;
   std::vector<ObservedTrack> observed_;  // input of the newest fusion, own tracks first
   TimeNs t_ = 0;                         // time of the newest fusion
-  TimeNs said_ = -1;
+  TimeNs last_sent_ = -1;
   std::vector<std::size_t> order_;
-  std::uint64_t num_heard_ = 0, num_overtaken_ = 0, num_unreadable_ = 0, num_own_ = 0, num_untold_ = 0;
+  std::uint64_t num_heard_ = 0, num_overtaken_ = 0, num_unreadable_ = 0, num_own_ = 0, num_unsent_ = 0;
 };
 
 }  // namespace

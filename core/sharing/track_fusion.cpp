@@ -52,7 +52,7 @@ void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {
   join(observed);
   hold_back(observed);
   std::erase_if(targets_, [](const Target& target) { return target.keys.empty(); });  // joined into others
-  tell();
+  report();
 }
 
 TrackFusion::Target& TrackFusion::begin(const Key& key) {
@@ -216,7 +216,7 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
     if (std::ssize(kept.keys) > kMostKeys) kept.keys.erase(kept.keys.begin(), kept.keys.end() - kMostKeys);
     kept.members.insert(kept.members.end(), gone.members.begin(), gone.members.end());
     std::sort(kept.members.begin(), kept.members.end());
-    kept.was_told = kept.was_told || gone.was_told;
+    kept.was_reported = kept.was_reported || gone.was_reported;
     if (kept.id == 0 || (gone.id != 0 && gone.id < kept.id)) kept.id = gone.id;
     gone.members.clear();
     gone.keys.clear();
@@ -245,7 +245,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
     // before.
     struct Count {
       VehicleId observer;
-      int likely = 0, told = 0;
+      int likely = 0, reported = 0;
     };
     std::vector<Count> counts;
     std::size_t size = 0;
@@ -257,7 +257,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
                                   [&](const Count& c) { return c.observer == observed[m].observer; });
         if (count == counts.end()) count = counts.insert(count, {observed[m].observer, 0, 0});
         count->likely += targets_[k].existence >= config_.told_existence;
-        count->told += targets_[k].was_told;
+        count->reported += targets_[k].was_reported;
       }
     }
     if (size < 2) continue;
@@ -269,7 +269,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
     };
     const auto best = std::min_element(counts.begin(), counts.end(), [&](const Count& x, const Count& y) {
       if (x.likely != y.likely) return x.likely > y.likely;
-      return x.told != y.told ? x.told > y.told : order(x.observer) < order(y.observer);
+      return x.reported != y.reported ? x.reported > y.reported : order(x.observer) < order(y.observer);
     });
     for (std::size_t k = first; k < group.size(); ++k) {
       if (root(k) != first || targets_[k].members.empty()) continue;
@@ -280,15 +280,15 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
   }
 }
 
-void TrackFusion::tell() {
-  told_.clear();
+void TrackFusion::report() {
+  reported_.clear();
   for (Target& target : targets_) {
-    target.was_told = !target.members.empty() && !target.held_back && target.existence >= config_.told_existence;
-    if (!target.was_told) continue;
+    target.was_reported = !target.members.empty() && !target.held_back && target.existence >= config_.told_existence;
+    if (!target.was_reported) continue;
     if (target.id == 0) target.id = next_id_++;
-    told_.push_back({target.id, target.estimate, target.existence, target.members});
+    reported_.push_back({target.id, target.estimate, target.existence, target.members});
   }
-  std::sort(told_.begin(), told_.end(), [](const FusedTrack& a, const FusedTrack& b) { return a.id < b.id; });
+  std::sort(reported_.begin(), reported_.end(), [](const FusedTrack& a, const FusedTrack& b) { return a.id < b.id; });
 }
 
 }  // namespace swiftlet

@@ -231,18 +231,18 @@ RotationalHistogram::RotationalHistogram(std::span<const Eigen::Vector3f> points
   }
 }
 
-RotationalHistogram::RotationalHistogram(std::span<const std::uint8_t, kBuckets> told) {
-  std::copy(told.begin(), told.end(), weight_.begin());
+RotationalHistogram::RotationalHistogram(std::span<const std::uint8_t, kBuckets> quantized) {
+  std::copy(quantized.begin(), quantized.end(), weight_.begin());
 }
 
-std::vector<std::uint8_t> RotationalHistogram::told() const {
+std::vector<std::uint8_t> RotationalHistogram::quantized() const {
   const double most = *std::max_element(weight_.begin(), weight_.end());
-  std::vector<std::uint8_t> told(kBuckets, 0);
-  if (!(most > 0.0)) return told;
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    told[i] = static_cast<std::uint8_t>(std::floor(255.0 * weight_[i] / most + 0.5));
+  std::vector<std::uint8_t> quantized(kBuckets, 0);
+  if (!(most > 0.0)) return quantized;
+  for (std::size_t i = 0; i < quantized.size(); ++i) {
+    quantized[i] = static_cast<std::uint8_t>(std::floor(255.0 * weight_[i] / most + 0.5));
   }
-  return told;
+  return quantized;
 }
 
 double RotationalHistogram::similarity(const RotationalHistogram& other, double yaw_rad) const {

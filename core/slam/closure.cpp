@@ -125,12 +125,12 @@ int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, con
     for (int i = 0; i < kRefinements; ++i) {
       const ScanFit fit = fitter.fit(map, points_m, T, matching);
       if (fit.num_degenerate > 0 && prior == nullptr) return fit.num_degenerate;
-      PoseEvidence told = fit.evidence;
+      PoseEvidence evidence = fit.evidence;
       if (prior != nullptr) {
-        told.information += prior->information;
-        told.gradient += prior->information * step_between(prior->T, T);
+        evidence.information += prior->information;
+        evidence.gradient += prior->information * step_between(prior->T, T);
       }
-      const Vector6 step = told.information.ldlt().solve(told.gradient);
+      const Vector6 step = evidence.information.ldlt().solve(evidence.gradient);
       if (!step.allFinite()) return kAllOpen;
       T = moved(T, -step);
       if (step.cwiseAbs().maxCoeff() < kStill) break;
@@ -156,7 +156,7 @@ struct Directions {
 };
 
 /// Projection onto the directions of a pose that the evidence constrains.
-Matrix6 told_by(const PoseEvidence& evidence, int num_open) {
+Matrix6 constrained_directions(const PoseEvidence& evidence, int num_open) {
   if (num_open == 0) return Matrix6::Identity();
   const Directions of(evidence);
   Matrix6 kept = Matrix6::Identity();
@@ -206,11 +206,11 @@ struct NewerCloud {
 };
 
 /// Poses of the newer submap when it slides along the direction that the surfaces constrain least.
-struct Slide {
+struct SlidePath {
   PoseEvidence evidence;  // at the start of the slide
   Vector6 step;           // direction of the slide
   std::vector<Pose> T_older_newer;
-  std::vector<double> way_m;
+  std::vector<double> offset_m;
   std::vector<int> num_near;  // number of points on surfaces
 
   /// Distance of another pose from the line of the slide. A pure rotation has no line: there it is the distance from
@@ -224,19 +224,19 @@ struct Slide {
 };
 
 /// @param reach_m  length to either side; poses are sampled from the start outward
-Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
+SlidePath sample_slide(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
   ENSURE(std::isfinite(reach_m), reach_m);
   ScanFitter fitter;
   const auto fit_at = [&](const Pose& T) {
     return fitter.fit(surfaces, newer.fitted_m, T, matching_of(kFinest_m, kOpenShare));
   };
   const ScanFit fit = fit_at(T_older_newer);
-  Slide slide{fit.evidence, Directions(fit.evidence).step(0), {T_older_newer}, {0.0}, {fit.num_near}};
+  SlidePath slide{fit.evidence, Directions(fit.evidence).step(0), {T_older_newer}, {0.0}, {fit.num_near}};
   const int num_steps = static_cast<int>(std::ceil(reach_m / kSlid_m));
   for (int i = 1; i <= num_steps; ++i) {
-    for (const double way_m : {i * kSlid_m, -i * kSlid_m}) {
-      slide.T_older_newer.push_back(moved(T_older_newer, way_m * slide.step));
-      slide.way_m.push_back(way_m);
+    for (const double offset_m : {i * kSlid_m, -i * kSlid_m}) {
+      slide.T_older_newer.push_back(moved(T_older_newer, offset_m * slide.step));
+      slide.offset_m.push_back(offset_m);
       slide.num_near.push_back(fit_at(slide.T_older_newer.back()).num_near);
     }
   }
@@ -245,9 +245,9 @@ Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& 
 
 /// Does the submap fit about as well after it slides? Then the apparent constraint along that direction comes from
 /// errors of normals, or from ledges that meet other ledges.
-bool fits_elsewhere(const Slide& slide) {
-  for (std::size_t i = 1; i < slide.way_m.size(); ++i) {
-    if (std::abs(slide.way_m[i]) >= kHolds_m && slide.num_near[i] > kHolds * slide.num_near.front()) return true;
+bool fits_elsewhere(const SlidePath& slide) {
+  for (std::size_t i = 1; i < slide.offset_m.size(); ++i) {
+    if (std::abs(slide.offset_m[i]) >= kHolds_m && slide.num_near[i] > kHolds * slide.num_near.front()) return true;
   }
   return false;
 }
@@ -266,7 +266,7 @@ void check_fit(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& 
                                                          : ClosureVerdict::kClosed;
   if (result.verdict != ClosureVerdict::kClosed) return;
   result.T_older_newer = T_older_newer;
-  result.told = told_by(fit.evidence, fit.num_degenerate);
+  result.constrained = constrained_directions(fit.evidence, fit.num_degenerate);
 }
 
 /// Refines a match of the grid on the surfaces of the older submap and makes the final checks.
@@ -333,26 +333,27 @@ ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& ne
   const bool wide_is_better = !is_closed(close) || (is_closed(wide) && quality_of(wide) > quality_of(close));
   ClosureResult result = wide_is_better ? wide : close;
   const ClosureResult& other = wide_is_better ? close : wide;
-  Slide slide = slide_of(surfaces, newer, result.T_older_newer, reach_m);
+  SlidePath slide = sample_slide(surfaces, newer, result.T_older_newer, reach_m);
   if (is_closed(other) && quality_of(other) >= kRivalFit * quality_of(result) &&
       slide.off_it_m(other.T_older_newer) > kApart_m) {
     result.verdict = ClosureVerdict::kRival;
     return result;
   }
   const auto best = std::max_element(slide.num_near.begin(), slide.num_near.end()) - slide.num_near.begin();
-  if (std::abs(slide.way_m[best]) > kApart_m) {
+  if (std::abs(slide.offset_m[best]) > kApart_m) {
     const ClosureResult along = settled(slide.T_older_newer[best], kFine_m);
     if (is_closed(along) && quality_of(along) > quality_of(result)) {
       result = along;
-      slide = slide_of(surfaces, newer, result.T_older_newer, reach_m);
+      slide = sample_slide(surfaces, newer, result.T_older_newer, reach_m);
     }
   }
-  if (result.told.isIdentity() && fits_elsewhere(slide)) result.told = told_by(slide.evidence, 1);
+  if (result.constrained.isIdentity() && fits_elsewhere(slide))
+    result.constrained = constrained_directions(slide.evidence, 1);
   return result;
 }
 
 /// Inputs of a search: clouds, guess and window.
-struct Sought {
+struct CandidateSearch {
   const OccupancyPyramid& pyramid;
   std::span<const Eigen::Vector3f> upright_newer_m;
   const NewerCloud& newer;
@@ -364,18 +365,18 @@ struct Sought {
 /// Marks a closure as ambiguous when the surfaces fit about as well at another place. The other place may have a lower
 /// score of the grid: where all bays of an aisle look alike, the place with the largest overlap scores best. Places
 /// farther from the guess than both this one and the error of the guess are ignored.
-void doubt(const Sought& sought, const SurfaceMap& surfaces, const GridMatch& best, double guess_off_m,
-           const ClosureConfig& config, ClosureResult& result) {
+void check_rivals(const CandidateSearch& search, const SurfaceMap& surfaces, const GridMatch& best, double guess_off_m,
+                  const ClosureConfig& config, ClosureResult& result) {
   const Excluded excluded{best.T_map_cloud, config.rival_distance_m};
-  const SearchResult found = search_best_pose(sought.pyramid, sought.upright_newer_m, sought.T_guess, sought.window,
-                                              kRivalScore * best.score, config.budget, sought.headings, &excluded);
+  const SearchResult found = search_best_pose(search.pyramid, search.upright_newer_m, search.T_guess, search.window,
+                                              kRivalScore * best.score, config.budget, search.headings, &excluded);
   result.num_expanded += found.num_expanded;
   if (!found.complete) result.verdict = ClosureVerdict::kNotSearched;
   if (!found.complete || !found.best) return;
-  const double reach_m = std::max(distance_m(sought.T_guess, best.T_map_cloud) + config.cell_m, guess_off_m);
-  if (distance_m(sought.T_guess, found.best->T_map_cloud) > reach_m) return;
+  const double reach_m = std::max(distance_m(search.T_guess, best.T_map_cloud) + config.cell_m, guess_off_m);
+  if (distance_m(search.T_guess, found.best->T_map_cloud) > reach_m) return;
   ClosureResult rival;
-  settle(surfaces, sought.newer, found.best->T_map_cloud, config, rival);
+  settle(surfaces, search.newer, found.best->T_map_cloud, config, rival);
   const bool fits_as_well = rival.verdict == ClosureVerdict::kClosed &&
                             rival.overlap * rival.near_share >= kRivalFit * result.overlap * result.near_share;
   if (fits_as_well) result.verdict = ClosureVerdict::kRival;
@@ -453,7 +454,8 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   if (distance_m(T_older_newer_guess, result.T_older_newer) > std::max(guess_off_m, kLeastOff_m)) {
     return refused(ClosureVerdict::kMoved);
   }
-  doubt({pyramid, newer_m, cloud, T_older_newer_guess, window, allowed}, *surfaces, best, guess_off_m, config, result);
+  check_rivals({pyramid, newer_m, cloud, T_older_newer_guess, window, allowed}, *surfaces, best, guess_off_m, config,
+               result);
   return result;
 }
 
@@ -512,8 +514,8 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
   if (result.verdict == ClosureVerdict::kClosed) {
     const Place& place = places[match.part];
     const OccupancyPyramid pyramid(place.upright_m, config.cell_m, config.levels);
-    doubt({pyramid, cloud_m, newer, Pose::Identity(), window, place.headings}, surfaces, *best,
-          std::numeric_limits<double>::infinity(), config, result);
+    check_rivals({pyramid, cloud_m, newer, Pose::Identity(), window, place.headings}, surfaces, *best,
+                 std::numeric_limits<double>::infinity(), config, result);
   }
   return match;
 }

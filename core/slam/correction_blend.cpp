@@ -142,10 +142,10 @@ bool CorrectionBlend::begin_limited(TimeNs t) {
   }
   start.value.u_world_m = T_world_local_ * next_pivot_local_m_ - T_next_ * next_pivot_local_m_;
   start.value.turn_world_rad = turn_between(T_world_local_, T_next_);
-  const double way_m = start.value.u_world_m.norm() + config_.lever_m * start.value.turn_world_rad.norm();
-  double duration_s = kMargin * std::max({kPeakSpeed * way_m / config_.speed_max_mps,
-                                          std::sqrt(kPeakAcceleration * way_m / config_.acceleration_max_mps2),
-                                          elementary::cbrt(kPeakJerk * way_m / config_.jerk_max_mps3), 1e-3});
+  const double displacement_m = start.value.u_world_m.norm() + config_.lever_m * start.value.turn_world_rad.norm();
+  double duration_s = kMargin * std::max({kPeakSpeed * displacement_m / config_.speed_max_mps,
+                                          std::sqrt(kPeakAcceleration * displacement_m / config_.acceleration_max_mps2),
+                                          elementary::cbrt(kPeakJerk * displacement_m / config_.jerk_max_mps3), 1e-3});
   for (int i = 0; i < kTries; ++i, duration_s *= kLonger) {
     if (peak_share(start, duration_s) > 1.0) continue;
     begin_blend(t, T_next_, next_pivot_local_m_);

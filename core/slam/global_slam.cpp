@@ -47,7 +47,7 @@ GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known)
   if (config.loaded_map == nullptr) return;
   graph_ = config.loaded_map->graph;
   num_given_poses_ = graph_.num_poses();
-  told_.num_given = config.loaded_map->submaps.size();
+  submap_poses_.num_given = config.loaded_map->submaps.size();
 }
 
 void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
@@ -55,7 +55,9 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   double step_m = 0.0;
   if (!nodes_.empty()) {
     step_m = (T_local_body.translation() - nodes_.back().T_local_body.translation()).norm();
-    if (t <= nodes_.back().t || (step_m < config_.node_every_m && !is_sought(t, nodes_.back().way_m + step_m))) return;
+    if (t <= nodes_.back().t ||
+        (step_m < config_.node_every_m && !is_search_due(t, nodes_.back().path_length_m + step_m)))
+      return;
   } else {
     last_optimized_ = t;
   }
@@ -68,7 +70,7 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
     graph_.add(PriorFactor{node.pose, graph_.pose(node.pose), information});
   } else {
     const Node& last = nodes_.back();
-    node.way_m = last.way_m + step_m;
+    node.path_length_m = last.path_length_m + step_m;
     const Pose T_last_node = last.T_local_body.inverse() * T_local_body;
     node.pose = graph_.add_pose(graph_.pose(last.pose) * T_last_node);
     graph_.add(RelativeFactor{last.pose, node.pose, T_last_node, odometry_information(step_m), kNoHuber});
@@ -76,9 +78,9 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   nodes_.push_back(node);
   add_gravity();
   place_fixes();
-  if (submaps_.empty() || node.way_m - submaps_.back().begin_m > config_.submap_m) begin_next_submap();
+  if (submaps_.empty() || node.path_length_m - submaps_.back().begin_m > config_.submap_m) begin_next_submap();
   Submap& submap = submaps_.back();
-  submap.end_m = node.way_m;
+  submap.end_m = node.path_length_m;
   const Pose T_submap_body = submap.T_local_submap.inverse() * T_local_body;
   submap.points_submap_m.reserve(submap.points_submap_m.size() + points_body_m.size());
   for (const Eigen::Vector3f& p : points_body_m) {
@@ -103,17 +105,17 @@ void GlobalSlam::begin_submap(const Tie& tie, int first_pose, double hidden_m) {
   const Node& node = nodes_.back();
   Submap submap;
   submap.T_local_submap = level(node.T_local_body);
-  submap.begin_m = submap.end_m = node.way_m;
+  submap.begin_m = submap.end_m = node.path_length_m;
   submap.pose = graph_.add_pose(graph_.pose(node.pose) * node.T_local_body.inverse() * submap.T_local_submap);
   submap.first_pose = first_pose;
   submap.tie = tie;
   submap.hidden_m = hidden_m;
   submaps_.push_back(std::move(submap));
-  told_.T_local_own.push_back(submaps_.back().T_local_submap);
-  ++told_.revision;
-  if (told_.num_given == 0 || !located_ || !told_.T_local_given.empty() || submaps_.size() > 1) return;
-  told_.T_local_given = given_poses_local();
-  told_.given = pieces_of(*config_.loaded_map);
+  submap_poses_.T_local_own.push_back(submaps_.back().T_local_submap);
+  ++submap_poses_.revision;
+  if (submap_poses_.num_given == 0 || !located_ || !submap_poses_.T_local_given.empty() || submaps_.size() > 1) return;
+  submap_poses_.T_local_given = given_poses_local();
+  submap_poses_.given = pieces_of(*config_.loaded_map);
 }
 
 /// Finishes the newest submap: it is thinned to one point per voxel and compared with older submaps. Then the next
@@ -132,7 +134,7 @@ void GlobalSlam::begin_next_submap() {
   Tie tie;
   if (nodes_.size() > 1) {
     const Node& before = nodes_[nodes_.size() - 2];
-    tie = {before.pose, before.T_local_body.inverse(), node.way_m - before.way_m};
+    tie = {before.pose, before.T_local_body.inverse(), node.path_length_m - before.path_length_m};
   }
   begin_submap(tie, node.pose, hidden_m);
 }
@@ -153,7 +155,7 @@ std::vector<GlobalSlam::Older> GlobalSlam::seek_closures() {
   if (num_given_poses_ > 0 && !located_) return joined;
   const Submap& newer = submaps_.back();
   const Pose& T_world_newer = graph_.pose(newer.pose);
-  const std::vector<double> way_m = shortest_ways_m(graph_, newer.pose);
+  const std::vector<double> path_length_m = shortest_path_lengths_m(graph_, newer.pose);
   struct Candidate {
     double distance_m = 0.0;
     int pose = 0;
@@ -175,13 +177,13 @@ std::vector<GlobalSlam::Older> GlobalSlam::seek_closures() {
                    [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
   candidates.resize(std::min<std::size_t>(candidates.size(), config_.searches));
   for (const Candidate& candidate : candidates) {
-    const double way_to_it_m = way_m[static_cast<std::size_t>(candidate.pose)] + newer.hidden_m;
+    const double path_to_candidate_m = path_length_m[static_cast<std::size_t>(candidate.pose)] + newer.hidden_m;
     const ClosureResult result = find_closure(candidate.points_submap_m, newer.points_submap_m,
                                               level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer),
-                                              config_.closures, off_m(way_to_it_m));
+                                              config_.closures, off_m(path_to_candidate_m));
     if (result.verdict != ClosureVerdict::kClosed) continue;
     join(candidate.pose, newer.pose, result);
-    if (result.told.isIdentity()) {
+    if (result.constrained.isIdentity()) {
       joined.push_back({candidate.pose, candidate.points_submap_m, result.T_older_newer});
     }
   }
@@ -241,16 +243,16 @@ bool GlobalSlam::drop_known(std::span<const Older> joined) {
     T_into_newest = T_older_newest;
   }
   if (static_cast<int>(here.size()) < config_.visits_kept || !is_covered(unknown_m(here).size())) return false;
-  tell_dropped(into, T_into_newest);
+  record_dropped(into, T_into_newest);
   drop_newest(joined);
   return true;
 }
 
 /// Moves cells that a mapper attached to the newest submap to an older one.
-void GlobalSlam::tell_dropped(int into, const Pose& T_into_newest) {
+void GlobalSlam::record_dropped(int into, const Pose& T_into_newest) {
   const int number = num_submaps() - 1;
-  told_.dropped = {told_.dropped.count + 1, number, into, T_into_newest};
-  told_.T_local_own.pop_back();
+  submap_poses_.dropped = {submap_poses_.dropped.count + 1, number, into, T_into_newest};
+  submap_poses_.T_local_own.pop_back();
   for (Learned& learned : learned_) {
     if (static_cast<int>(learned.T_local_own.size()) > number) learned.T_local_own.pop_back();
   }
@@ -271,23 +273,24 @@ void GlobalSlam::drop_newest(std::span<const Older> joined) {
   std::erase_if(nodes_, [&](const Node& n) { return n.pose >= dropped.first_pose; });
   const int pose = graph_.add_pose(T_world_dropped);
   graph_.add(RelativeFactor{dropped.tie.pose, pose, dropped.tie.T_pose_local * dropped.T_local_submap,
-                            odometry_information(dropped.tie.way_m), kNoHuber});
+                            odometry_information(dropped.tie.path_length_m), kNoHuber});
   for (RelativeFactor& closure : closures) {
     closure.to = pose;
     graph_.add(closure);
   }
-  const double way_m = node.way_m - dropped.begin_m;
+  const double path_length_m = node.path_length_m - dropped.begin_m;
   node.pose = graph_.add_pose(T_world_node);
   graph_.add(RelativeFactor{pose, node.pose, dropped.T_local_submap.inverse() * node.T_local_body,
-                            odometry_information(way_m), kNoHuber});
+                            odometry_information(path_length_m), kNoHuber});
   nodes_.push_back(node);
   add_gravity();
   if (joined.empty()) {
     const Tie& tie = dropped.tie;
-    begin_submap({tie.pose, tie.T_pose_local, tie.way_m + way_m}, pose, dropped.hidden_m + way_m);
+    begin_submap({tie.pose, tie.T_pose_local, tie.path_length_m + path_length_m}, pose,
+                 dropped.hidden_m + path_length_m);
   } else {
     const Older& older = joined.front();
-    begin_submap({older.pose, older.T_older_newer * dropped.T_local_submap.inverse(), way_m}, pose, 0.0);
+    begin_submap({older.pose, older.T_older_newer * dropped.T_local_submap.inverse(), path_length_m}, pose, 0.0);
   }
 }
 
@@ -295,34 +298,35 @@ void GlobalSlam::drop_newest(std::span<const Older> joined) {
 void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closure) {
   const Matrix6 information = information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg);
   graph_.add(RelativeFactor{older_pose, newer_pose, closure.T_older_newer,
-                            closure.told.transpose() * information * closure.told, config_.closure_huber});
+                            closure.constrained.transpose() * information * closure.constrained,
+                            config_.closure_huber});
   Submap& newest = submaps_.back();
-  newest.closed = std::max(newest.closed, closure.told.isIdentity() ? Closed::kFully : Closed::kPartly);
+  newest.closed = std::max(newest.closed, closure.constrained.isIdentity() ? Closed::kFully : Closed::kPartly);
   ++num_closures_;
   news_ = true;
 }
 
 /// Does a hovering vehicle search again? It turns meanwhile and sees more.
-bool GlobalSlam::is_sought(TimeNs t, double way_m) const {
-  return num_given_poses_ > 0 && !located_ && !gave_up_looking() && way_m - hovers_at_m_ < config_.node_every_m &&
-         to_seconds(t - sought_) >= config_.locate_every_s;
+bool GlobalSlam::is_search_due(TimeNs t, double path_length_m) const {
+  return num_given_poses_ > 0 && !located_ && !gave_up_looking() &&
+         path_length_m - hovers_at_m_ < config_.node_every_m && to_seconds(t - searched_at_) >= config_.locate_every_s;
 }
 
 bool GlobalSlam::gave_up_looking() const {
-  return num_given_poses_ > 0 && !located_ && num_sought_here_ >= kLooksFromOnePlace;
+  return num_given_poses_ > 0 && !located_ && num_searches_here_ >= kLooksFromOnePlace;
 }
 
 /// Relocalizes a vehicle of unknown start in the map of an earlier flight by its present submap: at intervals along its
 /// path and while it hovers.
 void GlobalSlam::locate(TimeNs t) {
   if (located_ || num_given_poses_ == 0) return;
-  const double way_m = nodes_.back().way_m;
-  const bool moved_on = nodes_.size() == 1 || way_m - sought_at_m_ >= config_.locate_every_m;
-  if (!moved_on && !is_sought(t, way_m)) return;
-  num_sought_here_ = moved_on ? 1 : num_sought_here_ + 1;
-  sought_ = t;
-  hovers_at_m_ = way_m;
-  if (moved_on) sought_at_m_ = way_m;
+  const double path_length_m = nodes_.back().path_length_m;
+  const bool moved_on = nodes_.size() == 1 || path_length_m - searched_at_m_ >= config_.locate_every_m;
+  if (!moved_on && !is_search_due(t, path_length_m)) return;
+  num_searches_here_ = moved_on ? 1 : num_searches_here_ + 1;
+  searched_at_ = t;
+  hovers_at_m_ = path_length_m;
+  if (moved_on) searched_at_m_ = path_length_m;
   const SavedMap& given = *config_.loaded_map;
   std::vector<MapPart> parts;
   parts.reserve(given.submaps.size());
@@ -445,12 +449,12 @@ std::optional<Pose> GlobalSlam::correction(TimeNs t) {
     Learned& learned = learned_.front();
     newest = learned.T_world_local;
     // Submaps begun since then keep their start pose.
-    std::copy(learned.T_local_own.begin(), learned.T_local_own.end(), told_.T_local_own.begin());
+    std::copy(learned.T_local_own.begin(), learned.T_local_own.end(), submap_poses_.T_local_own.begin());
     if (!learned.T_local_given.empty()) {
-      if (told_.given.empty()) told_.given = pieces_of(*config_.loaded_map);
-      told_.T_local_given = std::move(learned.T_local_given);
+      if (submap_poses_.given.empty()) submap_poses_.given = pieces_of(*config_.loaded_map);
+      submap_poses_.T_local_given = std::move(learned.T_local_given);
     }
-    ++told_.revision;
+    ++submap_poses_.revision;
     learned_.erase(learned_.begin());
   }
   return newest;
@@ -497,14 +501,14 @@ std::size_t GlobalSlam::num_points() const {
 }
 
 /// Bound of the drift of local SLAM over a path, by the odometry sigmas of the graph.
-double GlobalSlam::off_m(double way_m) const {
+double GlobalSlam::off_m(double path_length_m) const {
   const double turn_rad_sqrt_m = config_.odometry_attitude_deg_sqrt_m * kRadPerDeg;
-  return kSigmasOff * std::sqrt(way_m) *
+  return kSigmasOff * std::sqrt(path_length_m) *
          (config_.odometry_position_m_sqrt_m + turn_rad_sqrt_m * config_.closure_distance_m);
 }
 
-Matrix6 GlobalSlam::odometry_information(double way_m) const {
-  const double root = std::sqrt(std::max(way_m, kLeastStep_m));
+Matrix6 GlobalSlam::odometry_information(double path_length_m) const {
+  const double root = std::sqrt(std::max(path_length_m, kLeastStep_m));
   return information_of(config_.odometry_position_m_sqrt_m * root,
                         config_.odometry_attitude_deg_sqrt_m * kRadPerDeg * root);
 }

@@ -37,25 +37,25 @@ std::vector<std::vector<GraphEdge>> edges_of(const PoseGraph& graph) {
 
 }  // namespace
 
-std::vector<double> shortest_ways_m(const PoseGraph& graph, int from_pose) {
+std::vector<double> shortest_path_lengths_m(const PoseGraph& graph, int from_pose) {
   const std::vector<std::vector<GraphEdge>> edges = edges_of(graph);
-  std::vector<double> way_m(edges.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> path_length_m(edges.size(), std::numeric_limits<double>::infinity());
   using Reached = std::pair<double, int>;  // path length and pose: ties are broken by the pose
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
-  way_m[static_cast<std::size_t>(from_pose)] = 0.0;
+  path_length_m[static_cast<std::size_t>(from_pose)] = 0.0;
   front.emplace(0.0, from_pose);
   while (!front.empty()) {
     const auto [so_far_m, pose] = front.top();
     front.pop();
-    if (so_far_m > way_m[static_cast<std::size_t>(pose)]) continue;
+    if (so_far_m > path_length_m[static_cast<std::size_t>(pose)]) continue;
     for (const GraphEdge& edge : edges[static_cast<std::size_t>(pose)]) {
-      double& best_m = way_m[static_cast<std::size_t>(edge.to)];
+      double& best_m = path_length_m[static_cast<std::size_t>(edge.to)];
       if (so_far_m + edge.length_m >= best_m) continue;
       best_m = so_far_m + edge.length_m;
       front.emplace(best_m, edge.to);
     }
   }
-  return way_m;
+  return path_length_m;
 }
 
 }  // namespace swiftlet

@@ -13,6 +13,6 @@ namespace swiftlet {
 /// them.
 ///
 /// @return length per pose [m]; infinite where no factors lead
-std::vector<double> shortest_ways_m(const PoseGraph& graph, int from_pose);
+std::vector<double> shortest_path_lengths_m(const PoseGraph& graph, int from_pose);
 
 }  // namespace swiftlet

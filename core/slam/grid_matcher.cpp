@@ -53,7 +53,7 @@ void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
   thinner_.thin_into(planes_body_m_, static_cast<float>(kJudgedVoxel_m), judged_body_m_);
 }
 
-ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt) {
+ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
   const GridSubmap& submap = submaps_.older();
   const GridsMatch found = match_to_grids({GridCloud{&submap.high, high_body_m_, config_.cost.high_weight},
                                            GridCloud{&submap.low, low_body_m_, config_.cost.low_weight}},
@@ -64,18 +64,18 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt
   count_known(fit, found.T_local_body);
   fit.map_share = kMapShare;
   fit.renewal = 1.0 / std::min(submap.num_scans + 1, config_.submaps.scans);
-  fit.num_degenerate = count_open(found.T_local_body, doubt.range_sigma_m);
-  if (fit.num_known < doubt.known_share_min * fit.num_points) return match;
+  fit.num_degenerate = count_open(found.T_local_body, uncertainty.range_sigma_m);
+  if (fit.num_known < uncertainty.known_share_min * fit.num_points) return match;
 
   InertialFilter::WeighedPose pose;
   pose.slope = found.evidence.H;
   pose.scatter = config_.points_per_error * found.evidence.scatter +
-                 doubt.smear_m * doubt.smear_m * pose.slope.leftCols<3>() * pose.slope.topRows<3>();
+                 uncertainty.smear_m * uncertainty.smear_m * pose.slope.leftCols<3>() * pose.slope.topRows<3>();
   pose.scatter.diagonal().array() += kTinyScatter * pose.scatter.trace();
   const Matrix6 whole = pose.slope + Matrix6(found.held.asDiagonal());
   pose.gain = whole.inverse();
   pose.moved = found.moved;
-  pose.told = whole * pose.moved;
+  pose.contribution = whole * pose.moved;
   filter.take(pose);
   fit.evidence.information = pose.slope * pose.scatter.partialPivLu().solve(pose.slope);
   return match;

@@ -180,12 +180,12 @@ void InertialFilter::settle(const Covariance& posterior) {
 }
 
 void InertialFilter::take(const WeighedPose& pose) {
-  const PoseColumns told_by = pose_columns() * pose.slope;  // covariance of all states with the measured pose
+  const PoseColumns cross_covariance = pose_columns() * pose.slope;  // covariance of all states with the measured pose
   const Matrix6 spread = pose.slope * pose_covariance() * pose.slope + pose.scatter;
-  PoseColumns gain = spread.partialPivLu().solve(told_by.transpose()).transpose();
+  PoseColumns gain = spread.partialPivLu().solve(cross_covariance.transpose()).transpose();
   gain.middleRows<3>(kP) = pose.gain.topRows<3>();
   gain.middleRows<3>(kTheta) = pose.gain.bottomRows<3>();
-  Error change = gain * pose.told;
+  Error change = gain * pose.contribution;
   change.segment<3>(kP) = pose.moved.head<3>();
   change.segment<3>(kTheta) = pose.moved.tail<3>();
   if (!change.allFinite() || !gain.allFinite()) return;

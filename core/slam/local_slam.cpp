@@ -120,7 +120,7 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
   }
   outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
   drift_.move_to(filter_.state().nav.p_m);
-  if (outcome.num_iterations > 0 && outcome.used) learn_doubt(outcome.fit);
+  if (outcome.num_iterations > 0 && outcome.used) learn_shared_covariance(outcome.fit);
   if (first || due_for_map()) {
     if (smeared) matcher_->clear();  // the map holds a scan of unknown motion
     const Matrix3 R_local_body = filter_.T_local_body().linear();
@@ -139,7 +139,7 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
 }
 
 /// Covariance shared by scans that meet the same part of the map; the filter treats scans as independent.
-void LocalSlam::learn_doubt(const ScanFit& fit) {
+void LocalSlam::learn_shared_covariance(const ScanFit& fit) {
   Matrix6 bounded = fit.evidence.information;
   bounded.diagonal().head<3>().array() += 1.0 / (kOpen_m * kOpen_m);
   bounded.diagonal().tail<3>().array() += 1.0 / (kOpen_rad * kOpen_rad);

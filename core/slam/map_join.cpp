@@ -17,15 +17,16 @@ namespace {
 
 constexpr std::size_t kMostJudged = 64;   // most closures judged: one bit each
 constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
-constexpr double kLeastWay_m = 0.05;  // shortest path length for the odometry sigma: errors do not get smaller below it
+constexpr double kMinPathLength_m =
+    0.05;  // shortest path length for the odometry sigma: errors do not get smaller below it
 constexpr double kStandsStill_m = 1e-3, kStandsStill_rad = 1e-5;
 
 struct JoinSigmas {
   double position_m2 = 0.0, attitude_rad2 = 0.0;
 };
 
-JoinSigmas odometry_of(double way_m, const MapJoinConfig& config) {
-  const double way = std::max(std::abs(way_m), kLeastWay_m);
+JoinSigmas odometry_of(double path_length_m, const MapJoinConfig& config) {
+  const double way = std::max(std::abs(path_length_m), kMinPathLength_m);
   const double attitude = config.odometry_attitude_deg_sqrt_m * kRadPerDeg;
   return {config.odometry_position_m_sqrt_m * config.odometry_position_m_sqrt_m * way, attitude * attitude * way};
 }
@@ -87,7 +88,8 @@ std::vector<int> add_chain(std::span<const SubmapPlace> places, const Pose& T_lo
     if (last >= 0) {
       const SubmapPlace& before = places[static_cast<std::size_t>(last)];
       graph.add(RelativeFactor{poses[static_cast<std::size_t>(last)], poses[i], before.T_local_submap.inverse() * T,
-                               join_information(odometry_of(places[i].way_m - before.way_m, config)), kNoHuber});
+                               join_information(odometry_of(places[i].path_length_m - before.path_length_m, config)),
+                               kNoHuber});
     }
     last = static_cast<int>(i);
   }
@@ -105,15 +107,15 @@ double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const Subma
   const Pose T_other_a_b = other_a.T_local_submap.inverse() * other_b.T_local_submap;
   const Pose loop = a.T_own_other * T_other_a_b * b.T_own_other.inverse() * T_own_a_b.inverse();
   const JoinSigmas closure = closure_sigmas(config);
-  const JoinSigmas own_way = odometry_of(own_b.way_m - own_a.way_m, config),
-                   other_way = odometry_of(other_b.way_m - other_a.way_m, config);
+  const JoinSigmas own_odometry = odometry_of(own_b.path_length_m - own_a.path_length_m, config),
+                   other_odometry = odometry_of(other_b.path_length_m - other_a.path_length_m, config);
   // A rotation displaces distant submaps in proportion to their distance.
   const double own_m2 = T_own_a_b.translation().squaredNorm(), last_m2 = b.T_own_other.translation().squaredNorm();
   const double other_m2 = (T_other_a_b * b.T_own_other.inverse()).translation().squaredNorm();
-  const double attitude_rad2 = 2.0 * closure.attitude_rad2 + own_way.attitude_rad2 + other_way.attitude_rad2;
-  const double position_m2 = 2.0 * closure.position_m2 + own_way.position_m2 + other_way.position_m2 +
-                             closure.attitude_rad2 * (other_m2 + last_m2) + other_way.attitude_rad2 * other_m2 +
-                             own_way.attitude_rad2 * own_m2;
+  const double attitude_rad2 = 2.0 * closure.attitude_rad2 + own_odometry.attitude_rad2 + other_odometry.attitude_rad2;
+  const double position_m2 = 2.0 * closure.position_m2 + own_odometry.position_m2 + other_odometry.position_m2 +
+                             closure.attitude_rad2 * (other_m2 + last_m2) + other_odometry.attitude_rad2 * other_m2 +
+                             own_odometry.attitude_rad2 * own_m2;
   // Pose of the second own submap through the first closure, against its own pose.
   const Vector3 off_m = loop * T_own_a_b.translation() - T_own_a_b.translation();
   const Vector3 turn_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(loop.linear())));
@@ -173,10 +175,10 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
     joined.T_local_other[i] = graph.pose(other_poses[i]);
     newest = i;
   }
-  const Pose& T_told = others[newest].T_local_submap;
+  const Pose& T_newest = others[newest].T_local_submap;
   const Pose& T_found = joined.T_local_other[newest];
-  joined.T_local_otherlocal = level_alignment(yaw_of(Matrix3(T_found.linear() * T_told.linear().transpose())),
-                                              T_found.translation(), T_told.translation());
+  joined.T_local_otherlocal = level_alignment(yaw_of(Matrix3(T_found.linear() * T_newest.linear().transpose())),
+                                              T_found.translation(), T_newest.translation());
   const Matrix6 covariance = graph.covariance_of(other_poses[newest]);
   const int rows[] = {0, 1, 2, 5};  // components of a level pose: position and heading
   for (int i = 0; i < 4; ++i) {

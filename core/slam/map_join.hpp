@@ -13,7 +13,7 @@ namespace swiftlet {
 struct SubmapPlace {
   bool known = false;
   Pose T_local_submap = Pose::Identity();
-  double way_m = 0.0;  ///< path length of the flight at the start of the submap
+  double path_length_m = 0.0;  ///< path length of the flight at the start of the submap
 };
 
 /// Pose of another vehicle's submap in an own submap.

@@ -27,7 +27,7 @@ constexpr std::uint32_t kMostPoints = 50000;  // points of a compact cloud
 constexpr std::size_t kMostPlaces = 32;       // places in a message
 constexpr std::size_t kMostClosures = 32;     // closures with one vehicle
 constexpr double kFarthest_m = 1e5;           // distance from the start of a flight
-constexpr double kLongestWay_m = 1e6;
+constexpr double kMaxPathLength_m = 1e6;
 constexpr double kFarthestInSubmap_m = 200.0;
 constexpr double kMostTiltCosine = 0.9;  // cosine of the tilt of a submap
 
@@ -45,7 +45,7 @@ Eigen::Vector3f turn_of(const Pose& T) {
 }
 
 /// The received pose, or none if it is implausible.
-std::optional<Pose> pose_told(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
+std::optional<Pose> received_pose(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
   if (!p_m.allFinite() || !turn_rad.allFinite()) return std::nullopt;
   if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + 0.01) return std::nullopt;
   const Pose T = make_pose(p_m.cast<double>(), rotation_by(turn_rad.cast<double>()));
@@ -77,7 +77,7 @@ MapSharing::MapSharing(const MapSharingConfig& config, VehicleId self, int num_v
   ENSURE(self >= 0 && self < num_vehicles, self, num_vehicles);
 }
 
-void MapSharing::step(TimeNs t, const TellsSubmaps& own, std::span<const Message> messages, Outbox& outbox) {
+void MapSharing::step(TimeNs t, const SubmapProvider& own, std::span<const Message> messages, Outbox& outbox) {
   look_at_own(own);
   update_places(own);
   for (const Message& message : messages) {
@@ -94,7 +94,7 @@ void MapSharing::step(TimeNs t, const TellsSubmaps& own, std::span<const Message
   speak(t, outbox);
 }
 
-void MapSharing::look_at_own(const TellsSubmaps& own) {
+void MapSharing::look_at_own(const SubmapProvider& own) {
   while (static_cast<int>(own_.size()) + 1 < own.num_submaps()) {
     const std::span<const Eigen::Vector3f> points_m = own.points_submap_m(static_cast<int>(own_.size()));
     const CompactCloudConfig& cloud = config_.cloud;
@@ -111,16 +111,16 @@ void MapSharing::look_at_own(const TellsSubmaps& own) {
   }
 }
 
-void MapSharing::update_places(const TellsSubmaps& own) {
+void MapSharing::update_places(const SubmapProvider& own) {
   if (places_known_ && places_revision_ == own.places_revision()) return;
   if (own.num_submaps() == 0) return;
   places_known_ = true;
   places_revision_ = own.places_revision();
   own_places_.resize(static_cast<std::size_t>(own.num_submaps()));
   for (int i = 0; i < own.num_submaps(); ++i) {
-    own_places_[static_cast<std::size_t>(i)] = {true, own.T_local_submap(i), own.way_m(i)};
+    own_places_[static_cast<std::size_t>(i)] = {true, own.T_local_submap(i), own.path_length_m(i)};
   }
-  places_to_be_told_ = true;
+  places_due_ = true;
   for (Peer& other : peers_) other.news = true;
 }
 
@@ -142,27 +142,28 @@ bool MapSharing::hear(TimeNs t, const Message& message) {
 }
 
 bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
-  SubmapPlaces told;
-  if (read_message(message, told) != Reading::kDone) return false;
-  const std::size_t end = told.first + told.places.size();
-  if (told.num_finished >= kMostSubmaps || told.first > kMostSubmaps || told.places.size() > kMostPlaces ||
-      end > std::size_t{told.num_finished} + 1) {
+  SubmapPlaces received;
+  if (read_message(message, received) != Reading::kDone) return false;
+  const std::size_t end = received.first + received.places.size();
+  if (received.num_finished >= kMostSubmaps || received.first > kMostSubmaps || received.places.size() > kMostPlaces ||
+      end > std::size_t{received.num_finished} + 1) {
     return false;
   }
   std::vector<SubmapPlace> places;
-  for (const SubmapPlaces::Place& place : told.places) {
-    const std::optional<Pose> T = pose_told(place.p_local_m, place.turn_local_rad, kFarthest_m);
-    if (!T || !(place.way_m >= 0.0F && place.way_m <= static_cast<float>(kLongestWay_m))) return false;
-    places.push_back({true, *T, static_cast<double>(place.way_m)});
+  for (const SubmapPlaces::Place& place : received.places) {
+    const std::optional<Pose> T = received_pose(place.p_local_m, place.turn_local_rad, kFarthest_m);
+    if (!T || !(place.path_length_m >= 0.0F && place.path_length_m <= static_cast<float>(kMaxPathLength_m)))
+      return false;
+    places.push_back({true, *T, static_cast<double>(place.path_length_m)});
   }
   if (from.places.size() < end) from.places.resize(end);
   for (std::size_t i = 0; i < places.size(); ++i) {
-    SubmapPlace& known = from.places[told.first + i];
+    SubmapPlace& known = from.places[received.first + i];
     from.news = from.news || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
     known = places[i];
   }
-  if (told.num_finished > from.num_finished) {
-    from.num_finished = told.num_finished;
+  if (received.num_finished > from.num_finished) {
+    from.num_finished = received.num_finished;
     from.asked_looks = t;  // their descriptors are in transit
   }
   return true;
@@ -174,16 +175,17 @@ MapSharing::Their& MapSharing::submap_of(Peer& from, std::uint32_t number) {
 }
 
 bool MapSharing::hear_descriptor(Peer& from, const Message& message) {
-  SubmapDescriptor told;
-  if (read_message(message, told) != Reading::kDone) return false;
-  if (told.submap >= kMostSubmaps || told.num_chunks > kMostChunks || told.num_points > kMostPoints) return false;
-  std::optional<SubmapLook> look = SubmapLook::of_told(told.directions, told.heights);
+  SubmapDescriptor received;
+  if (read_message(message, received) != Reading::kDone) return false;
+  if (received.submap >= kMostSubmaps || received.num_chunks > kMostChunks || received.num_points > kMostPoints)
+    return false;
+  std::optional<SubmapLook> look = SubmapLook::from_quantized(received.directions, received.heights);
   if (!look) return false;
-  Their& their = submap_of(from, told.submap);
+  Their& their = submap_of(from, received.submap);
   if (their.look) return true;
   their.look = std::move(look);
-  their.num_points = told.num_points;
-  their.has_chunk.assign(told.num_chunks, 0);
+  their.num_points = received.num_points;
+  their.has_chunk.assign(received.num_chunks, 0);
   for (const Own& own : own_) their.alike = std::max(their.alike, likeness(own.look, *their.look));
   return true;
 }
@@ -194,7 +196,7 @@ bool MapSharing::hear_request(Peer& from, const Message& message) {
   if (asked.word == SubmapRequest::Word::kDescriptors) {
     if (asked.missing.size() > (kMostSubmaps + 7) / 8) return false;
     for (std::size_t i = 0; i < 8 * asked.missing.size() && asked.submap + i < own_.size(); ++i) {
-      if (bit_at(asked.missing, i)) own_[asked.submap + i].to_be_told = true;
+      if (bit_at(asked.missing, i)) own_[asked.submap + i].is_due = true;
     }
     return true;
   }
@@ -207,33 +209,35 @@ bool MapSharing::hear_request(Peer& from, const Message& message) {
 }
 
 bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
-  SubmapChunk told;
-  if (read_message(message, told) != Reading::kDone || told.submap >= from.submaps.size()) return false;
-  Their& their = from.submaps[told.submap];
+  SubmapChunk received;
+  if (read_message(message, received) != Reading::kDone || received.submap >= from.submaps.size()) return false;
+  Their& their = from.submaps[received.submap];
   if (their.complete) return true;  // a repeated chunk
-  if (static_cast<int>(told.submap) != from.fetching || told.chunk >= their.has_chunk.size()) return false;
-  if (!(told.voxel_m >= 0.01F && told.voxel_m <= 10.0F)) return false;
-  if (their.has_chunk[told.chunk] != 0) return true;
-  if (their.points_submap_m.size() + told.num_points > their.num_points) return false;
-  if (!unpack_points(told.data, told.num_points, static_cast<double>(told.voxel_m), told.bits, their.points_submap_m)) {
+  if (static_cast<int>(received.submap) != from.fetching || received.chunk >= their.has_chunk.size()) return false;
+  if (!(received.voxel_m >= 0.01F && received.voxel_m <= 10.0F)) return false;
+  if (their.has_chunk[received.chunk] != 0) return true;
+  if (their.points_submap_m.size() + received.num_points > their.num_points) return false;
+  if (!unpack_points(received.data, received.num_points, static_cast<double>(received.voxel_m), received.bits,
+                     their.points_submap_m)) {
     return false;
   }
-  their.has_chunk[told.chunk] = 1;
+  their.has_chunk[received.chunk] = 1;
   from.asked = t;  // the transfer continues
   their.complete =
       std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
   if (their.complete) from.fetching = -1;
-  if (told.chunk >= from.last_asked) from.was_asked = false;  // chunks arrive in order: chunks missing now were lost
+  if (received.chunk >= from.last_asked)
+    from.was_asked = false;  // chunks arrive in order: chunks missing now were lost
   return true;
 }
 
 bool MapSharing::hear_closures(Peer& from, const Message& message) {
   if (asks(message.from)) return false;  // the own vehicle is the one that seeks closures
-  MapClosures told;
-  if (read_message(message, told) != Reading::kDone || told.closures.size() > kMostClosures) return false;
+  MapClosures received;
+  if (read_message(message, received) != Reading::kDone || received.closures.size() > kMostClosures) return false;
   std::vector<MapClosure> closures;
-  for (const MapClosures::Closure& c : told.closures) {
-    const std::optional<Pose> T = pose_told(c.p_own_m, c.turn_own_rad, kFarthestInSubmap_m);
+  for (const MapClosures::Closure& c : received.closures) {
+    const std::optional<Pose> T = received_pose(c.p_own_m, c.turn_own_rad, kFarthestInSubmap_m);
     if (!T || c.own >= kMostSubmaps || c.other >= own_.size()) return false;
     closures.push_back({static_cast<int>(c.other), static_cast<int>(c.own), T->inverse()});
   }
@@ -286,7 +290,7 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
   int chosen = -1;
   for (std::size_t i = 0; i < from.submaps.size(); ++i) {
     const Their& their = from.submaps[i];
-    waiting += their.complete && their.sought_in == 0;
+    waiting += their.complete && their.num_searched == 0;
     if (!their.look || their.complete || their.has_chunk.empty() || their.alike < config_.likeness_min) continue;
     const std::optional<Pose> T = prediction_of(from, static_cast<int>(i));
     const bool near = T && is_near_own(T->translation());
@@ -302,7 +306,7 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
 }
 
 /// Searches one cloud of one vehicle in all own submaps similar to it.
-void MapSharing::search(TimeNs t, const TellsSubmaps& own) {
+void MapSharing::search(TimeNs t, const SubmapProvider& own) {
   if (!worker_.idle()) return;
   Their* chosen = nullptr;
   std::size_t of = 0, number = 0;
@@ -310,7 +314,7 @@ void MapSharing::search(TimeNs t, const TellsSubmaps& own) {
     if (!asks(static_cast<VehicleId>(p)) || is_enough(peers_[p])) continue;
     for (std::size_t i = 0; i < peers_[p].submaps.size(); ++i) {
       Their& their = peers_[p].submaps[i];
-      if (!their.complete || their.closed || their.sought_in >= static_cast<int>(own_.size())) continue;
+      if (!their.complete || their.closed || their.num_searched >= static_cast<int>(own_.size())) continue;
       if (chosen != nullptr && their.alike <= chosen->alike) continue;
       chosen = &their;
       of = p;
@@ -328,9 +332,9 @@ void MapSharing::search(TimeNs t, const TellsSubmaps& own) {
     const double how = likeness(own_[i].look, *chosen->look);
     if (how < config_.likeness_min) continue;
     alike.push_back({how, i});
-    fresh = fresh || static_cast<int>(i) >= chosen->sought_in;
+    fresh = fresh || static_cast<int>(i) >= chosen->num_searched;
   }
-  chosen->sought_in = static_cast<int>(own_.size());
+  chosen->num_searched = static_cast<int>(own_.size());
   if (!fresh) return;
   std::stable_sort(alike.begin(), alike.end(), [](const Alike& a, const Alike& b) { return a.likeness > b.likeness; });
   alike.resize(std::min(alike.size(), static_cast<std::size_t>(config_.search_submaps)));
@@ -358,7 +362,7 @@ void MapSharing::settle_search(TimeNs t) {
   Peer& other = peers_[static_cast<std::size_t>(found_.other)];
   other.submaps[static_cast<std::size_t>(found_.closure->other)].closed = true;
   other.closures.push_back(*found_.closure);
-  other.closures_to_be_told = other.news = true;
+  other.closures_due = other.news = true;
   found_.closure.reset();
 }
 
@@ -451,47 +455,47 @@ bool MapSharing::say_request(TimeNs t, VehicleId to, Outbox& outbox) {
 bool MapSharing::say_closures(TimeNs t, VehicleId to, Outbox& outbox) {
   Peer& other = peers_[static_cast<std::size_t>(to)];
   if (!asks(to) || other.closures.empty() || !is_about(t, other)) return false;
-  if (!other.closures_to_be_told && to_seconds(t - other.closures_told) < config_.tell_every_s) return false;
-  other.closures_to_be_told = false;
-  other.closures_told = t;
-  MapClosures told;
+  if (!other.closures_due && to_seconds(t - other.closures_sent) < config_.tell_every_s) return false;
+  other.closures_due = false;
+  other.closures_sent = t;
+  MapClosures sent;
   for (const MapClosure& c : other.closures) {
-    told.closures.push_back({static_cast<std::uint32_t>(c.own), static_cast<std::uint32_t>(c.other),
+    sent.closures.push_back({static_cast<std::uint32_t>(c.own), static_cast<std::uint32_t>(c.other),
                              c.T_own_other.translation().cast<float>(), turn_of(c.T_own_other)});
   }
-  write_message(told, outbox.say(to));
+  write_message(sent, outbox.say(to));
   return true;
 }
 
 bool MapSharing::say_places(TimeNs t, Outbox& outbox) {
-  const double since_s = to_seconds(t - places_told_);
-  if (own_places_.empty() || since_s < (places_to_be_told_ ? kLeastBetween_s : config_.tell_every_s)) return false;
-  SubmapPlaces told;
-  told.num_finished = static_cast<std::uint32_t>(own_.size());
+  const double since_s = to_seconds(t - places_sent_);
+  if (own_places_.empty() || since_s < (places_due_ ? kLeastBetween_s : config_.tell_every_s)) return false;
+  SubmapPlaces sent;
+  sent.num_finished = static_cast<std::uint32_t>(own_.size());
   if (next_place_ >= own_places_.size()) next_place_ = 0;
-  told.first = static_cast<std::uint32_t>(next_place_);
-  for (; next_place_ < own_places_.size() && told.places.size() < kMostPlaces; ++next_place_) {
+  sent.first = static_cast<std::uint32_t>(next_place_);
+  for (; next_place_ < own_places_.size() && sent.places.size() < kMostPlaces; ++next_place_) {
     const SubmapPlace& place = own_places_[next_place_];
-    told.places.push_back({place.T_local_submap.translation().cast<float>(), turn_of(place.T_local_submap),
-                           static_cast<float>(place.way_m)});
+    sent.places.push_back({place.T_local_submap.translation().cast<float>(), turn_of(place.T_local_submap),
+                           static_cast<float>(place.path_length_m)});
   }
-  if (next_place_ >= own_places_.size()) places_to_be_told_ = false;
-  places_told_ = t;
-  write_message(told, outbox.say());
+  if (next_place_ >= own_places_.size()) places_due_ = false;
+  places_sent_ = t;
+  write_message(sent, outbox.say());
   return true;
 }
 
 bool MapSharing::say_descriptor(Outbox& outbox) {
-  const auto next = std::find_if(own_.begin(), own_.end(), [](const Own& own) { return own.to_be_told; });
+  const auto next = std::find_if(own_.begin(), own_.end(), [](const Own& own) { return own.is_due; });
   if (next == own_.end()) return false;
-  next->to_be_told = false;
-  SubmapDescriptor told;
-  told.submap = static_cast<std::uint32_t>(next - own_.begin());
-  told.num_points = next->num_points;
-  told.num_chunks = static_cast<std::uint16_t>(next->chunks.size());
-  told.directions = next->look.directions.told();
-  told.heights.assign(next->look.heights.begin(), next->look.heights.end());
-  write_message(told, outbox.say());
+  next->is_due = false;
+  SubmapDescriptor sent;
+  sent.submap = static_cast<std::uint32_t>(next - own_.begin());
+  sent.num_points = next->num_points;
+  sent.num_chunks = static_cast<std::uint16_t>(next->chunks.size());
+  sent.directions = next->look.directions.quantized();
+  sent.heights.assign(next->look.heights.begin(), next->look.heights.end());
+  write_message(sent, outbox.say());
   return true;
 }
 
@@ -506,18 +510,18 @@ bool MapSharing::say_chunk(VehicleId to, Outbox& outbox) {
   *next = 0;
   const auto number = static_cast<std::size_t>(next - other.wanted_chunks.begin());
   const PackedPoints& chunk = own_[static_cast<std::size_t>(other.wanted)].chunks[number];
-  SubmapChunk told;
-  told.submap = static_cast<std::uint32_t>(other.wanted);
-  told.chunk = static_cast<std::uint16_t>(number);
-  told.num_points = chunk.num_points;
-  told.bits = static_cast<std::uint16_t>(config_.cloud.bits);
-  told.voxel_m = static_cast<float>(config_.cloud.voxel_m);
-  told.data = chunk.data;
-  write_message(told, outbox.say(to));
+  SubmapChunk sent;
+  sent.submap = static_cast<std::uint32_t>(other.wanted);
+  sent.chunk = static_cast<std::uint16_t>(number);
+  sent.num_points = chunk.num_points;
+  sent.bits = static_cast<std::uint16_t>(config_.cloud.bits);
+  sent.voxel_m = static_cast<float>(config_.cloud.voxel_m);
+  sent.data = chunk.data;
+  write_message(sent, outbox.say(to));
   return true;
 }
 
-void MapSharing::append_overlays(const TellsSubmaps& own, std::vector<Overlay>& overlays) const {
+void MapSharing::append_overlays(const SubmapProvider& own, std::vector<Overlay>& overlays) const {
   Overlay joined;
   joined.name = "slam.joined";
   joined.kind = Overlay::Kind::kLines;

@@ -16,7 +16,7 @@
 #include "swiftlet/core/overlay.hpp"
 #include "swiftlet/core/slam/joined_map.hpp"
 #include "swiftlet/core/slam/map_sharing_config.hpp"
-#include "swiftlet/core/slam/tells_submaps.hpp"
+#include "swiftlet/core/slam/submap_provider.hpp"
 
 namespace swiftlet {
 
@@ -31,11 +31,11 @@ class MapSharing {
  public:
   MapSharing(const MapSharingConfig& config, VehicleId self, int num_vehicles);
 
-  void step(TimeNs t, const TellsSubmaps& own, std::span<const Message> messages, Outbox& outbox);
+  void step(TimeNs t, const SubmapProvider& own, std::span<const Message> messages, Outbox& outbox);
 
   std::span<const JoinedMap> joined_maps() const { return joined_; }
   /// Submaps of others and closures with them, in the local frame.
-  void append_overlays(const TellsSubmaps& own, std::vector<Overlay>& overlays) const;
+  void append_overlays(const SubmapProvider& own, std::vector<Overlay>& overlays) const;
   void append_counters(std::vector<Counter>& counters) const;
 
   int num_closures(VehicleId other) const { return static_cast<int>(peer(other).closures.size()); }
@@ -46,7 +46,7 @@ class MapSharing {
     SubmapLook look;
     std::uint32_t num_points = 0;
     std::vector<PackedPoints> chunks;
-    bool to_be_told = true;
+    bool is_due = true;
   };
   struct Their {
     std::optional<SubmapLook> look;
@@ -56,7 +56,7 @@ class MapSharing {
     std::vector<Eigen::Vector3f> points_submap_m;
     bool complete = false;
     bool closed = false;
-    int sought_in = 0;  // number of own submaps at the last search
+    int num_searched = 0;  // number of own submaps at the last search
   };
   struct Peer {
     std::vector<SubmapPlace> places;
@@ -74,8 +74,8 @@ class MapSharing {
     std::vector<std::uint8_t> wanted_chunks;
     // Shared results.
     std::vector<MapClosure> closures;
-    bool closures_to_be_told = false;
-    TimeNs closures_told = 0;
+    bool closures_due = false;
+    TimeNs closures_sent = 0;
     bool news = false;  // new closures since the last test of consistency
     TimeNs judged = 0;
     std::vector<int> agreeing;
@@ -88,8 +88,8 @@ class MapSharing {
 
   const Peer& peer(VehicleId other) const { return peers_[static_cast<std::size_t>(other)]; }
   bool asks(VehicleId other) const { return self_ < other; }
-  void look_at_own(const TellsSubmaps& own);
-  void update_places(const TellsSubmaps& own);
+  void look_at_own(const SubmapProvider& own);
+  void update_places(const SubmapProvider& own);
 
   bool hear(TimeNs t, const Message& message);
   bool hear_places(TimeNs t, Peer& from, const Message& message);
@@ -99,7 +99,7 @@ class MapSharing {
   bool hear_closures(Peer& from, const Message& message);
   Their& submap_of(Peer& from, std::uint32_t number);
 
-  void search(TimeNs t, const TellsSubmaps& own);
+  void search(TimeNs t, const SubmapProvider& own);
   void settle_search(TimeNs t);
   void join(TimeNs t);
   std::optional<Pose> prediction_of(const Peer& from, int submap) const;
@@ -133,8 +133,8 @@ class MapSharing {
   double allowance_bytes_ = 0.0;
   TimeNs last_step_ = 0;
   bool started_ = false;
-  TimeNs places_told_ = 0;
-  bool places_to_be_told_ = false;
+  TimeNs places_sent_ = 0;
+  bool places_due_ = false;
   std::size_t next_place_ = 0;
   VehicleId next_served_ = 0;
   std::vector<JoinedMap> joined_;

@@ -345,8 +345,8 @@ Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, doubl
     across += m.weight * (l.x() * w.y() - l.y() * w.x());
     spread_m2 += m.weight * l.head<2>().squaredNorm();
   }
-  const bool tells = spread_m2 >= weight * least_spread_m * least_spread_m;
-  return level_alignment(tells ? elementary::atan2(across, along) : yaw_rad, mean_world_m, mean_local_m);
+  const bool is_significant = spread_m2 >= weight * least_spread_m * least_spread_m;
+  return level_alignment(is_significant ? elementary::atan2(across, along) : yaw_rad, mean_world_m, mean_local_m);
 }
 
 void GnssFactorConfig::visit(ConfigVisitor& v) {

@@ -20,7 +20,7 @@ std::unique_ptr<ScanMatcher> make_matcher(const SlamConfig& config) {
   return std::make_unique<SurfaceMatcher>(config.local);
 }
 
-class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
+class SlamEstimator : public StateEstimator, public SavedMapProvider, public JoinedMapProvider {
  public:
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
@@ -52,7 +52,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
       if (listens_to(*scan)) slam_.add(observation.t, scan, others_);
     }
     while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
-    tell(observation.t);
+    update_estimate(observation.t);
     learn_world(observation);
     if (global_) correct(observation);
     if (sharing_) sharing_->step(observation.t, *global_, observation.messages, outbox);
@@ -103,7 +103,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   }
 
   /// The filter's state, carried from its last IMU sample to now.
-  void tell(TimeNs t) {
+  void update_estimate(TimeNs t) {
     const NavState& nav = slam_.now().state().nav;
     const double ahead_s = std::clamp(to_seconds(t - nav.t), 0.0, config_.imu_timeout_s);
     estimate_.t = t;

@@ -15,10 +15,10 @@ SlamToNow::SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose
 void SlamToNow::add(const ImuSample& sample) {
   if (waiting_.empty() || ring_.empty()) {
     slam_.add(sample);
-    num_told_ = ++num_samples_;
+    num_added_ = ++num_samples_;
     return;
   }
-  if (num_ahead() == kMostSamples) tell_until(num_told_ + 1);
+  if (num_ahead() == kMostSamples) add_until(num_added_ + 1);
   if (num_ahead() == 0) now_ = slam_.filter();
   ring_[num_samples_++ % kMostSamples] = sample;
   now_.predict(sample);
@@ -32,22 +32,22 @@ std::optional<SlamToNow::Matched> SlamToNow::match_next(TimeNs t) {
   if (!is_due(t)) return std::nullopt;
   Arrival arrival = std::move(waiting_.front());
   waiting_.erase(waiting_.begin());
-  tell_until(arrival.samples_before);
+  add_until(arrival.samples_before);
   Matched matched{arrival.t, slam_.add(std::move(arrival.scan), std::move(arrival.others))};
   if (!is_due(t)) catch_up();
   return matched;
 }
 
-void SlamToNow::tell_until(std::uint64_t num_samples) {
-  for (; num_told_ < num_samples; ++num_told_) slam_.add(sample(num_told_));
+void SlamToNow::add_until(std::uint64_t num_samples) {
+  for (; num_added_ < num_samples; ++num_added_) slam_.add(sample(num_added_));
 }
 
 /// Local SLAM processes samples up to the next scan; a copy of its filter predicts from there to now.
 void SlamToNow::catch_up() {
-  tell_until(waiting_.empty() ? num_samples_ : waiting_.front().samples_before);
+  add_until(waiting_.empty() ? num_samples_ : waiting_.front().samples_before);
   if (num_ahead() == 0) return;
   now_ = slam_.filter();
-  for (std::uint64_t i = num_told_; i < num_samples_; ++i) now_.predict(sample(i));
+  for (std::uint64_t i = num_added_; i < num_samples_; ++i) now_.predict(sample(i));
 }
 
 }  // namespace swiftlet

@@ -48,8 +48,8 @@ double cosine(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) 
 
 }  // namespace
 
-std::optional<SubmapLook> SubmapLook::of_told(std::span<const std::uint8_t> directions,
-                                              std::span<const std::uint8_t> heights) {
+std::optional<SubmapLook> SubmapLook::from_quantized(std::span<const std::uint8_t> directions,
+                                                     std::span<const std::uint8_t> heights) {
   if (directions.size() != RotationalHistogram::kBuckets || heights.size() != kHeights) return std::nullopt;
   SubmapLook look;
   look.directions = RotationalHistogram(directions.first<RotationalHistogram::kBuckets>());

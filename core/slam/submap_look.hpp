@@ -19,8 +19,8 @@ struct SubmapLook {
   std::array<std::uint8_t, kHeights> heights{};
 
   /// None when the received data have another size.
-  static std::optional<SubmapLook> of_told(std::span<const std::uint8_t> directions,
-                                           std::span<const std::uint8_t> heights);
+  static std::optional<SubmapLook> from_quantized(std::span<const std::uint8_t> directions,
+                                                  std::span<const std::uint8_t> heights);
 };
 
 /// Descriptor of a cloud whose frame has z up.

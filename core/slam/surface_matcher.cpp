@@ -30,13 +30,13 @@ void SurfaceMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool 
   thin_to(static_cast<std::size_t>(config_.match_points), sparse_body_m_);
 }
 
-ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Doubt& doubt) {
+ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
   Match match;
   match.num_iterations = filter.update(
       [&](const Pose& T_local_body) {
-        match.fit =
-            fitter_.fit(map_, sparse_body_m_, T_local_body, config_.matching, doubt.smear_m, doubt.range_sigma_m);
-        if (match.fit.num_known < doubt.known_share_min * match.fit.num_points) match.fit.evidence = {};
+        match.fit = fitter_.fit(map_, sparse_body_m_, T_local_body, config_.matching, uncertainty.smear_m,
+                                uncertainty.range_sigma_m);
+        if (match.fit.num_known < uncertainty.known_share_min * match.fit.num_points) match.fit.evidence = {};
         return match.fit.evidence;
       },
       config_.iterations);

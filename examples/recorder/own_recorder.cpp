@@ -12,8 +12,8 @@ namespace {
 
 using namespace swiftlet;
 
-/// TellsOutput lets the scenario check that no two recorders write the same file.
-struct PlanConfig : ModuleConfigOf<PlanConfig>, sim::TellsOutput {
+/// OutputProvider lets the scenario check that no two recorders write the same file.
+struct PlanConfig : ModuleConfigOf<PlanConfig>, sim::OutputProvider {
   std::string file = "plan.svg";
   double every_s = 0.1;
 

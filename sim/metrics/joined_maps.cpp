@@ -31,11 +31,11 @@ constexpr MetricDefinition kJoinedNees = {"joined_nees", "",
                                           "mean normalized error squared of that position; 3 for correct covariances"};
 constexpr MetricDefinition kLooksSent = {"map_looks_bytes", "B", "sent descriptors of submaps, with headers"};
 constexpr MetricDefinition kCloudsSent = {"map_clouds_bytes", "B", "sent clouds of submaps, with headers"};
-constexpr MetricDefinition kWordsSent = {
+constexpr MetricDefinition kMessagesSent = {
     "map_words_bytes", "B", "all other sent messages about maps: positions, requests and closures, with headers"};
 constexpr MetricDefinition kJoinedMapsDefinitions[] = {kJoinedAt,      kJoinedRmse,   kJoinedMax,  kJoinedEnd,
                                                        kJoinedYawRmse, kJoinedYawEnd, kJoinedNees, kLooksSent,
-                                                       kCloudsSent,    kWordsSent};
+                                                       kCloudsSent,    kMessagesSent};
 
 /// Error of the transform between the local frames of two vehicles, as estimated by one of them. The true local frame
 /// is the one in which the vehicle's own estimate is exact at that instant.
@@ -47,7 +47,7 @@ class JoinedMapsMetric final : public Metric {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       count_messages(tick.actions[i]->messages, vehicles_[i]);
       if (tick.agents.empty() || tick.states[i].crashed || !tick.actions[i]->estimate.valid) continue;
-      const auto* joins = dynamic_cast<const JoinsMaps*>(tick.agents[i].get());
+      const auto* joins = dynamic_cast<const JoinedMapProvider*>(tick.agents[i].get());
       if (joins == nullptr) continue;
       for (const JoinedMap& joined : joins->joined_maps()) judge(tick, i, joined);
     }
@@ -67,7 +67,7 @@ class JoinedMapsMetric final : public Metric {
                 vehicle.count > 0 ? vehicle.nees_sum / static_cast<double>(vehicle.count) : kNotMeasured);
       table.add(kLooksSent, name_of(i), static_cast<double>(vehicle.looks_bytes));
       table.add(kCloudsSent, name_of(i), static_cast<double>(vehicle.clouds_bytes));
-      table.add(kWordsSent, name_of(i), static_cast<double>(vehicle.words_bytes));
+      table.add(kMessagesSent, name_of(i), static_cast<double>(vehicle.words_bytes));
     }
   }
 
@@ -96,10 +96,10 @@ class JoinedMapsMetric final : public Metric {
     const auto other = static_cast<std::size_t>(joined.other);
     if (tick.states[other].crashed || !tick.actions[other]->estimate.valid) return;
     const Pose& T_local_body = tick.actions[i]->estimate.T_local_body;
-    const Pose T_told = joined.T_local_otherlocal * tick.actions[other]->estimate.T_local_body;
+    const Pose T_joined = joined.T_local_otherlocal * tick.actions[other]->estimate.T_local_body;
     const Pose T_true = T_local_body * tick.states[i].T_world_body().inverse() * tick.states[other].T_world_body();
-    const Vector3 off_m = T_told.translation() - T_true.translation();
-    const double off_rad = std::remainder(yaw_of(T_told.linear()) - yaw_of(T_true.linear()), 2.0 * std::numbers::pi);
+    const Vector3 off_m = T_joined.translation() - T_true.translation();
+    const double off_rad = std::remainder(yaw_of(T_joined.linear()) - yaw_of(T_true.linear()), 2.0 * std::numbers::pi);
     Vehicle& vehicle = vehicles_[i];
     if (vehicle.count++ == 0) vehicle.joined_s = to_seconds(tick.t);
     vehicle.position.add(off_m.norm());

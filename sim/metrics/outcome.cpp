@@ -21,7 +21,7 @@ constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCras
 
 // From best to worst: the outcome of a run is the worst of its vehicles.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
-constexpr std::array<OutcomeWord, 4> kOutcomes = {{
+constexpr std::array<OutcomeDefinition, 4> kOutcomes = {{
     {"done", "the agent reported its mission as done, or all required captures were made, by true positions"},
     {"timeout", "the run ended before the agent reported its mission as done or failed"},
     {"failed", "the agent reported failure; its last mission event in events.jsonl gives the reason"},
@@ -112,7 +112,7 @@ class OutcomeMetric final : public Metric {
 
 }  // namespace
 
-std::span<const OutcomeWord> outcome_words() { return kOutcomes; }
+std::span<const OutcomeDefinition> outcome_definitions() { return kOutcomes; }
 
 MetricType outcome_metric() {
   return {"outcome", "outcome and end time of each vehicle's mission", make_metric<OutcomeMetric>, kOutcomeDefinitions};

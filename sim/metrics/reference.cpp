@@ -40,7 +40,8 @@ std::string metrics_reference() {
       "`swiftlet list metrics` prints the same.\n\n"
       "## Outcomes\n"
       "| outcome | what it means |\n| --- | --- |\n";
-  for (const OutcomeWord& word : outcome_words()) text += fmt::format("| `{}` | {} |\n", word.name, word.definition);
+  for (const OutcomeDefinition& word : outcome_definitions())
+    text += fmt::format("| `{}` | {} |\n", word.name, word.definition);
   text +=
       "\nA run is as good as its worst vehicle; the outcomes stand here from best to worst. Episodes of a batch that "
       "did not\n"

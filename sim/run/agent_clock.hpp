@@ -4,7 +4,7 @@
 #include <array>
 #include <chrono>
 
-#include "swiftlet/core/agent/tells_stages.hpp"
+#include "swiftlet/core/agent/stage_notifier.hpp"
 
 namespace swiftlet::sim {
 

@@ -101,8 +101,8 @@ void Team::step(VehicleId i) try {
 void Team::start_agent_clocks() {
   agent_clocks.assign(agents.size(), {});
   for (std::size_t i = 0; i < agents.size(); ++i) {
-    if (auto* const agent = dynamic_cast<TellsStages*>(agents[i].get()))
-      agent->tell_stages([&clock = agent_clocks[i]](AgentStage stage) { clock.begin(stage); });
+    if (auto* const agent = dynamic_cast<StageNotifier*>(agents[i].get()))
+      agent->set_stage_listener([&clock = agent_clocks[i]](AgentStage stage) { clock.begin(stage); });
   }
 }
 

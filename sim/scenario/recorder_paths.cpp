@@ -60,7 +60,7 @@ void check_recorders(ConfigVisitor& v, const std::vector<Module>& recorders, con
   std::vector<RecorderOutput> earlier = {{"", "summary.json", true, "", {}, {}},
                                          {"", "scenario.yaml", true, "", {}, {}}};
   for (std::size_t i = 0; i < recorders.size(); ++i) {
-    const auto* config = dynamic_cast<const TellsOutput*>(recorders[i].config.get());
+    const auto* config = dynamic_cast<const OutputProvider*>(recorders[i].config.get());
     if (config == nullptr) continue;
     const RecorderOutput output = config->output();
     const std::string key = element(i, output.key);

@@ -164,12 +164,12 @@ std::filesystem::path folder_of(const std::string& place) {
 void read_plugins(ConfigVisitor& v) {
   std::vector<std::string> plugins = loaded_plugins();
   v.field("plugins", plugins, "[-] shared libraries with additional modules; loading requires --allow-plugins");
-  const auto* teller = dynamic_cast<const PlaceTeller*>(&v);
-  if (teller == nullptr) return;
+  const auto* provider = dynamic_cast<const PlaceProvider*>(&v);
+  if (provider == nullptr) return;
   for (const std::string& plugin : plugins) {
-    const std::string expected = load_plugin(plugin, folder_of(teller->place_of("plugins")));
+    const std::string expected = load_plugin(plugin, folder_of(provider->place_of("plugins")));
     // Immediately: without the plugin's modules, the rest would be rejected as well.
-    if (!expected.empty()) throw InputError(teller->place_of("plugins") + "expected " + expected);
+    if (!expected.empty()) throw InputError(provider->place_of("plugins") + "expected " + expected);
   }
 }
 
@@ -290,9 +290,9 @@ void VehicleConfig::visit(ConfigVisitor& v) {
   v.object("start", start, "state at time 0");
   v.modules("sensors", sensors, sensor_module_types(), "[-] sensors aboard");
   v.module("agent", agent, agent_module_types(), "[-] its software");
-  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) {
-    for (const char* key : {"start.position_m", "agent"}) places[key] = teller->place_of(key);
-    for (const NamedPlace& place : destinations_of(*this)) places[place.key] = teller->place_of(place.key.c_str());
+  if (const auto* provider = dynamic_cast<const PlaceProvider*>(&v)) {
+    for (const char* key : {"start.position_m", "agent"}) places[key] = provider->place_of(key);
+    for (const NamedPlace& place : destinations_of(*this)) places[place.key] = provider->place_of(place.key.c_str());
   }
   name_sensors(v, sensors);
   v.check(!airframe.rotors.empty(), "airframe.rotors", "at least one rotor");
@@ -320,7 +320,7 @@ void Scenario::visit(ConfigVisitor& v) {
   v.list("vehicles", vehicles, "the team, in the order of their numbers");
   v.modules("recorders", recorders, recorder_module_types(), "[-] recorders that write into the run directory");
   v.list("snapshots", snapshots, "cameras that take pictures");
-  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) snapshots_place = teller->place_of("snapshots");
+  if (const auto* provider = dynamic_cast<const PlaceProvider*>(&v)) snapshots_place = provider->place_of("snapshots");
   v.object("metrics", metrics, "settings of the metrics, and conditions that end the run");
 
   v.check(is_file_name(name), "name", kNameRule);

@@ -91,7 +91,7 @@ Node list_node(const Values& values, const Place& place) {
   return node;
 }
 
-class YamlReader final : public ConfigVisitor, public PlaceTeller {
+class YamlReader final : public ConfigVisitor, public PlaceProvider {
  public:
   YamlReader(const Node& root, Loader& loader) : loader_(loader) { push(&root, root.place, ""); }
 

@@ -25,18 +25,18 @@ class SlamMapRecorder : public Recorder {
   }
 
   void write(const TickView& tick) override {
-    const bool first = keepers_.empty();
-    keepers_.assign(tick.agents.size(), nullptr);
+    const bool first = providers_.empty();
+    providers_.assign(tick.agents.size(), nullptr);
     for (std::size_t i = 0; i < tick.agents.size(); ++i)
-      keepers_[i] = dynamic_cast<const KeepsMap*>(tick.agents[i].get());
-    if (first) require_keepers();
+      providers_[i] = dynamic_cast<const SavedMapProvider*>(tick.agents[i].get());
+    if (first) require_providers();
   }
 
   std::vector<std::filesystem::path> finish() override {
     std::vector<std::filesystem::path> paths;
-    for (std::size_t i = 0; i < keepers_.size(); ++i) {
-      if (!is_selected(i) || keepers_[i] == nullptr) continue;
-      const std::shared_ptr<const SavedMap> map = keepers_[i]->saved_map();
+    for (std::size_t i = 0; i < providers_.size(); ++i) {
+      if (!is_selected(i) || providers_[i] == nullptr) continue;
+      const std::shared_ptr<const SavedMap> map = providers_[i]->saved_map();
       if (map == nullptr) continue;
       paths.push_back(std::filesystem::path(config_.folder) / (names_[i] + std::string(kSlamMapExtension)));
       write_file(directory_ / paths.back(), slam_map_content(*map), MissingFolders::kMade);
@@ -49,14 +49,14 @@ class SlamMapRecorder : public Recorder {
     return config_.vehicles.empty() ||
            std::find(config_.vehicles.begin(), config_.vehicles.end(), names_[i]) != config_.vehicles.end();
   }
-  bool keeps_one(std::size_t i) const { return keepers_[i] != nullptr && keepers_[i]->saved_map() != nullptr; }
+  bool provides_map(std::size_t i) const { return providers_[i] != nullptr && providers_[i]->saved_map() != nullptr; }
 
   /// Checks that all named vehicles, or at least one if none is named, keep a map.
-  void require_keepers() const {
+  void require_providers() const {
     bool any = false;
-    for (std::size_t i = 0; i < keepers_.size(); ++i) {
-      any = any || keeps_one(i);
-      if (config_.vehicles.empty() || !is_selected(i) || keeps_one(i)) continue;
+    for (std::size_t i = 0; i < providers_.size(); ++i) {
+      any = any || provides_map(i);
+      if (config_.vehicles.empty() || !is_selected(i) || provides_map(i)) continue;
       throw InputError("recorder slam_map: vehicles: expected localization: {type: slam, global: {enabled: true}} on " +
                        names_[i] + ", found another");
     }
@@ -68,7 +68,7 @@ class SlamMapRecorder : public Recorder {
   SlamMapConfig config_;
   std::filesystem::path directory_;
   std::vector<std::string> names_;
-  std::vector<const KeepsMap*> keepers_;  // indexed by VehicleId; null: no map
+  std::vector<const SavedMapProvider*> providers_;  // indexed by VehicleId; null: no map
 };
 
 }  // namespace

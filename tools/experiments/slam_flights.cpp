@@ -236,8 +236,9 @@ class SlamNotes {
     flight_.nees = nees_.value();
     flight_.drift_10m_percent = median_of(drifts_percent(T_true_, T_local_, 10.0));
     flight_.drift_50m_percent = median_of(drifts_percent(T_true_, T_local_, 50.0));
-    if (const auto* keeper = dynamic_cast<const KeepsMap*>(simulation.view().agents[0].get()); keeper != nullptr) {
-      if (const auto map = keeper->saved_map()) {
+    if (const auto* provider = dynamic_cast<const SavedMapProvider*>(simulation.view().agents[0].get());
+        provider != nullptr) {
+      if (const auto map = provider->saved_map()) {
         count_closures(*map);
         measure_graph(*map);
       }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/agent/tells_stages.hpp"
+#include "swiftlet/core/agent/stage_notifier.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
@@ -393,10 +393,11 @@ TEST(Stack, TellsWhoListensEachStageThatItHasInOrderInEachTick) {
       {StackConfig{}, {"localization", "clouds", "guidance", "control", "other"}}};
   for (const auto& [config, stages] : stacks) {
     ClosedLoop loop(testing::x500(), config, {0, 0, 3});
-    auto* const agent = dynamic_cast<TellsStages*>(&loop.agent());
+    auto* const agent = dynamic_cast<StageNotifier*>(&loop.agent());
     ASSERT_NE(agent, nullptr);
     Stages told;
-    agent->tell_stages([&](AgentStage stage) { told.emplace_back(kAgentStageNames[static_cast<std::size_t>(stage)]); });
+    agent->set_stage_listener(
+        [&](AgentStage stage) { told.emplace_back(kAgentStageNames[static_cast<std::size_t>(stage)]); });
     for (int i = 0; i < 3; ++i) {
       told.clear();
       loop.tick();
@@ -409,7 +410,7 @@ TEST(Stack, TellsWhoListensEachStageThatItHasInOrderInEachTick) {
     EXPECT_EQ(told, Stages({"localization", "other"}));
 
     told.clear();
-    agent->tell_stages({});
+    agent->set_stage_listener({});
     loop.tick();
     EXPECT_TRUE(told.empty());
   }

@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "swiftlet/core/messages/kind.hpp"
-#include "swiftlet/core/messages/told_tracks.hpp"
+#include "swiftlet/core/messages/track_report.hpp"
 #include "tests/core/sharing/sharing_support.hpp"
 #include "tests/support/config_checks.hpp"
 
@@ -285,7 +285,7 @@ TEST(SharedTracks, AMessageIsBounded) {
   trial.config.max_told = 2;
   SharingTeam team(trial, 9);
   team.fly(10.0);
-  ToldTracks told;
+  TrackReport told;
   told.tracks.resize(2);
   Message message;
   write_message(told, message);
@@ -302,7 +302,7 @@ TEST(SharedTracks, AnUnsoundMessageChangesNothing) {
   AgentSetup setup;
   std::vector<Track> own;
   const auto tracker = make_shared_tracks(SharedTracksConfig{}, setup, std::make_unique<GivenTracks>(own));
-  ToldTracks told;
+  TrackReport told;
   told.t = kNsPerSecond;
   told.tracks.resize(2);
   told.tracks[0].covariance(2, 2) = -1.0F;

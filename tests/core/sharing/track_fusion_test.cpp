@@ -43,7 +43,7 @@ class FusionScene {
     last = observed_;
     fusion.update(from_seconds(0.1 * k_++), observed_);
     observed_.clear();
-    return fusion.told();
+    return fusion.reported();
   }
 
   TrackFusion fusion;
@@ -107,12 +107,12 @@ TEST(TrackFusion, TwoSideBySideAreNeverOne) {
       scene.scan();
     }
     // Joined are, if anything, tracks of the same identity.
-    for (const FusedTrack& told : scene.fusion.told()) {
+    for (const FusedTrack& told : scene.fusion.reported()) {
       std::set<std::uint32_t> identities;
       for (const std::size_t m : told.members) identities.insert(scene.last[m].identity);
       EXPECT_EQ(identities.size(), 1U) << seed;
     }
-    EXPECT_EQ(scene.fusion.told().size(), 2U) << seed;
+    EXPECT_EQ(scene.fusion.reported().size(), 2U) << seed;
   }
 }
 
@@ -126,7 +126,7 @@ TEST(TrackFusion, EachSeesOneOfTwoAndTheyStayTwo) {
       scene.scan();
     }
     EXPECT_EQ(scene.fusion.num_joined(), 0U) << seed;
-    EXPECT_EQ(scene.fusion.told().size(), 2U) << seed;
+    EXPECT_EQ(scene.fusion.reported().size(), 2U) << seed;
   }
 }
 
@@ -164,8 +164,8 @@ TEST(TrackFusion, WhatFliesApartIsTakenApartAgain) {
   }
   EXPECT_EQ(scene.fusion.num_joined(), 1U);
   EXPECT_EQ(scene.fusion.num_broken(), 1U);
-  EXPECT_EQ(scene.fusion.told().size(), 2U);
-  EXPECT_EQ(scene.fusion.told()[0].id, 1U);  // the own one goes on
+  EXPECT_EQ(scene.fusion.reported().size(), 2U);
+  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // the own one goes on
 }
 
 TEST(TrackFusion, ATargetKeepsItsIdentityWhenOneObserverLosesItAndFindsItAnew) {
@@ -188,7 +188,7 @@ TEST(TrackFusion, ATargetThatNobodyTellsOfIsNotTold) {
   EXPECT_EQ(scene.scan().size(), 0U);
   scene.see(1, 5, {0, 0, 5});
   ASSERT_EQ(scene.scan().size(), 1U);
-  EXPECT_EQ(scene.fusion.told()[0].id, 1U);  // remembered
+  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // remembered
 }
 
 TEST(TrackFusion, TwoWeakOnesThatAgreeAreToldTogether) {
@@ -200,7 +200,7 @@ TEST(TrackFusion, TwoWeakOnesThatAgreeAreToldTogether) {
     told = scene.scan().size();
   }
   ASSERT_EQ(told, 1U);
-  EXPECT_NEAR(scene.fusion.told()[0].existence, 0.714, 0.01);  // odds of a quarter, nearly tenfold
+  EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds of a quarter, nearly tenfold
 }
 
 TEST(TrackFusion, ThreeObserversSeeOneTarget) {
@@ -209,7 +209,7 @@ TEST(TrackFusion, ThreeObserversSeeOneTarget) {
     for (VehicleId observer = 0; observer < 3; ++observer) scene.see(observer, 1, {0, 0.1 * k, 5}, {0, 1, 0});
     ASSERT_EQ(scene.scan().size(), 1U) << k;
   }
-  EXPECT_EQ(scene.fusion.told()[0].members.size(), 3U);
+  EXPECT_EQ(scene.fusion.reported()[0].members.size(), 3U);
 }
 
 /// With any common errors, the fused error does not exceed its covariance: six degrees of freedom.
@@ -233,7 +233,7 @@ TEST(TrackFusion, TheFusedErrorIsNotLargerThanTold) {
         observed.push_back(track);
       }
       fusion.update(from_seconds(0.1 * k), observed);
-      for (const FusedTrack& told : fusion.told()) {
+      for (const FusedTrack& told : fusion.reported()) {
         if (told.members.size() < 2) continue;
         nees += told.estimate.mean.dot(told.estimate.covariance.ldlt().solve(told.estimate.mean));
         ++count;

@@ -195,12 +195,12 @@ TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
   EXPECT_LT(off.translation().tail<2>().norm(), 0.01);
   EXPECT_LT(std::abs(result.T_older_newer.translation().x()), 0.05) << "the guess is kept";
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.002);
-  EXPECT_LT((result.told * Vector6::Unit(0)).norm(), 0.05);
+  EXPECT_LT((result.constrained * Vector6::Unit(0)).norm(), 0.05);
   for (const int axis : {1, 2, 3, 4, 5}) {
-    EXPECT_LT((result.told * Vector6::Unit(axis) - Vector6::Unit(axis)).head<3>().norm(), 0.5) << axis;
-    EXPECT_LT((result.told * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
+    EXPECT_LT((result.constrained * Vector6::Unit(axis) - Vector6::Unit(axis)).head<3>().norm(), 0.5) << axis;
+    EXPECT_LT((result.constrained * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
   }
-  EXPECT_LT((result.told * result.told - result.told).norm(), 1e-9) << "a projector";
+  EXPECT_LT((result.constrained * result.constrained - result.constrained).norm(), 1e-9) << "a projector";
 }
 
 /// Floor and wall, and fins of 0.5 m across the wall.
@@ -219,7 +219,7 @@ TEST(Closure, AGuessThatIsOffAlongAWallSlidesToWhereItFits) {
                                             Pose::Identity(), ClosureConfig{}, 0.6);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
-  EXPECT_TRUE(result.told.isIdentity());
+  EXPECT_TRUE(result.constrained.isIdentity());
 }
 
 // A fin and ribs determine the position to a millimeter. But the ribs are regular, and one fin is small. So the cloud
@@ -236,8 +236,8 @@ TEST(Closure, WhatFitsAtTheNextRibsTellsNothingOfTheWayAlongTheWall) {
   const ClosureResult result = find_closure(ribbed(1), seen_from(ribbed(2), T), Pose::Identity(), ClosureConfig{}, 0.6);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
-  EXPECT_LT((result.told * Vector6::Unit(0)).norm(), 0.05);
-  for (const int axis : {1, 2}) EXPECT_GT((result.told * Vector6::Unit(axis)).norm(), 0.9) << axis;
+  EXPECT_LT((result.constrained * Vector6::Unit(0)).norm(), 0.05);
+  for (const int axis : {1, 2}) EXPECT_GT((result.constrained * Vector6::Unit(axis)).norm(), 0.9) << axis;
 }
 
 TEST(Closure, AFloorAloneLeavesTooMuchOpenHoweverRightTheGuess) {
@@ -254,7 +254,7 @@ TEST(Closure, FartherThanTheGuessCanBeOffNothingIsClosed) {
   EXPECT_NE(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.4).verdict, ClosureVerdict::kClosed);
   const ClosureResult result = find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 1.0);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
-  EXPECT_TRUE(result.told.isIdentity());
+  EXPECT_TRUE(result.constrained.isIdentity());
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
 }
 

@@ -97,12 +97,12 @@ TEST(SubmapLook, HangsOnThePlaceAndNotOnTheHeading) {
 
 TEST(SubmapLook, IsTheSameWhenItWasTold) {
   const SubmapLook look = look_of(cloud_of_yard_m(testing::level_at(2, 0, 2, 0.3)), 0.5, 25.0);
-  const std::vector<std::uint8_t> directions = look.directions.told();
-  const std::optional<SubmapLook> told = SubmapLook::of_told(directions, look.heights);
+  const std::vector<std::uint8_t> directions = look.directions.quantized();
+  const std::optional<SubmapLook> told = SubmapLook::from_quantized(directions, look.heights);
   ASSERT_TRUE(told);
   EXPECT_GT(likeness(look, *told), 0.999);
-  EXPECT_FALSE(SubmapLook::of_told(std::span(directions).first(119), look.heights));
-  EXPECT_FALSE(SubmapLook::of_told(directions, std::span(look.heights).first(3)));
+  EXPECT_FALSE(SubmapLook::from_quantized(std::span(directions).first(119), look.heights));
+  EXPECT_FALSE(SubmapLook::from_quantized(directions, std::span(look.heights).first(3)));
 }
 
 }  // namespace

@@ -29,14 +29,14 @@ PoseGraph chain(int count) {
 }
 
 TEST(GraphWays, AlongAChainItIsTheWayThatWasFlown) {
-  const std::vector<double> way_m = shortest_ways_m(chain(11), 10);
+  const std::vector<double> way_m = shortest_path_lengths_m(chain(11), 10);
   for (std::size_t i = 0; i < way_m.size(); ++i) EXPECT_DOUBLE_EQ(way_m[i], 2.0 * static_cast<double>(10 - i));
 }
 
 TEST(GraphWays, AClosureCountsNothing) {
   PoseGraph graph = chain(11);
   graph.add(RelativeFactor{1, 9, along_x(0.5), Matrix6::Identity(), 1.0});
-  const std::vector<double> way_m = shortest_ways_m(graph, 10);
+  const std::vector<double> way_m = shortest_path_lengths_m(graph, 10);
   EXPECT_DOUBLE_EQ(way_m[1], 2.0);  // through pose 9
   EXPECT_DOUBLE_EQ(way_m[0], 4.0);
   EXPECT_DOUBLE_EQ(way_m[5], 10.0);  // equal in both directions
@@ -47,13 +47,13 @@ TEST(GraphWays, AClosureThatLeavesADirectionOpenLeadsNowhere) {
   Matrix6 open = Matrix6::Identity();
   open(1, 1) = 0.0;
   graph.add(RelativeFactor{1, 9, along_x(0.5), open, 1.0});
-  EXPECT_DOUBLE_EQ(shortest_ways_m(graph, 10)[1], 18.0);
+  EXPECT_DOUBLE_EQ(shortest_path_lengths_m(graph, 10)[1], 18.0);
 }
 
 TEST(GraphWays, WhereNoFactorLeadsItIsInfinite) {
   PoseGraph graph = chain(3);
   graph.add_pose(Pose::Identity());
-  EXPECT_TRUE(std::isinf(shortest_ways_m(graph, 0)[3]));
+  EXPECT_TRUE(std::isinf(shortest_path_lengths_m(graph, 0)[3]));
 }
 
 TEST(GraphWays, AreThoseOfRelaxingEveryEdgeUntilNothingChanges) {
@@ -81,7 +81,7 @@ TEST(GraphWays, AreThoseOfRelaxingEveryEdgeUntilNothingChanges) {
         from_m = std::min(from_m, to_m + length_m);
       }
     }
-    const std::vector<double> way_m = shortest_ways_m(graph, 0);
+    const std::vector<double> way_m = shortest_path_lengths_m(graph, 0);
     for (std::size_t i = 0; i < way_m.size(); ++i) {
       if (std::isinf(expected_m[i])) {
         EXPECT_TRUE(std::isinf(way_m[i]));

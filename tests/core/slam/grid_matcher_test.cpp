@@ -184,10 +184,10 @@ TEST(InertialFilterTake, WithTheBestGainItIsTheUpdateByEvidence) {
     InertialFilter::WeighedPose pose;
     pose.slope = pose.scatter = information;
     pose.gain = P * information * (information * P * information + information).inverse();
-    pose.told = 1e-3 * information * Vector6(0.5, -0.2, 0.3, 0.01, -0.02, 0.03);
-    pose.moved = pose.gain * pose.told;
+    pose.contribution = 1e-3 * information * Vector6(0.5, -0.2, 0.3, 0.01, -0.02, 0.03);
+    pose.moved = pose.gain * pose.contribution;
     weighed.take(pose);
-    updated.update([&](const Pose&) { return PoseEvidence{information, -pose.told}; }, 0);
+    updated.update([&](const Pose&) { return PoseEvidence{information, -pose.contribution}; }, 0);
     EXPECT_LT((weighed.covariance() - updated.covariance()).norm(), 1e-6 * updated.covariance().norm());
     InertialFilter moved = in_flight();
     bool first = true;
@@ -195,7 +195,7 @@ TEST(InertialFilterTake, WithTheBestGainItIsTheUpdateByEvidence) {
         [&](const Pose&) {  // linear: the gradient at the second iterate is that of the first one, moved along
           const Vector6 at = first ? Vector6(Vector6::Zero()) : pose.moved;
           first = false;
-          return PoseEvidence{information, information * at - pose.told};
+          return PoseEvidence{information, information * at - pose.contribution};
         },
         1);
     EXPECT_LT((weighed.state().nav.p_m - moved.state().nav.p_m).norm(), 1e-8);
@@ -218,7 +218,7 @@ TEST(InertialFilterTake, ThePoseIsTheOneThatWasFoundAndAWorseGainLeavesMoreDoubt
     for (const double times : {1.0, 0.5, 0.0}) {
       InertialFilter filter = before;
       pose.gain = times * best;
-      pose.told = information * pose.moved;
+      pose.contribution = information * pose.moved;
       filter.take(pose);
       const Pose T = filter.T_local_body();
       EXPECT_LT((T.translation() - before.T_local_body().translation() - pose.moved.head<3>()).norm(), 1e-12);

@@ -340,7 +340,7 @@ TEST(MapSharing, WhatCannotBeIsRefused) {
   strange.places[1].turn_local_rad = {2, 0, 0};
   EXPECT_TRUE(hearer.refuses(strange)) << "its z axis does not point up";
   strange = places;
-  strange.places[1].way_m = -1.0F;
+  strange.places[1].path_length_m = -1.0F;
   EXPECT_TRUE(hearer.refuses(strange));
 
   EXPECT_TRUE(hearer.refuses(SubmapChunk{0, 0, 5, 5, 0.5F, {1, 2, 3}})) << "nobody asked for it";

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/slam/tells_submaps.hpp"
+#include "swiftlet/core/slam/submap_provider.hpp"
 
 namespace swiftlet::testing {
 
@@ -46,7 +46,7 @@ inline std::vector<Vector3> shared_yard_m() {
 }
 
 /// Submaps along a path through such a world, without errors.
-class WayThroughYard : public TellsSubmaps {
+class WayThroughYard : public SubmapProvider {
  public:
   WayThroughYard(std::vector<Vector3> world_m, const Pose& T_local_world, double reach_m = 14.0)
       : world_m_(std::move(world_m)), T_local_world_(T_local_world), reach_m_(reach_m) {}
@@ -75,7 +75,7 @@ class WayThroughYard : public TellsSubmaps {
     return points_m_[static_cast<std::size_t>(submap)];
   }
   const Pose& T_local_submap(int submap) const override { return T_[static_cast<std::size_t>(submap)]; }
-  double way_m(int submap) const override { return way_m_[static_cast<std::size_t>(submap)]; }
+  double path_length_m(int submap) const override { return way_m_[static_cast<std::size_t>(submap)]; }
   std::uint64_t places_revision() const override { return revision_; }
 
  private:

@@ -53,7 +53,7 @@ TEST(MetricDefinitions, ThePageIsUpToDate) {
 
 TEST(MetricDefinitions, OutcomesGoFromBestToWorst) {
   std::vector<std::string> words;
-  for (const OutcomeWord& word : outcome_words()) words.emplace_back(word.name);
+  for (const OutcomeDefinition& word : outcome_definitions()) words.emplace_back(word.name);
   EXPECT_THAT(words, ::testing::ElementsAre("done", "timeout", "failed", "crashed"));
 }
 

@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 namespace {
 
 /// An inactive agent with a known transform to another vehicle's frame.
-class Joiner : public Agent, public JoinsMaps {
+class Joiner : public Agent, public JoinedMapProvider {
  public:
   const Action& step(const Observation&) override { return action_; }
   std::span<const JoinedMap> joined_maps() const override { return maps; }

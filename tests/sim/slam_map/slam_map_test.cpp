@@ -259,7 +259,7 @@ TEST(SlamMapFile, IsKnownByTheEndOfItsName) {
 }
 
 /// Keeps a map, or none.
-class Keeper : public Agent, public KeepsMap {
+class Keeper : public Agent, public SavedMapProvider {
  public:
   explicit Keeper(bool keeps) : map_(keeps ? std::make_shared<const SavedMap>(small_map()) : nullptr) {}
   const Action& step(const Observation&) override { return action_; }
@@ -340,9 +340,9 @@ std::filesystem::path map_of_the_campus() {
   scenario.duration_s = 30.0;
   Simulation simulation(validated(scenario), 2);
   while (!simulation.finished()) simulation.tick();
-  const auto* keeper = dynamic_cast<const KeepsMap*>(simulation.view().agents[0].get());
-  if (keeper == nullptr) throw std::logic_error("expected a vehicle that keeps a map");
-  write_file(temporary("campus"), slam_map_content(*keeper->saved_map()));
+  const auto* provider = dynamic_cast<const SavedMapProvider*>(simulation.view().agents[0].get());
+  if (provider == nullptr) throw std::logic_error("expected a vehicle that keeps a map");
+  write_file(temporary("campus"), slam_map_content(*provider->saved_map()));
   return temporary("campus");
 }
 

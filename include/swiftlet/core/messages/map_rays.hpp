@@ -8,7 +8,7 @@
 namespace swiftlet {
 
 /// A beam of a scan: from the sensor to the hit, or to the end of the observed free space.
-struct ToldRay {
+struct MapRay {
   Eigen::Vector3f origin_world_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f end_world_m = Eigen::Vector3f::Zero();
   bool hit = true;
@@ -27,7 +27,7 @@ struct MapRays {
   static constexpr const char* kDoc = "the beams of a scan, for the map of its receiver";
 
   TimeNs t = 0;
-  std::vector<ToldRay> rays;
+  std::vector<MapRay> rays;
 
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] end of the sweep");

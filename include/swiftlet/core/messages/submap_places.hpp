@@ -17,12 +17,12 @@ struct SubmapPlaces {
   struct Place {
     Eigen::Vector3f p_local_m = Eigen::Vector3f::Zero();
     Eigen::Vector3f turn_local_rad = Eigen::Vector3f::Zero();
-    float way_m = 0.0F;
+    float path_length_m = 0.0F;
 
     static void visit(auto& p, auto& v) {
       v.field("*_m", p.p_local_m, "[m] origin of the submap");
       v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector of its axes");
-      v.field("way_m", p.way_m, "[m] path length of the flight at its beginning");
+      v.field("way_m", p.path_length_m, "[m] path length of the flight at its beginning");
     }
   };
 

@@ -58,7 +58,7 @@ class FrameLink {
   void clear();
 
   /// Alignment as of the newest time of both; nothing while it is too uncertain.
-  const std::optional<FrameAlignment>& alignment() const { return told_; }
+  const std::optional<FrameAlignment>& alignment() const { return alignment_; }
   /// Time of the newest pair used as a measurement.
   TimeNs measured() const { return measured_; }
   std::uint64_t num_starts() const { return num_starts_; }
@@ -93,14 +93,14 @@ class FrameLink {
   void compare(const ObserverHistory& own, const ObserverHistory& other, TimeNs t);
   State drifted(const State& before, const PathSample& own, const PathSample& other) const;
   void measure(TimeNs t);
-  void tell(const ObserverHistory& own, const ObserverHistory& other);
+  void update_alignment(const ObserverHistory& own, const ObserverHistory& other);
 
   FrameLinkConfig config_;
   OdometryDriftConfig drift_config_;
   OdometryDrift drift_;
   bool started_ = false;
   State state_;
-  std::optional<FrameAlignment> told_;
+  std::optional<FrameAlignment> alignment_;
   TimeNs last_ = -1, measured_ = -1;
   int num_disagreements_ = 0;
   std::uint64_t num_starts_ = 0, num_lost_ = 0;

@@ -28,9 +28,9 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Own tracks and tracks received by radio (`ToldTracks`), fused in the own local frame. Tracks of an observer are used
-/// once the pose of its frame is known (`FrameLink`). Observers are not targets: their tracks are removed, and their
-/// states are reported as `RelativeEstimate`.
+/// Own tracks and tracks received by radio (`TrackReport`), fused in the own local frame. Tracks of an observer are
+/// used once the pose of its frame is known (`FrameLink`). Observers are not targets: their tracks are removed, and
+/// their states are reported as `RelativeEstimate`.
 ///
 /// The fused tracks hold for the time of the newest track, and are updated after every scan of the own detector.
 /// Messages contain whole states, so one older than the newest received is ignored, and a delayed one is only less

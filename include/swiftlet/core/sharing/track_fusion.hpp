@@ -64,7 +64,7 @@ class TrackFusion {
   /// Fuses tracks of one time. @param observed  by observer and identity; the first observer takes precedence in doubt
   void update(TimeNs t, std::span<const ObservedTrack> observed);
   /// Targets above the reporting threshold, by identity.
-  std::span<const FusedTrack> told() const { return told_; }
+  std::span<const FusedTrack> reported() const { return reported_; }
   std::uint64_t num_joined() const { return num_joined_; }
   std::uint64_t num_broken() const { return num_broken_; }
   std::uint64_t num_held_back() const { return num_held_back_; }
@@ -84,7 +84,7 @@ class TrackFusion {
     std::vector<std::size_t> members;  // indices of its tracks in this update
     MotionEstimate estimate;
     double existence = 0.0;
-    bool held_back = false, was_told = false;  // was_told: reported in the previous update
+    bool held_back = false, was_reported = false;  // was_told: reported in the previous update
   };
   /// Two targets that may be the same.
   struct Suspicion {
@@ -105,7 +105,7 @@ class TrackFusion {
   void find_pairs(TimeNs t, std::span<const ObservedTrack> observed);
   void join(std::span<const ObservedTrack> observed);
   void hold_back(std::span<const ObservedTrack> observed);
-  void tell();
+  void report();
   Target& begin(const Key& key);
   Suspicion* suspicion_of(const Target& a, const Target& b);  // null: none
   bool disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const;
@@ -117,7 +117,7 @@ class TrackFusion {
   std::vector<Target> targets_;  // sorted by serial
   std::vector<Suspicion> suspicions_;
   std::vector<Pair> pairs_;  // pairs of this update
-  std::vector<FusedTrack> told_;
+  std::vector<FusedTrack> reported_;
   std::uint32_t next_serial_ = 1, next_id_ = 1;
   std::uint64_t num_joined_ = 0, num_broken_ = 0, num_held_back_ = 0;
 };

@@ -71,8 +71,8 @@ class RotationalHistogram {
   static constexpr int kBuckets = 120;  // over half a turn
   explicit RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m);
   /// From a received message: shares of the largest bucket in 255ths.
-  explicit RotationalHistogram(std::span<const std::uint8_t, kBuckets> told);
-  std::vector<std::uint8_t> told() const;
+  explicit RotationalHistogram(std::span<const std::uint8_t, kBuckets> quantized);
+  std::vector<std::uint8_t> quantized() const;
   /// Cosine similarity of this histogram, rotated by yaw, and another; 1: equal.
   double similarity(const RotationalHistogram& other, double yaw_rad) const;
 

@@ -49,7 +49,7 @@ struct ClosureResult {
   Pose T_older_newer = Pose::Identity();  ///< valid for kClosed
   /// Projector onto the constrained directions of that pose, for kClosed: the identity, or without the one
   /// unconstrained direction. Displacements are in axes of the older submap, rotations in those of the newer.
-  Matrix6 told = Matrix6::Identity();
+  Matrix6 constrained = Matrix6::Identity();
   double score = 0.0, overlap = 0.0, near_share = 0.0;
   std::int64_t num_expanded = 0;
 };

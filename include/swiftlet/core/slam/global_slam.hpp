@@ -19,7 +19,7 @@
 #include "swiftlet/core/slam/map_sharing_config.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 #include "swiftlet/core/slam/saved_map.hpp"
-#include "swiftlet/core/slam/tells_submaps.hpp"
+#include "swiftlet/core/slam/submap_provider.hpp"
 
 namespace swiftlet {
 
@@ -65,7 +65,7 @@ struct GlobalSlamConfig {
 ///
 /// With a map of an earlier flight the graph starts with that flight's. With a known start pose, its submaps are
 /// closure candidates like the own ones. With an unknown start pose, the vehicle is relocalized in all of them.
-class GlobalSlam : public TellsSubmaps {
+class GlobalSlam : public SubmapProvider {
  public:
   /// @param pose_known  false: the start pose is a guess that GNSS may replace
   GlobalSlam(const GlobalSlamConfig& config, bool pose_known);
@@ -78,7 +78,7 @@ class GlobalSlam : public TellsSubmaps {
   /// Correction that has become available by t, if any.
   std::optional<Pose> correction(TimeNs t);
   /// Poses of the submaps as of the last available result.
-  const SubmapPoses& submap_poses() const { return told_; }
+  const SubmapPoses& submap_poses() const { return submap_poses_; }
   /// Trajectory of this flight, submaps and closures, in the local frame.
   void append_overlays(std::vector<Overlay>& overlays) const;
   /// Map of this flight and of the earlier ones. A flight that is not localized in its prior map adds nothing to it.
@@ -89,9 +89,11 @@ class GlobalSlam : public TellsSubmaps {
   std::span<const Eigen::Vector3f> points_submap_m(int submap) const override {
     return submaps_[static_cast<std::size_t>(submap)].points_submap_m;
   }
-  const Pose& T_local_submap(int submap) const override { return told_.T_local_own[static_cast<std::size_t>(submap)]; }
-  double way_m(int submap) const override { return submaps_[static_cast<std::size_t>(submap)].begin_m; }
-  std::uint64_t places_revision() const override { return told_.revision; }
+  const Pose& T_local_submap(int submap) const override {
+    return submap_poses_.T_local_own[static_cast<std::size_t>(submap)];
+  }
+  double path_length_m(int submap) const override { return submaps_[static_cast<std::size_t>(submap)].begin_m; }
+  std::uint64_t places_revision() const override { return submap_poses_.revision; }
   int num_closures() const { return num_closures_; }
   /// Number of points of all finished submaps, the main part of the memory.
   std::size_t num_points() const;
@@ -106,13 +108,13 @@ class GlobalSlam : public TellsSubmaps {
     TimeNs t = 0;
     int pose = 0;  // index in the graph
     Pose T_local_body = Pose::Identity();
-    double way_m = 0.0;
+    double path_length_m = 0.0;
   };
   /// Odometry from an older pose to the start of a submap. Replaces the poses of dropped submaps in between.
   struct Tie {
     int pose = -1;  // index in the graph; -1: none
     Pose T_pose_local = Pose::Identity();
-    double way_m = 0.0;  // path length of the odometry
+    double path_length_m = 0.0;  // path length of the odometry
   };
   enum class Closed { kNot, kPartly, kFully };  // kPartly: one direction is unconstrained
   struct Submap {
@@ -142,8 +144,8 @@ class GlobalSlam : public TellsSubmaps {
   void forget_known(std::span<const Older> joined);
   bool drop_known(std::span<const Older> joined);
   void drop_newest(std::span<const Older> joined);
-  void tell_dropped(int into, const Pose& T_into_newest);
-  bool is_sought(TimeNs t, double way_m) const;
+  void record_dropped(int into, const Pose& T_into_newest);
+  bool is_search_due(TimeNs t, double path_length_m) const;
   void locate(TimeNs t);
   void join(int older_pose, int newer_pose, const ClosureResult& closure);
   void place_fixes();
@@ -151,8 +153,8 @@ class GlobalSlam : public TellsSubmaps {
   void optimize(TimeNs t);
   Pose T_local_world() const;
   std::vector<Pose> given_poses_local() const;
-  double off_m(double way_m) const;
-  Matrix6 odometry_information(double way_m) const;
+  double off_m(double path_length_m) const;
+  Matrix6 odometry_information(double path_length_m) const;
 
   GlobalSlamConfig config_;
   Latency latency_;
@@ -166,10 +168,10 @@ class GlobalSlam : public TellsSubmaps {
   bool fitted_ = false;
   int num_given_poses_ = 0;  // poses of the prior map; the first ones in the graph
   bool located_ = false;
-  double sought_at_m_ = 0.0;  // path length at the last attempt after moving on
-  TimeNs sought_ = 0;         // time of the last attempt, also in hover
-  double hovers_at_m_ = 0.0;  // path length at the last attempt
-  int num_sought_here_ = 0;   // attempts since the vehicle moved on
+  double searched_at_m_ = 0.0;  // path length at the last attempt after moving on
+  TimeNs searched_at_ = 0;      // time of the last attempt, also in hover
+  double hovers_at_m_ = 0.0;    // path length at the last attempt
+  int num_searches_here_ = 0;   // attempts since the vehicle moved on
   int num_closures_ = 0;
   bool news_ = false, fixes_ = false;  // new since the last optimization: a closure, a fix
   TimeNs last_optimized_ = 0;
@@ -179,7 +181,7 @@ class GlobalSlam : public TellsSubmaps {
     std::vector<Pose> T_local_own, T_local_given;  // poses of the submaps at that time
   };
   std::vector<Learned> learned_;  // few
-  SubmapPoses told_;
+  SubmapPoses submap_poses_;
 };
 
 }  // namespace swiftlet

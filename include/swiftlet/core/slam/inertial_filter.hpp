@@ -75,7 +75,8 @@ class InertialFilter {
   /// A pose estimated outside of the filter from the scan and the prediction, with weights of its own.
   struct WeighedPose {
     Eigen::Matrix<double, 6, 1> moved;  ///< change from the prediction, in the coordinates of PoseEvidence
-    Eigen::Matrix<double, 6, 1> told;   ///< contribution of the scan: slope times the prediction's error, plus noise
+    Eigen::Matrix<double, 6, 1>
+        contribution;  ///< contribution of the scan: slope times the prediction's error, plus noise
     Matrix6 slope;
     Matrix6 scatter;  ///< covariance of the noise
     Matrix6 gain;     ///< the pose changes by gain times the scan's contribution

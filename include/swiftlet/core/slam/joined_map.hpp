@@ -19,9 +19,9 @@ struct JoinedMap {
 };
 
 /// Interface of estimators, and their agents, that join their maps with those of others.
-class JoinsMaps {
+class JoinedMapProvider {
  public:
-  virtual ~JoinsMaps() = default;
+  virtual ~JoinedMapProvider() = default;
   /// Present joined maps, in the order of the vehicles.
   virtual std::span<const JoinedMap> joined_maps() const = 0;
 };

@@ -93,7 +93,7 @@ class LocalSlam {
   ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
   void gather(const Scan& scan, std::span<const SeenVehicle> others);
   void leave_out(std::span<const SeenVehicle> others);
-  void learn_doubt(const ScanFit& fit);
+  void learn_shared_covariance(const ScanFit& fit);
   bool due_for_map() const;
   void insert();
 

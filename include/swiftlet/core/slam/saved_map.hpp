@@ -47,9 +47,9 @@ std::vector<Eigen::Vector3f> points_world_m(const SavedMap& map);
 void append_voxels(const SavedMap& map, const Pose& T_local_world, MapVoxels& copy);
 
 /// Interface of estimators, and their agents, that keep such a map.
-class KeepsMap {
+class SavedMapProvider {
  public:
-  virtual ~KeepsMap() = default;
+  virtual ~SavedMapProvider() = default;
   /// Present map; null: none.
   virtual std::shared_ptr<const SavedMap> saved_map() const = 0;
 };

@@ -33,7 +33,7 @@ class ScanMatcher {
   /// Points of the scan, thinned for the map.
   virtual std::span<const Eigen::Vector3f> points_body_m() const = 0;
 
-  struct Doubt {
+  struct Uncertainty {
     double known_share_min = 0.0;  ///< smallest share of points on the map for a correction
     double smear_m = 0.0;          ///< possible displacement of points by unknown motion
     double range_sigma_m = 0.0;    ///< standard deviation of the ranges
@@ -43,7 +43,7 @@ class ScanMatcher {
     int num_iterations = 0;
   };
   /// Corrects the filter by the pose of the scan.
-  virtual Match match(InertialFilter& filter, const Doubt& doubt) = 0;
+  virtual Match match(InertialFilter& filter, const Uncertainty& uncertainty) = 0;
 
   virtual void insert(const Pose& T_local_body) = 0;
   virtual std::size_t bytes() const = 0;

@@ -50,17 +50,17 @@ class SlamToNow {
     std::vector<SeenVehicle> others;
   };
   bool is_due(TimeNs t) const { return !waiting_.empty() && latency_.is_over(waiting_.front().t, t); }
-  std::uint64_t num_ahead() const { return num_samples_ - num_told_; }
+  std::uint64_t num_ahead() const { return num_samples_ - num_added_; }
   const ImuSample& sample(std::uint64_t i) const { return ring_[i % kMostSamples]; }
-  void tell_until(std::uint64_t num_samples);
+  void add_until(std::uint64_t num_samples);
   void catch_up();
 
   Latency latency_;
   LocalSlam slam_;
   InertialFilter now_;
   std::vector<ImuSample> ring_;
-  std::uint64_t num_samples_ = 0, num_told_ = 0;  // all samples; the ring has those not yet passed to local SLAM
-  std::vector<Arrival> waiting_;                  // few
+  std::uint64_t num_samples_ = 0, num_added_ = 0;  // all samples; the ring has those not yet passed to local SLAM
+  std::vector<Arrival> waiting_;                   // few
 };
 
 }  // namespace swiftlet

@@ -34,7 +34,7 @@ class SurfaceMatcher : public ScanMatcher {
   void take(std::span<const Eigen::Vector3f> returns_body_m, bool first) override;
   int num_points() const override { return static_cast<int>(sparse_body_m_.size()); }
   std::span<const Eigen::Vector3f> points_body_m() const override { return dense_body_m_; }
-  Match match(InertialFilter& filter, const Doubt& doubt) override;
+  Match match(InertialFilter& filter, const Uncertainty& uncertainty) override;
   void insert(const Pose& T_local_body) override;
   std::size_t bytes() const override { return map_.bytes(); }
 

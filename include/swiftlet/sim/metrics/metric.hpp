@@ -85,13 +85,13 @@ std::unique_ptr<Metric> make_metric(const MetricSetup& setup) {
 std::vector<MetricType>& metric_registry();
 
 /// An outcome of a run or a vehicle, and its meaning.
-struct OutcomeWord {
+struct OutcomeDefinition {
   const char* name;
   const char* definition;
 };
 
 /// From best to worst: the outcome of a run is the worst of its vehicles.
-std::span<const OutcomeWord> outcome_words();
+std::span<const OutcomeDefinition> outcome_definitions();
 
 /// Radio metrics in tables of batches.
 struct RadioMetrics {

@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-struct CsvConfig : ModuleConfigOf<CsvConfig>, TellsOutput {
+struct CsvConfig : ModuleConfigOf<CsvConfig>, OutputProvider {
   std::vector<std::string> vehicles;
   double rate_hz = 100.0;
   std::vector<std::string> topics = {"state"};

@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct EventsConfig : ModuleConfigOf<EventsConfig>, TellsOutput {
+struct EventsConfig : ModuleConfigOf<EventsConfig>, OutputProvider {
   std::vector<std::string> vehicles;
   std::vector<std::string> kinds;
 

@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct MapConfig : ModuleConfigOf<MapConfig>, TellsOutput {
+struct MapConfig : ModuleConfigOf<MapConfig>, OutputProvider {
   std::vector<std::string> vehicles;
   std::vector<std::string> maps;
   std::vector<double> times_s;

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig, TellsOutput {
+struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig, OutputProvider {
   std::string file = "record.mcap";
   enum class Compression { kZstd, kNone };
   Compression compression = Compression::kZstd;

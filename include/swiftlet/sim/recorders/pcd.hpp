@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct PcdConfig : ModuleConfigOf<PcdConfig>, ScanFilesConfig, TellsOutput {
+struct PcdConfig : ModuleConfigOf<PcdConfig>, ScanFilesConfig, OutputProvider {
   bool organized = false;
 
   void visit(ConfigVisitor& v) override;

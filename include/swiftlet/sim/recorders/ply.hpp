@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct PlyConfig : ModuleConfigOf<PlyConfig>, ScanFilesConfig, TellsOutput {
+struct PlyConfig : ModuleConfigOf<PlyConfig>, ScanFilesConfig, OutputProvider {
   void visit(ConfigVisitor& v) override;
   RecorderOutput output() const override { return {"folder", folder, false, "ply", vehicles, sensors}; }
 };

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig, TellsOutput {
+struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig, OutputProvider {
   std::string file = "record.bag";
   enum class Compression { kLz4, kNone };
   Compression compression = Compression::kLz4;

@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct TumConfig : ModuleConfigOf<TumConfig>, TellsOutput {
+struct TumConfig : ModuleConfigOf<TumConfig>, OutputProvider {
   std::vector<std::string> vehicles;
   double rate_hz = 100.0;
   bool estimate = true;

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-struct ReplayConfig : ModuleConfigOf<ReplayConfig>, TellsOutput {
+struct ReplayConfig : ModuleConfigOf<ReplayConfig>, OutputProvider {
   double rate_hz = 20.0;
   double scan_rate_hz = 2.0;
   double scan_budget_kBps = 60.0;

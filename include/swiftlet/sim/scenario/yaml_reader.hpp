@@ -18,9 +18,9 @@ namespace swiftlet::sim {
 
 /// A visitor that reads a text and provides the location of the value of `key`, for faults found later:
 /// "forest.yaml:12:7: vehicles[0].start.position_m: ". Call it after reading the field.
-class PlaceTeller {
+class PlaceProvider {
  public:
-  virtual ~PlaceTeller() = default;
+  virtual ~PlaceProvider() = default;
   virtual std::string place_of(const char* key) const = 0;
 };
 

@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-struct SlamMapConfig : ModuleConfigOf<SlamMapConfig>, TellsOutput {
+struct SlamMapConfig : ModuleConfigOf<SlamMapConfig>, OutputProvider {
   std::vector<std::string> vehicles;
   std::string folder = "maps";
 

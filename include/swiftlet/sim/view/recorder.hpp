@@ -36,8 +36,8 @@ struct RecorderOutput {
 };
 
 /// Base of the configuration of every recorder; the scenario checks its output before the flight.
-struct TellsOutput {
-  virtual ~TellsOutput() = default;
+struct OutputProvider {
+  virtual ~OutputProvider() = default;
   virtual RecorderOutput output() const = 0;
 };
 

@@ -9,16 +9,16 @@
 namespace swiftlet {
 
 /// Interface of a SLAM with submaps along its path, in the order of their beginning. The last one grows.
-class TellsSubmaps {
+class SubmapProvider {
  public:
-  virtual ~TellsSubmaps() = default;
+  virtual ~SubmapProvider() = default;
   virtual int num_submaps() const = 0;
   /// Points of a finished submap, which is immutable.
   virtual std::span<const Eigen::Vector3f> points_submap_m(int submap) const = 0;
   /// Present estimate of the submap's pose.
   virtual const Pose& T_local_submap(int submap) const = 0;
   /// Path length of the flight at the submap's beginning.
-  virtual double way_m(int submap) const = 0;
+  virtual double path_length_m(int submap) const = 0;
   /// Increases whenever a pose changes or a submap begins.
   virtual std::uint64_t places_revision() const = 0;
 };

@@ -9,13 +9,13 @@ namespace swiftlet {
 
 /// Tracks from the sender's own sensors alone, and the sender's own state, in its local frame, which drifts. Received
 /// tracks are never forwarded, so no data returns to its source.
-struct ToldTracks {
+struct TrackReport {
   static constexpr const char* kTopic = "told_tracks";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "tracks and own state of its sender, in the sender's own local frame";
 
   /// A track of 120 bytes. Single precision resolves a tenth of a millimeter at a kilometer.
-  struct Told {
+  struct Entry {
     std::uint32_t identity = 0;
     float age_s = 0.0F;
     float existence = 0.0F;
@@ -38,7 +38,7 @@ struct ToldTracks {
   Vector3 v_local_mps = Vector3::Zero();
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
-  std::vector<Told> tracks;
+  std::vector<Entry> tracks;
 
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] time of validity, by the sender's clock");

@@ -23,12 +23,12 @@ inline constexpr std::array<const char*, 9> kAgentStageNames = {
     "mapping",      "guidance", "control",   "other"};
 
 /// An agent that reports which of its stages begins. So its stages can be timed, although it has no clock.
-class TellsStages {
+class StageNotifier {
  public:
-  virtual ~TellsStages() = default;
+  virtual ~StageNotifier() = default;
   /// From now on each step calls `begins`, in its own thread, at the beginning of every stage that the agent has.
   /// Empty: disabled.
-  virtual void tell_stages(std::function<void(AgentStage)> begins) = 0;
+  virtual void set_stage_listener(std::function<void(AgentStage)> begins) = 0;
 };
 
 }  // namespace swiftlet
