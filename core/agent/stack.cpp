@@ -83,7 +83,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
       detect(observation);
       track(observation);
       find_team(observation);
-      tell_localization();
+      report_known_vehicles();
       map(observation);
       guide(observation, dt_s);
       fly(dt_s);
@@ -207,7 +207,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
   }
 
   /// Reports known vehicles to localization, which ignores them in the next scans.
-  void tell_localization() {
+  void report_known_vehicles() {
     if (!stages_.tracker && !stages_.relative_localization) return;
     seen_.clear();
     for (const Track& t : tracks_) seen_.push_back({t.t, t.position_m, t.velocity_mps});
@@ -396,21 +396,21 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
 std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& config) {
   const auto& stack = dynamic_cast<const StackConfig&>(config);
   std::vector<std::string> names = {"reference", "tracks", "tracks.covariance"};
-  bool all_told = true;
+  bool all_known = true;
   // Overlays of all types, so that a camera need not change with the chosen stages.
   const auto add = [&](const auto& registry, const Module& chosen) {
     for (const auto& row : registry.rows()) {
       std::istringstream drawn(row.overlays != nullptr ? row.overlays : "");
       std::copy(std::istream_iterator<std::string>(drawn), {}, std::back_inserter(names));
     }
-    all_told = all_told && registry.named(chosen.type).overlays != nullptr;
+    all_known = all_known && registry.named(chosen.type).overlays != nullptr;
   };
   add(estimator_registry(), stack.localization);
   add(detector_registry(), stack.detector);
   add(relative_localizer_registry(), stack.relative_localization);
   add(mapper_registry(), stack.mapping);
   add(guidance_registry(), stack.guidance);
-  if (!all_told) return std::nullopt;
+  if (!all_known) return std::nullopt;
   return names;
 }
 
