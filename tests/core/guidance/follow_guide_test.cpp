@@ -154,7 +154,7 @@ TEST(FollowGuide, APathThatIsOvertakenByALaterOneIsNotFollowed) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, WithoutALinkItHoversWhereItComesToRestAndGoesOnWhenItIsBack) {
+TEST(FollowGuide, HoversUntilTheLinkIsBack) {
   Guided guided;
   guided.step();
   guided.hears({{{9.0F, 0.0F, 0.0F}, 0.0F}});

@@ -71,7 +71,7 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneUnseenForLonger) {
   }
 }
 
-TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheNearerOne) {
+TEST(RblSight, LooksAtTheNearerOfTwo) {
   for (const double nearer_deg : {90.0, -90.0}) {
     RblSight sight = with_camera_ahead();
     const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(nearer_deg, 1.1),
@@ -82,7 +82,7 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheNearerOne) {
   }
 }
 
-TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneThatComesFaster) {
+TEST(RblSight, LooksAtTheFasterApproach) {
   for (const double coming_deg : {90.0, -90.0}) {
     RblSight sight = with_camera_ahead();
     std::vector<Neighbor> neighbors = {neighbor_at_azimuth(coming_deg, 9.0), neighbor_at_azimuth(-coming_deg, 7.0)};

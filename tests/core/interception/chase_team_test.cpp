@@ -159,7 +159,7 @@ TEST(ChaseTeam, WhoIsSilentIsForgotten) {
   EXPECT_EQ(here.team.chasing({50, 0, 0}, here.observation.t), nullptr);
 }
 
-TEST(ChaseTeam, AnOldReportDoesNotReplaceANewOneAndOneFromTheFutureIsNone) {
+TEST(ChaseTeam, IgnoresOldAndFutureReports) {
   Team here;
   here.wait(1.0);
   const TimeNs earlier = here.observation.t - from_seconds(0.3);

@@ -196,7 +196,7 @@ bool believes(double age_s, double sigma_m) {
   return hunt.out.mission == MissionStatus::kDone;
 }
 
-TEST(InterceptDecisions, ATargetNotSeenForAWhileIsInTheNetOnlyIfItsTrackIsPrecise) {
+TEST(InterceptDecisions, NeedsAPreciseTrackWhenUnseen) {
   EXPECT_TRUE(believes(0.0, 0.5)) << "near the middle, just measured";
   EXPECT_TRUE(believes(0.7, 0.1));
   EXPECT_FALSE(believes(0.7, 0.5)) << "it may be above or below";

@@ -116,7 +116,7 @@ AgentSetup told(const Circling& circling, StartKnown known) {
   return setup;
 }
 
-TEST(GroundTruthEstimator, AVehicleThatWasToldNothingBeginsAtTheOriginAndLearnsTheWorldFromTheFirstPose) {
+TEST(GroundTruthEstimator, LearnsTheWorldFromFirstPose) {
   const Circling circling;
   const auto estimator =
       make_estimator(Module(estimator_module_types(), "ground_truth"), told(circling, StartKnown::kNothing));

@@ -118,7 +118,7 @@ struct ToldIns {
   }
 };
 
-TEST(InsLimits, WithoutTheImuItIsCarriedOnAndNotValidFromATenthOfASecondOn) {
+TEST(InsLimits, IsInvalidAfterAnImuGap) {
   ToldIns ins;
   for (int i = 0; i < 50; ++i) ins.tick({}, true, {5, 0, kStandardGravity_mps2});
   const StateEstimate last = ins.tick();

@@ -335,7 +335,7 @@ TEST(PlainMaps, ACenterOfEachVoxelThatIsAtLeastThatSureIsTold) {
   }
 }
 
-TEST(PlainMaps, OfLogOddsEachCellMovesOnceAScanUpWhereAPointIsAndDownWhereRaysOnlyPass) {
+TEST(PlainMaps, LogOddsUpdateOncePerScan) {
   LogOddsConfig config;
   config.size_m = {6.0, 6.0, 6.0};
   const Random random(10, "test.log_odds");

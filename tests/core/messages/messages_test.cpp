@@ -154,7 +154,7 @@ TEST(Wire, WhateverBytesComeTheyAreReadOrRefused) {
   }
 }
 
-TEST(Wire, AChoiceThatDoesNotExistAndARotationThatIsNoneAreRefused) {
+TEST(Wire, RefusesInvalidChoicesAndRotations) {
   Everything content = filled();
   content.mode = static_cast<Everything::Mode>(7);
   Message message;

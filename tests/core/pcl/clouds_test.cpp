@@ -24,7 +24,7 @@ TEST(PclClouds, HaveThePointsOfTheScanInItsOrder) {
   EXPECT_EQ(points_from_pcl(cloud), hall().points_lidar_m);
 }
 
-TEST(PclClouds, AnImageHasAPointForEachBeamAndComesBackAsTheScanItWas) {
+TEST(PclClouds, ImageConvertsBackToTheScan) {
   const Scan& scan = hall().labeled->scan;
   const pcl::PointCloud<pcl::PointXYZI> image = to_pcl_with_intensity(scan, PclLayout::kImage);
   EXPECT_EQ(image.width, static_cast<std::uint32_t>(scan.cols()));

@@ -287,7 +287,7 @@ TEST(PlainRegion, WhatLiesAroundAPathIsWithinItsDistanceToHalfAPercent) {
 
 // ---- plans for two
 
-TEST(PlainPlan, AGoalThatIsNotClearGivesWayToTheNearestPlaceThatIsWithUpAndDownCountedTwice) {
+TEST(PlainPlan, TakesTheNearestClearGoal) {
   CellListMap map(0.25);
   map.occupy_box({1.0, -1.0, 0.0}, {1.25, 3.0, 1.5});
   map.occupy_box({1.0, 2.75, 0.0}, {3.0, 3.0, 3.0});

@@ -168,7 +168,7 @@ TEST(TrackFusion, WhatFliesApartIsTakenApartAgain) {
   EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // the own one goes on
 }
 
-TEST(TrackFusion, ATargetKeepsItsIdentityWhenOneObserverLosesItAndFindsItAnew) {
+TEST(TrackFusion, KeepsIdentityWhenAnObserverReacquires) {
   FusionScene scene;
   for (int k = 0; k < 120; ++k) {
     const Vector3 p_m(0.1 * k, 0, 5), v_mps(1, 0, 0);

@@ -89,7 +89,7 @@ std::shared_ptr<const BeamTable> rolling_beams() {
   return beams;
 }
 
-TEST(Undistort, PutsPointsOfAWallOnOneWallThoughTheVehicleTurnsAndMovesMeanwhile) {
+TEST(Undistort, KeepsAWallFlatUnderMotion) {
   // 4 m/s and 3 rad/s: without the motion of each beam the wall would be off by 0.4 m and bent by 17 degrees.
   const Vector3 v_mps(4.0, 1.0, -0.5), omega_radps(0.3, -0.5, 3.0);
   const auto pose_at = [&](TimeNs t) {

@@ -57,7 +57,7 @@ TEST(SlamLimits, WithoutScansItWarnsAndThenGivesUpWhenScansThatMayStillComeCanno
   EXPECT_NEAR(slow.until_s("SLAM is lost: no scan fits", true, 5.0), 0.7, 0.0041);
 }
 
-TEST(SlamLimits, WithoutTheImuItIsNotValidFromATenthOfASecondOn) {
+TEST(SlamLimits, IsInvalidAfterAnImuGap) {
   ToldSlam slam;
   slam.tick();
   const double s = slam.until_s("no IMU", true, 2.0, false);
