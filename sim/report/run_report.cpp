@@ -122,6 +122,7 @@ std::string series_figure(const std::vector<VehicleSeries>& all, const std::stri
 /// Start time of the recordings, subtracted from times on the page.
 double start_time_s(const fs::path& directory) {
   constexpr std::string_view kKey = "start_time_s: ";
+  if (!fs::exists(directory / "scenario.yaml")) return 0.0;
   std::ifstream scenario = open_to_read(directory / "scenario.yaml");
   for (std::string line; std::getline(scenario, line);) {
     if (line.starts_with(kKey)) return number_in<double>(std::string_view(line).substr(kKey.size())).value_or(0.0);
