@@ -15,9 +15,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kInterval_s = 0.1;  // interval between points of a path
-constexpr int kPathParts = 5;        // steps of the governor in that interval
-constexpr double kReportInterval_s = 0.2;
+constexpr double kInterval_s = 0.1;        // interval between points of the predicted path
+constexpr int kPathParts = 5;              // steps of the governor in that interval
+constexpr double kReportInterval_s = 0.2;  // interval between points of the path sent; larger ones save radio capacity
 // A reference slower than this at the goal counts as at rest and ends the prediction.
 constexpr double kPathStanding_mps = 0.02;
 constexpr double kAgain_s = 0.2;    // period of repeated messages, against losses

@@ -35,6 +35,8 @@ constexpr double kPreciseFor_s = 1.0;
 /// Standard deviations of the track inside the rim, and inside the top and bottom, at which a capture is believed.
 constexpr double kInsideRimSigmas = 2.0, kInsideHeightSigmas = 1.0;
 constexpr double kReportedSigma_m = 0.5, kReportedSigma_mps = 1.0;  // standard deviations of a reported target
+/// A leader without a capture for longer than the timeout reports its arrival later by the time beyond, up to the
+/// penalty, so that another interceptor takes the lead.
 constexpr double kLeadTimeout_s = 6.0, kMaxLeadPenalty_s = 4.0;
 constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
 constexpr int kPathParts = 5;         // steps of the governor between points of a reported path

@@ -23,6 +23,7 @@ int place_bits(double keep_radius_m, double block_m) {
   while (bits < kMostPlaceBits && (1 << bits) < across) ++bits;
   return bits;
 }
+// Marks a free slot of the table of ray ends; no key of a cell has all bits set.
 constexpr std::uint64_t kEmptySlot = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {

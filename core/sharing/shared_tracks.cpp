@@ -92,7 +92,7 @@ class SharedTracks : public Tracker {
     }
     counters.push_back({"messages of tracks that came after a newer one", num_overtaken_, num_heard_, "rate_hz"});
     counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_heard_, "rate_hz"});
-    counters.push_back({"tracks that were not told because there were too many", num_unsent_, num_own_, "max_told"});
+    counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_told"});
     counters.push_back(
         {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
     counters.push_back({"targets told together that turned out to be two", fusion_.num_broken(), fusion_.num_joined(),

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kMostJudged = 64;   // most closures judged: one bit each
 constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
-constexpr double kMinPathLength_m =
-    0.05;  // shortest path length for the odometry sigma: errors do not get smaller below it
+// Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
+constexpr double kMinPathLength_m = 0.05;
 constexpr double kStandsStill_m = 1e-3, kStandsStill_rad = 1e-5;
 
 struct JoinSigmas {

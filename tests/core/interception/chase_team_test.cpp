@@ -74,7 +74,7 @@ TEST(ChaseTeam, WhoIsAloneLeads) {
   ChaseTeam alone(0, 1);
   alone.decide(0, 5.0);
   EXPECT_TRUE(alone.leads());
-  EXPECT_FALSE(alone.is_report_due(0)) << "nobody is there to hear it";
+  EXPECT_FALSE(alone.is_report_due(0)) << "no other interceptor receives it";
 }
 
 TEST(ChaseTeam, TheSoonestLeads) {

@@ -291,7 +291,7 @@ TEST(SharedTracks, AMessageIsBounded) {
   write_message(told, message);
   EXPECT_EQ(team.largest_message, message.size_bytes());
   EXPECT_EQ(team.num_messages, 2U * 50U);  // five times a second
-  EXPECT_GT(team.counter("tracks that were not told because there were too many"), 0U);
+  EXPECT_GT(team.counter("tracks left out of a full report"), 0U);
   told.tracks.resize(3);
   const std::size_t before = message.size_bytes();
   write_message(told, message);
