@@ -74,7 +74,7 @@ void expect_refused(const Changes& changes, const std::string& message) {
   }
 }
 
-TEST(GuidanceFaults, ASlowRadioAndAnyPlanningLatencyReachTheGoal) {
+TEST(GuidanceFaultsInFull, SlowRadioAndAnyLatencyReachTheGoal) {
   for (const char* latency_s : {"0", "1"}) {
     const Outcome outcome = fly_with({{kGuide + "planning_latency_s", latency_s},
                                       {"radio.delay_s", "1"},
@@ -86,47 +86,47 @@ TEST(GuidanceFaults, ASlowRadioAndAnyPlanningLatencyReachTheGoal) {
   }
 }
 
-TEST(GuidanceFaults, ALidarThatSeesNothingEndsTheMission) {
+TEST(GuidanceFaults, BlindLidarEndsTheMission) {
   expect_failure({{"vehicles[0].sensors[0].range_max_m", "1.2"}}, "unknown space");
 }
 
-TEST(GuidanceFaults, AGoalInAWallOrOutsideOfTheWorldEndsTheMission) {
+TEST(GuidanceFaults, UnreachableGoalEndsTheMission) {
   // Two meters beside the gap, 0.2 m before the wall.
   expect_failure({{kGuide + "goals_m", "[[-1.117, 1.686, 1.5]]"}, {kGuide + "planner.goal_search_m", "0.2"}},
                  "the goal is too near to an obstacle");
   expect_failure({{kGuide + "goals_m", "[[300, -200, 1.5]]"}}, "unknown space");
 }
 
-TEST(GuidanceFaults, AStartInUnknownSpaceEndsTheMission) {
+TEST(GuidanceFaults, UnknownStartEndsTheMission) {
   // Behind the wall, where the guide has never seen anything.
   expect_failure(
       {{"vehicles[1].start.position_m", "[1.451, 3.987, 1.5]"}, {kGuide + "goals_m", "[[-3.625, -1.690, 1.5]]"}},
       "no clear space around the start");
 }
 
-TEST(GuidanceFaults, NumbersThatNoMapCanHoldAreRefused) {
+TEST(GuidanceFaults, RefusesNumbersBeyondTheMap) {
   expect_refused({{kGuide + "goals_m", "[[1e18, 0, 1.5]]"}}, "goals_m");
   expect_refused({{kGuide + "planner.secondary.clearance_m", "1e18"}}, "clearance_m");
   expect_refused({{kGuide + "planner.primary.clearance_m", "0"}}, "clearance_m");
 }
 
-TEST(GuidanceFaults, AVehicleThatIsNotThereIsRefused) { expect_refused({{kGuide + "secondary", "uav7"}}, "secondary"); }
+TEST(GuidanceFaults, RefusesAMissingVehicle) { expect_refused({{kGuide + "secondary", "uav7"}}, "secondary"); }
 
-TEST(GuidanceFaults, AVehicleThatTellsNoOdometryIsNotWaitedForForEver) {
+TEST(GuidanceFaultsInFull, VehicleWithoutOdometryEndsTheMission) {
   expect_failure({{"vehicles[1].agent.guidance", "{type: hover}"}}, "the guided vehicle was not found");
 }
 
-TEST(GuidanceFaults, AVehicleWithoutAnOdometerIsRefused) {
+TEST(GuidanceFaults, RefusesAVehicleWithoutOdometer) {
   expect_refused({{"vehicles[1].agent.localization", "{type: odometry}"},
                   {"vehicles[1].sensors", "[{type: imu, name: imu, model: imu_mrs}]"}},
                  "localization.type: odometry: expected a sensor of type odometry on secondary, found none");
 }
 
-TEST(GuidanceFaults, ARadioThatDeliversNothingEndsTheMission) {
+TEST(GuidanceFaultsInFull, SilentRadioEndsTheMission) {
   expect_failure({{"radio.loss_probability", "1"}}, "the guided vehicle was not found");
 }
 
-TEST(GuidanceFaults, ACrashOfTheGuidedVehicleEndsTheMissionOfItsGuide) {
+TEST(GuidanceFaults, CrashOfTheGuidedVehicleEndsTheMission) {
   // A gap that is narrower than it, and a planner that does not mind.
   const Outcome outcome = fly_with({{"world.gap_width_m", "0.5"}, {kGuide + "planner.secondary.clearance_m", "0.1"}});
   EXPECT_TRUE(outcome.guided_crashed);

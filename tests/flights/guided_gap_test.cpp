@@ -55,7 +55,7 @@ GuidedFlight fly(std::vector<std::pair<std::string, std::string>> changes) {
   return flight;
 }
 
-TEST(GuidedGap, TheSmallOnePassesTwiceAndTheLargeOneStays) {
+TEST(GuidedGap, SmallVehiclePassesTwice) {
   const GuidedFlight flight = fly({{"duration_s", "60"}});
   EXPECT_EQ(flight.summary.outcome, "done");
   EXPECT_EQ(flight.passes, 2);
@@ -81,19 +81,19 @@ void expect_two_passes(const std::string& localization, const std::string& more_
   EXPECT_FALSE(flight.guide_passed);
 }
 
-TEST(GuidedGap, TheGuideMayLocalizeItselfBySlam) { expect_two_passes("slam", ""); }
+TEST(GuidedGap, GuideLocalizesBySlam) { expect_two_passes("slam", ""); }
 
-TEST(GuidedGap, TheGuideMayLocalizeItselfByOdometryThatDrifts) {
+TEST(GuidedGapInFull, GuideLocalizesByDriftingOdometry) {
   expect_two_passes("odometry", ", {type: odometry, name: vio, model: odometry_vio}");
 }
 
-TEST(GuidedGap, TheGuideMayLocalizeItselfByGnss) {
+TEST(GuidedGapInFull, GuideLocalizesByGnss) {
   expect_two_passes("ins",
                     ", {type: gnss, name: gnss, model: gnss_rtk}, {type: compass, name: compass}, "
                     "{type: altimeter, name: altimeter}");
 }
 
-TEST(GuidedGap, ALinkThatIsLostEndsTheMissionWithoutContact) {
+TEST(GuidedGapInFull, LostLinkEndsTheMissionWithoutContact) {
   const GuidedFlight flight = fly({{"duration_s", "60"}, {"radio.loss_probability", "1"}});
   EXPECT_NE(flight.summary.outcome, "crashed");
   EXPECT_EQ(flight.passes, 0);

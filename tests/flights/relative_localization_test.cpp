@@ -109,7 +109,7 @@ Scenario scenario_of(std::vector<std::pair<std::string, std::string>> changes) {
 }
 
 // [Pritzl 2024, sec. III-A]: 0.10 m in the mean at about 5 m.
-TEST(RelativeLocalization, FindsAVehicleFiveMetersAwayToFiveCentimeters) {
+TEST(RelativeLocalization, FindsAVehicleToFiveCentimeters) {
   const Figures figures = fly(scenario_of({}), [](const Simulation&) {});
   figures.print("hovering observer");
   ASSERT_FALSE(figures.errors_m.empty());
@@ -120,7 +120,7 @@ TEST(RelativeLocalization, FindsAVehicleFiveMetersAwayToFiveCentimeters) {
 }
 
 // The guided vehicle has only its odometry, and its guide is silent for six seconds.
-TEST(RelativeLocalization, AGuidedVehicleReachesThePlacesThatItsGuideMeansAndHoversWhileTheLinkIsLost) {
+TEST(RelativeLocalizationInFull, GuidedVehicleReachesItsPlaces) {
   add_square_guide();
   const Scenario scenario = scenario_of({{"vehicles[0].agent.guidance", "{type: square_guide}"},
                                          {"duration_s", "60"},

@@ -22,7 +22,7 @@ Scenario campus_slam(double duration_s, const std::string& key = "matching", con
   return validated(scenario);
 }
 
-TEST(SlamFlight, AroundABuildingItIsOffByCentimetersAndTouchesNothing) {
+TEST(SlamFlight, IsCentimeterExactAroundABuilding) {
   Simulation simulation(campus_slam(20.0), 2);
   double largest_step_m = 0.0;
   Vector3 last_off_m = Vector3::Zero();
@@ -43,7 +43,7 @@ TEST(SlamFlight, AroundABuildingItIsOffByCentimetersAndTouchesNothing) {
   EXPECT_LT(largest_step_m, 0.02) << "no scan makes control jump";
 }
 
-TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
+TEST(SlamFlight, FliesWithHalfASecondOfLatency) {
   Simulation simulation(campus_slam(15.0, "latency_s", "0.5"), 2);
   while (!simulation.finished()) simulation.tick();
   const RunSummary summary = simulation.summary();
@@ -52,7 +52,7 @@ TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
   EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 0.2);
 }
 
-TEST(SlamFlight, InTheDocumentsWayItTouchesNothingEither) {
+TEST(SlamFlight, TouchesNothingAsDocumented) {
   Simulation simulation(campus_slam(20.0, "matching", "grid"), 2);
   while (!simulation.finished()) {
     simulation.tick();
@@ -64,7 +64,7 @@ TEST(SlamFlight, InTheDocumentsWayItTouchesNothingEither) {
   EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 1.2) << "rings on the floor drag";
 }
 
-TEST(SlamFlight, HasTheSameBitsOnAnyNumberOfThreads) {
+TEST(SlamFlight, HasTheSameBitsOnAnyThreads) {
   for (const char* matching : {"surfaces", "grid"}) {
     std::uint64_t hashes[2] = {};
     for (int threads : {1, 2}) {

@@ -30,7 +30,7 @@ MapVoxels map_of(const Simulation& simulation) {
 }
 
 // One round and the beginning of the next: the loop is closed when it comes by its start again.
-TEST(SubmapFlight, ClosesItsLoopAndFliesOnThroughTheMapThatMovedWithoutTouchingAnything) {
+TEST(SubmapFlight, ClosesItsLoopAndTouchesNothing) {
   Simulation simulation(submap_navigation(75.0), 2);
   std::uint32_t corrections = 0;
   while (!simulation.finished()) {
@@ -69,7 +69,7 @@ Scenario soon_closed(double duration_s, ConfigChanges changes = {}) {
   return submap_navigation(duration_s, changes);
 }
 
-TEST(SubmapFlight, HasTheSameBitsOnAnyNumberOfThreadsAlsoAfterAClosure) {
+TEST(SubmapFlightInFull, HasTheSameBitsAfterAClosure) {
   std::uint64_t hashes[2] = {};
   MapVoxels maps[2];
   for (int threads : {1, 2}) {
@@ -86,7 +86,7 @@ TEST(SubmapFlight, HasTheSameBitsOnAnyNumberOfThreadsAlsoAfterAClosure) {
 }
 
 // OctoMap's library itself reads the file that the recorder wrote.
-TEST(SubmapFlight, TheFileOfItsMapHasEveryCellForOctomapsLibrary) {
+TEST(SubmapFlight, MapFileHasEveryCellForOctomap) {
   const TemporaryDirectory folder;
   Simulation simulation(soon_closed(25.0, {{"recorders", "[{type: map, format: bt, maps: [mapping]}]"}}), 2);
   simulation.attach_recorders(folder.path());
@@ -117,7 +117,7 @@ TEST(SubmapFlight, TheFileOfItsMapHasEveryCellForOctomapsLibrary) {
   EXPECT_EQ(num_cells, map.size()) << "and nothing else";
 }
 
-TEST(SubmapFlight, WithoutAPoseGraphItIsRefused) {
+TEST(SubmapFlight, IsRefusedWithoutAPoseGraph) {
   try {
     Simulation simulation(submap_navigation(1.0, {{"vehicles[0].agent.localization", "{type: ground_truth}"}}), 1);
     FAIL() << "it took a map of submaps without submaps";
@@ -128,7 +128,7 @@ TEST(SubmapFlight, WithoutAPoseGraphItIsRefused) {
   }
 }
 
-TEST(SubmapFlight, MorePiecesThanTheMemoryHoldsAreRefusedByTheirKey) {
+TEST(SubmapFlight, RefusesMorePiecesThanMemoryHolds) {
   try {
     Simulation simulation(submap_navigation(1.0, {{"vehicles[0].agent.mapping.pieces_max", "1000000"}}), 1);
     FAIL() << "it took a map that fits nowhere";

@@ -9,18 +9,6 @@ compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
 rm -rf "$work"
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 
-# Every installed header compiles by itself, with the installed package alone. Headers of Eigen and of the standard
-# library are precompiled once for all.
-cd "$work"/prefix/include/swiftlet-*
-headers=$(find . -name '*.hpp' | sed 's,^\./,,' | sort)
-options="-std=c++20 -Werror -Wno-ignored-attributes -I. $(pkg-config --cflags eigen3)"
-printf '#include <%s>\n' Eigen/Geometry filesystem functional map memory optional span string vector >"$work/common.hpp"
-c++ $options -x c++-header "$work/common.hpp" -o "$work/common.hpp.gch"
-alone="echo \"#include \\\"\$1\\\"\" | c++ $options -include '$work/common.hpp' -fsyntax-only -x c++ - ||
-  { echo \"\$1 does not stand alone\"; exit 1; }"
-echo "$headers" | xargs -P "$(nproc)" -I HEADER sh -c "$alone" sh HEADER
-echo "$(echo "$headers" | wc -l) headers stand alone"
-
 # Builds an external project that finds only the installed package.
 in_project() {  # source binary option...
   local source=$1 binary=$work/$2
