@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <numbers>
 
 namespace swiftlet {
 
@@ -34,22 +31,6 @@ double ErrorDistribution::cdf(double error_m) const {
 
 double ErrorDistribution::quantile_m(double p) const {
   return std::sqrt(omega_ / m_ * boost::math::gamma_p_inv(m_, p));
-}
-
-double mean_normal_norm(const Matrix3& Sigma) {
-  const double trace = Sigma.trace();
-  if (trace <= 0.0) return 0.0;
-  const Vector3 variances =
-      Eigen::SelfAdjointEigenSolver<Matrix3>(Sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0) / trace;
-  // E sqrt(Q) = 1 / (2 sqrt(pi)) * integral of s^(-3/2) (1 - E exp(-s Q)) ds, with s = u^2 and u = v / (1 - v).
-  const auto integrand = [&](double v) {
-    const double u = v / (1.0 - v);
-    double log_mgf = 0.0;
-    for (const double variance : variances) log_mgf -= 0.5 * std::log1p(2.0 * u * u * variance);
-    return -std::expm1(log_mgf) / (v * v);
-  };
-  const double integral = boost::math::quadrature::gauss_kronrod<double, 31>::integrate(integrand, 0.0, 1.0, 15, 1e-12);
-  return std::sqrt(trace) * integral * std::numbers::inv_sqrtpi;
 }
 
 }  // namespace swiftlet

@@ -10,6 +10,7 @@
 #include "sim/python/values.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
 #include "swiftlet/core/uncertainty/voxel_probability.hpp"
@@ -136,8 +137,8 @@ class Rbl {
       throw py::value_error("z_max_m: expected no less than z_min_m, found " + shown(py::cast(z_max_m)));
     planner_.partition(p_local_m, others, z_min_m, z_max_m);
     if (!voxels.empty())
-      cutter_.cut_convex(planner_.cell(), p_local_m, voxels, obstacle_edge_m, config_.encumbrance_m, config_.eta,
-                         planner_.cuts());
+      cutter_.cut(planner_.cell(), p_local_m, voxels, obstacle_edge_m, config_.encumbrance_m, config_.eta,
+                  planner_.cuts());
     const RblPlanner::Step step = planner_.update(goal_local_m, dt_s);
     py::dict out;
     out["centroid_m"] = py::array_t<double>(3, step.centroid_local_m.data());
@@ -183,6 +184,14 @@ void bind_functions(py::module_& module) {
              "(n,) probability that the true point lies in the voxel in which it was measured [Vrba 2025, eq. 64].");
   module.def("box_probability", &probability_of_box, py::arg("mean_m"), py::arg("covariance_m2"), py::arg("min_m"),
              py::arg("max_m"), "Probability that a normal variable lies in an axis-aligned box [Vrba 2025, eq. 65].");
+  py::class_<Random>(module, "Random",
+                     "Random numbers that are functions of a counter, as the simulator draws them: the same "
+                     "seed, purpose, entity, tick and index always give the same number.")
+      .def(py::init<std::uint64_t, const std::string&, const std::string&>(), py::arg("seed"), py::arg("purpose"),
+           py::arg("entity") = "")
+      .def("uniform", py::overload_cast<std::uint32_t, std::uint32_t>(&Random::uniform, py::const_), py::arg("tick"),
+           py::arg("index"), "Uniform in [0, 1).")
+      .def("normal", &Random::normal, py::arg("tick"), py::arg("index"), "Standard normal.");
   py::class_<Rbl>(module, "_Rbl")
       .def(py::init<const std::string&, const std::string&, bool>())
       .def("step", &Rbl::step, py::arg("position_m"), py::arg("neighbors_m"), py::arg("goal_m"), py::arg("dt_s"),

@@ -76,6 +76,15 @@ class Onboard:
     def tracks(self) -> Table:
         ...
 
+class Random:
+    """Random numbers that are functions of a counter, as the simulator draws them: the same seed, purpose, entity, tick and index always give the same number."""
+    def __init__(self, seed: int, purpose: str, entity: str = '') -> None:
+        ...
+    def normal(self, tick: int, index: int) -> float:
+        """Standard normal."""
+    def uniform(self, tick: int, index: int) -> float:
+        """Uniform in [0, 1)."""
+
 class Scan:
     """One sweep of one LiDAR. Arrays are read-only views that stay valid as long as anybody holds them. What is true of each beam is None where nobody may know it."""
     @property

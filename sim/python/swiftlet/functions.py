@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions of `core` on one's own arrays: uncertainty of points, and rule-based Lloyd."""
+"""Functions of `core` on one's own arrays: uncertainty of points, rule-based Lloyd, random numbers of the simulator."""
 import json as _json
 
 from . import _core
-from ._core import box_probability, correct_voxel_probabilities, error_means_m, error_quantiles_m, point_covariances
+from ._core import Random, box_probability, correct_voxel_probabilities, error_means_m, error_quantiles_m, point_covariances
 
-__all__ = ["Rbl", "box_probability", "correct_voxel_probabilities", "error_means_m", "error_quantiles_m", "point_covariances"]
+__all__ = ["Random", "Rbl", "box_probability", "correct_voxel_probabilities", "error_means_m", "error_quantiles_m", "point_covariances"]
 
 
 class Rbl:

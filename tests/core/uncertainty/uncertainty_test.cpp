@@ -7,7 +7,6 @@
 
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
-#include "swiftlet/core/uncertainty/grid_probability.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
 #include "swiftlet/core/uncertainty/voxel_probability.hpp"
 
@@ -100,55 +99,6 @@ TEST(ErrorDistribution, MeanIsNearMonteCarloForAnyCovariance) {
     for (int i = 0; i < kSamples; ++i) sum += (L * normals(i, 20 + k)).norm();
     EXPECT_NEAR(ErrorDistribution(Sigma).mean_m(), sum / kSamples, 0.03 * sum / kSamples);
   }
-}
-
-TEST(MeanNormalNorm, IsKnownForEqualAxes) {
-  const double pi = std::acos(-1.0);
-  EXPECT_NEAR(mean_normal_norm(Matrix3::Identity() * 4.0), 2.0 * std::sqrt(8.0 / pi), 1e-9);             // Maxwell
-  EXPECT_NEAR(mean_normal_norm(Vector3(9.0, 9.0, 0.0).asDiagonal()), 3.0 * std::sqrt(pi / 2.0), 1e-9);   // Rayleigh
-  EXPECT_NEAR(mean_normal_norm(Vector3(0.0, 0.25, 0.0).asDiagonal()), 0.5 * std::sqrt(2.0 / pi), 1e-8);  // half-normal
-  EXPECT_EQ(mean_normal_norm(Matrix3::Zero()), 0.0);
-}
-
-TEST(MeanNormalNorm, LiesWithinTheErrorOfMonteCarlo) {
-  for (int k = 0; k < 5; ++k) {
-    const Matrix3 Sigma = random_covariance(k, 0.02);
-    const Matrix3 L = Sigma.llt().matrixL();
-    double sum = 0.0, squares = 0.0;
-    constexpr int kSamples = 200000;
-    for (int i = 0; i < kSamples; ++i) {
-      const double norm = (L * normals(i, 40 + k)).norm();
-      sum += norm;
-      squares += norm * norm;
-    }
-    const double mean = sum / kSamples, standard_error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
-    EXPECT_NEAR(mean_normal_norm(Sigma), mean, 4.0 * standard_error);
-    EXPECT_NEAR(ErrorDistribution(Sigma).mean_m() / mean_normal_norm(Sigma), 1.0, 0.03);
-  }
-}
-
-TEST(GridProbabilities, AgreeWithTheBoxIntegralForThickAndThinEllipsoids) {
-  for (const double thinnest : {0.3, 0.03, 0.004}) {
-    const Vector3 mean(0.3, -0.2, 0.1);
-    const Matrix3 Sigma = random_covariance(3, thinnest);
-    const CellGrid grid{{Vector3(-2.0, -1.5, -2.5), Vector3(2.0, 2.5, 1.5)}, {8, 10, 9}};
-    const auto probabilities = grid_probabilities(mean, Sigma, grid);
-    ASSERT_EQ(probabilities.size(), 720u);
-    const Vector3 cell = grid.cell_size_m();
-    for (int i = 0; i < 720; i += 7) {
-      const Vector3 low = grid.box.min() + cell.cwiseProduct(Vector3(i / 90, i / 9 % 10, i % 9));
-      EXPECT_NEAR(probabilities[static_cast<std::size_t>(i)], box_probability(mean, Sigma, {low, low + cell}), 2e-7)
-          << thinnest;
-    }
-  }
-}
-
-TEST(GridProbabilities, OfAGridThatHoldsEverythingSumToOne) {
-  const Matrix3 Sigma = random_covariance(5, 0.1);
-  const CellGrid grid{{Vector3::Constant(-14.0), Vector3::Constant(14.0)}, {40, 50, 60}};
-  double sum = 0.0;
-  for (const double p : grid_probabilities(Vector3::Zero(), Sigma, grid)) sum += p;
-  EXPECT_NEAR(sum, 1.0, 1e-6);
 }
 
 TEST(BoxProbability, IndependentAxesMultiply) {
@@ -268,36 +218,6 @@ TEST(BoxProbability, IsAccurateInTheTails) {
       (sign > 0.0 ? low : high).z() = sign * from;
       const double tail = 0.5 * std::erfc(from / std::sqrt(2.0));
       EXPECT_NEAR(box_probability(Vector3::Zero(), Matrix3::Identity(), {low, high}), tail, 1e-6 * tail) << sign * from;
-    }
-  }
-}
-
-TEST(GridProbabilities, AreThoseOfBoxesWhicheverAxisIsTheThinnest) {
-  for (int k = 0; k < 9; ++k) {
-    Matrix3 Sigma = random_covariance(200 + k, 0.02);
-    if (k >= 6) Sigma = Vector3(0.09, 0.25, 0.01).asDiagonal().toDenseMatrix() * (k - 5.0);  // no slopes
-    const Vector3 mean = 0.3 * normals(k, 80);
-    const CellGrid grid{{Vector3(-1.0, -1.2, -0.9), Vector3(1.4, 1.1, 1.3)}, {3 + k % 3, 7 - k % 4, 5}};
-    const auto probabilities = grid_probabilities(mean, Sigma, grid);
-    ASSERT_EQ(probabilities.size(), static_cast<std::size_t>(grid.counts[0] * grid.counts[1] * grid.counts[2]));
-    const Vector3 cell = grid.cell_size_m();
-    for (int index = k; index < static_cast<int>(probabilities.size()); index += 11) {
-      const Vector3 place(index / (grid.counts[1] * grid.counts[2]), index / grid.counts[2] % grid.counts[1],
-                          index % grid.counts[2]);
-      const Vector3 low = grid.box.min() + cell.cwiseProduct(place);
-      EXPECT_NEAR(probabilities[static_cast<std::size_t>(index)], box_probability(mean, Sigma, {low, low + cell}), 2e-7)
-          << k << " " << index;
-    }
-  }
-}
-
-// Cells far from all that is likely, before and behind it along each axis.
-TEST(GridProbabilities, OfAGridBesideTheDistributionAreNone) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-1.0, 1.0}) {
-      const Vector3 mean = sign * 30.0 * Vector3::Unit(axis);
-      const CellGrid grid{{Vector3::Constant(-2.0), Vector3::Constant(2.0)}, {4, 4, 4}};
-      for (const double p : grid_probabilities(mean, random_covariance(axis, 0.1), grid)) EXPECT_EQ(p, 0.0);
     }
   }
 }

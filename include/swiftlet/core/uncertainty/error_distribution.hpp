@@ -28,9 +28,4 @@ class ErrorDistribution {
   double omega_ = 1.0;
 };
 
-/// Mean Euclidean norm of a zero-mean normal variable, exact (one quadrature over the moment generating function of the
-/// squared norm). ErrorDistribution::mean_m() approximates it.
-/// @param Sigma  [m^2], positive semi-definite
-double mean_normal_norm(const Matrix3& Sigma);
-
 }  // namespace swiftlet
