@@ -5,7 +5,6 @@
 #include <chrono>
 #include <memory>
 
-#include "beside_others.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
@@ -13,7 +12,6 @@
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
-#include "swiftlet/sim/run/processors.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/run/stage_clock.hpp"
 #include "swiftlet/sim/run/summary.hpp"
@@ -89,32 +87,6 @@ const Case kCases[] = {
     {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0, true},
 };
 
-// A benchmark with as many busy processes beside the program as it has threads.
-struct BusyCase {
-  const char* name;
-  const char* what;
-  BesideOthers (*measure)(int threads, const ProgressCallback& report_progress);
-};
-
-const BusyCase kBusyCases[] = {
-    {"busy_crowd_1khz", "100 X500, no LiDAR, 1 kHz physics",
-     [](int threads, const ProgressCallback& report_progress) {
-       return fly_beside_others(crowd(0.001), 1.0, threads, report_progress);
-     }},
-    {"busy_crowd_250hz", "100 X500, no LiDAR, 250 Hz physics",
-     [](int threads, const ProgressCallback& report_progress) {
-       return fly_beside_others(crowd(0.004), 2.0, threads, report_progress);
-     }},
-    {"busy_mid360", "4 X500 with a Mid-360 each in a forest",
-     [](int threads, const ProgressCallback& report_progress) {
-       return fly_beside_others(with_copies(read("bench_mid360"), 4, 4.0), 0.5, threads, report_progress);
-     }},
-    {"busy_batch", "a batch of single X500",
-     [](int threads, const ProgressCallback& report_progress) {
-       return fly_batch_beside_others(threads, report_progress);
-     }},
-};
-
 struct Result {
   const Case* of;
   std::size_t num_triangles = 0;
@@ -172,13 +144,6 @@ void print(const Result& result) {
   std::fflush(stdout);
 }
 
-void print(const BusyCase& which, const BesideOthers& result) {
-  fmt::print(
-      "{:<16} {:>6.2f} x one thread, {:>3.0f} % of the fair share with {} threads beside {} busy processes  {}\n",
-      which.name, result.times_one_thread, 100.0 * result.share_kept, result.threads, result.others, which.what);
-  std::fflush(stdout);
-}
-
 std::string row_of(const Result& result) {
   const sim::RunSummary& s = result.summary;
   std::string row = fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(),
@@ -187,21 +152,14 @@ std::string row_of(const Result& result) {
   for (const auto& [stage, wall_s] : s.stage_wall_s) row += fmt::format(",{:.4f}", wall_s);
   if (result.agent_shares.empty()) row.append(kAgentStageNames.size(), ',');
   for (const auto& [stage, share] : result.agent_shares) row += fmt::format(",{:.6f}", share);
-  return row + ",,,\n";
-}
-
-std::string row_of(const BusyCase& which, const BesideOthers& result) {
-  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size() + kAgentStageNames.size();  // number of columns
-  return fmt::format("{},{},{},{}{},{},{:.3f},{:.3f}\n", which.name, sim::version(), sim::git_revision(),
-                     result.threads, std::string(kOfRuns, ','), result.others, result.times_one_thread,
-                     result.share_kept);
+  return row + "\n";
 }
 
 std::string header() {
   std::string row = "case,version,revision,threads,triangles,setup_s,simulated_s,wall_s,real_time_factor,state_hash";
   for (const char* stage : sim::kStageNames) row += fmt::format(",{}_wall_s", stage);
   for (const char* stage : kAgentStageNames) row += fmt::format(",agents_{}_share", stage);
-  return row + ",busy_processes,times_one_thread,share_kept\n";
+  return row + "\n";
 }
 
 bool wanted(const char* name, const std::vector<std::string>& only) {
@@ -211,7 +169,6 @@ bool wanted(const char* name, const std::vector<std::string>& only) {
 void check_names(const std::vector<std::string>& only) {
   std::vector<std::string> known;
   for (const Case& c : kCases) known.emplace_back(c.name);
-  for (const BusyCase& c : kBusyCases) known.emplace_back(c.name);
   for (const std::string& name : only) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw sim::InputError(
@@ -230,15 +187,6 @@ void bench(const BenchOptions& options) {
     progress.finish();
     if (!options.quiet) print(result);
     csv += row_of(result);
-  }
-  const int threads = options.threads > 0 ? options.threads : sim::available_processors();
-  for (const BusyCase& which : kBusyCases) {
-    if (!wanted(which.name, options.only)) continue;
-    Progress progress("bench", options.quiet);
-    const BesideOthers result = which.measure(threads, [&](double done) { progress.update(done, which.name); });
-    progress.finish();
-    if (!options.quiet) print(which, result);
-    csv += row_of(which, result);
   }
   if (options.csv.empty()) return;
   sim::write_file(options.csv, csv);

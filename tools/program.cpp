@@ -24,7 +24,6 @@
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
-#include "swiftlet/sim/parallel/time_slices.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
 #include "swiftlet/sim/run/processors.hpp"
 #include "swiftlet/sim/run/version.hpp"
@@ -121,7 +120,6 @@ namespace swiftlet {
 
 int tools::run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands) {
   std::locale::global(std::locale::classic());  // decimal points in command line, files and messages
-  sim::ask_for_short_time_slices();
   // Writing to a closed pipe or a file at its size limit then fails as a write instead of ending the run.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

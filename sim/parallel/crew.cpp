@@ -2,18 +2,14 @@
 #include "swiftlet/sim/parallel/crew.hpp"
 
 #include <immintrin.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <system_error>
 #include <thread>
 #include <vector>
-
-#include "sharing_judge.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -75,76 +71,6 @@ class alignas(64) Parts {
   std::atomic<std::uint64_t> word_{0};
 };
 
-/// Distinguishes loops of some ten microseconds from long ones by the earlier durations of their kind, and runs small
-/// ones serially where sharing does not pay. Of the small loops, only one in kLoopsPerLook is timed.
-class SmallLoops {
- public:
-  /// Mode and start time of one loop.
-  struct Loop {
-    double* kind_s;
-    bool small, alone, timed;
-    Clock::time_point begin;
-  };
-
-  Loop begin(Crew::Work work) {
-    double* const kind_s = kind_of(work);
-    const bool small = *kind_s < kSmall_s;
-    const bool timed = !small || ++num_loops_ % kLoopsPerLook == 0;
-    return {kind_s, small, small && !judge_.share(), timed, timed ? Clock::now() : Clock::time_point{}};
-  }
-
-  void end(const Loop& loop) {
-    if (!loop.timed) return;
-    const Clock::time_point now = Clock::now();
-    const double took_s = seconds(now - loop.begin);
-    *loop.kind_s = *loop.kind_s == kUnknown_s ? took_s : 0.9 * *loop.kind_s + 0.1 * took_s;
-    if (loop.begin - last_end_ > kPause) begin_span(loop.begin);  // the caller was busy elsewhere
-    last_end_ = now;
-    if (!loop.small) span_begin_ += now - loop.begin;
-    if (now - span_begin_ < kSpan || num_loops_ == 0) return;
-    const double span_s = seconds(now - span_begin_);
-    const int num_loops = num_loops_;
-    const long interruptions = interruptions_;
-    begin_span(now);
-    judge_.learn(num_loops, span_s, interruptions_ - interruptions >= kContended);
-  }
-
- private:
-  static constexpr double kUnknown_s = 1.0;
-  static constexpr double kSmall_s = 300e-6;
-  static constexpr std::chrono::milliseconds kSpan{25}, kPause{50};
-  static constexpr int kNumKinds = 16, kLoopsPerLook = 16;
-  /// Involuntary context switches per span from which the processor counts as contended. The system causes a few even
-  /// on an idle processor.
-  static constexpr int kContended = 3;
-
-  static double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
-
-  // Two kinds of loops may share an entry, which then holds their mean duration.
-  double* kind_of(Crew::Work work) {
-    const auto address = reinterpret_cast<std::uintptr_t>(work);
-    return &kinds_s_[(address >> 4 ^ address >> 9) % kNumKinds];
-  }
-
-  void begin_span(Clock::time_point now) {
-    rusage usage{};
-    ::getrusage(RUSAGE_THREAD, &usage);
-    interruptions_ = usage.ru_nivcsw;
-    num_loops_ = 0;
-    span_begin_ = now;
-  }
-
-  SharingJudge judge_;
-  std::array<double, kNumKinds> kinds_s_ = [] {
-    std::array<double, kNumKinds> unknown;
-    unknown.fill(kUnknown_s);
-    return unknown;
-  }();
-  Clock::time_point span_begin_{}, last_end_{};
-  int num_loops_ = 0;
-  long interruptions_ = 0;  // involuntary context switches of this thread so far
-};
-
 }  // namespace
 
 class Crew::Impl {
@@ -156,7 +82,6 @@ class Crew::Impl {
   void run(int count, int at_a_time, Sharing sharing, void* loop, Work work);
 
  private:
-  void run_together(int count, int at_a_time, Sharing sharing, void* loop, Work work);
   /// Constant from the first taken part of the loop to the end of the last.
   struct Loop {
     std::atomic<void*> loop{nullptr};
@@ -179,7 +104,6 @@ class Crew::Impl {
   std::atomic<bool> over_{false};
   alignas(64) std::atomic<std::int32_t> done_by_helpers_{0};  // completed parts of the loop
   std::vector<std::thread> helpers_;
-  alignas(64) SmallLoops small_loops_;  // written by the caller in every loop
 };
 
 // ---- caller ----
@@ -202,16 +126,6 @@ Crew::Impl::~Impl() {
 }
 
 void Crew::Impl::run(int count, int at_a_time, Sharing sharing, void* loop, Work work) {
-  const SmallLoops::Loop measured = small_loops_.begin(work);
-  if (measured.alone) {
-    work(loop, 0, count);
-  } else {
-    run_together(count, at_a_time, sharing, loop, work);
-  }
-  small_loops_.end(measured);
-}
-
-void Crew::Impl::run_together(int count, int at_a_time, Sharing sharing, void* loop, Work work) {
   at_a_time = std::max(at_a_time, (count - 1) / Parts::kMax + 1);
   const int num_parts = (count - 1) / at_a_time + 1;
   loop_.loop.store(loop, std::memory_order_relaxed);

@@ -269,7 +269,6 @@ class Cli(unittest.TestCase):
         self.assertGreater(shares["agents_detection_share"], 0.0)
         self.assertEqual(shares["agents_mapping_share"], 0.0)  # nobody maps there
         self.assertEqual([one_vehicle[column] for column in stages], [""] * len(stages))
-        self.assertEqual(one_vehicle["share_kept"], "")
 
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)
