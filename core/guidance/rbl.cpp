@@ -432,12 +432,6 @@ class Rbl : public Guidance {
     const std::size_t first = planner_.cuts().size();
     if (config_.separation.enabled) planner_.harden();
     cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
-    const bool needs_planes = config_.lidar.cut == RblLidarConfig::Cut::kNearest && config_.separation.enabled &&
-                              (pressed_ || planner_.cell().is_empty());
-    if (needs_planes) {
-      cutter_.convex_planes(p_local_m, voxels_local_m_, map_->edge_m(), config_.cells.encumbrance_m, config_.cells.eta,
-                            planner_.cuts());
-    }
     obstacle_cuts_.assign(planner_.cuts().begin() + static_cast<std::ptrdiff_t>(first), planner_.cuts().end());
     viewed_.look(p_local_m, yaw_of(T_local_body.linear()), level_view(T_local_body.linear()));
   }
@@ -450,11 +444,7 @@ class Rbl : public Guidance {
     map_->occupied_within(p_local_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, since, voxels_local_m_);
     const double floor_m = std::min(z_min_m(), p_local_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
     std::erase_if(voxels_local_m_, [&](const Vector3& voxel_local_m) { return voxel_local_m.z() < floor_m; });
-    if (config_.lidar.cut == RblLidarConfig::Cut::kConvex) {
-      cutter_.cut_convex(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
-    } else {
-      cutter_.cut_nearest(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta);
-    }
+    cutter_.cut(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
   }
 
   /// The centroid if it lies in the cell A' that is sensed now, else the nearest sample that does. Turns towards it,

@@ -61,7 +61,7 @@ RblCell::RblCell(double radius_m, double step_m, bool planar) : radius_m_(radius
   ball_.reserve(static_cast<std::size_t>(n) * layers);
   rows_.reserve(static_cast<std::size_t>(n) * layers);
   const Eigen::Index most = static_cast<Eigen::Index>(n) * n * layers;
-  for (Eigen::ArrayXf* array : {&x_, &y_, &z_, &weight_, &in_x_, &in_y_, &in_z_, &inside_}) array->setZero(most);
+  for (Eigen::ArrayXf* array : {&x_, &y_, &z_, &weight_, &in_x_, &in_y_, &in_z_}) array->setZero(most);
   sample_ball(Vector3::Zero());
   reset(Vector3::Zero(), -radius_m, radius_m);
 }
@@ -79,7 +79,6 @@ void RblCell::reset(const Vector3& lattice_agent_m, double z_low_m, double z_hig
   rows_.assign(low, high);
   first_sample_ = rows_.empty() ? 0 : rows_.front().first;
   num_samples_ = rows_.empty() ? 0 : rows_.back().first + rows_.back().count - first_sample_;
-  masked_ = excluded_ = false;
   high_m_ = Vector3::Constant(radius_m_);
   low_m_ = -high_m_;
 }
@@ -146,49 +145,10 @@ void RblCell::cut(const HalfSpace& keep) {
   }
   low_m_ = Vector3(step_m_ * low.x(), low.y(), low.z());
   high_m_ = Vector3(step_m_ * high.x(), high.y(), high.z());
-  trim();
-}
-
-void RblCell::cut_ball(const Vector3& center_agent_m, double radius_m) {
-  for (Row& row : rows_) {
-    const double dy = row.y - center_agent_m.y(), dz = row.z - center_agent_m.z();
-    const double half_sq = radius_m * radius_m - dy * dy - dz * dz;
-    if (half_sq < 0.0) {
-      row.high = row.low;
-      continue;
-    }
-    const double half = std::sqrt(half_sq);
-    const double limit = row.count + 1.0;
-    const double i_low = std::clamp((center_agent_m.x() - half - row.x0) / step_m_, -1.0, limit);
-    const double i_high = std::clamp((center_agent_m.x() + half - row.x0) / step_m_, -1.0, limit);
-    row.low = std::min(row.high, std::max(row.low, static_cast<int>(std::ceil(i_low))));
-    row.high = std::max(row.low, std::min(row.high, static_cast<int>(std::floor(i_high)) + 1));
-  }
-  trim();
-}
-
-// The intervals have shrunk: updates the mask, or leaves it to be built when needed.
-void RblCell::trim() {
-  if (!excluded_) {
-    masked_ = false;
-    return;
-  }
-  for (const Row& row : rows_) {
-    inside_.segment(row.first, row.low).setZero();
-    inside_.segment(row.first + row.high, row.count - row.high).setZero();
-  }
-}
-
-void RblCell::prepare_mask() {
-  if (masked_) return;
-  masked_ = true;
-  inside_.segment(first_sample_, num_samples_).setZero();
-  for (const Row& row : rows_) inside_.segment(row.first + row.low, row.high - row.low).setOnes();
 }
 
 bool RblCell::contains(int sample) const {
   const int i = first_sample_ + sample;
-  if (excluded_) return inside_[i] != 0.0F;
   const auto after =
       std::upper_bound(rows_.begin(), rows_.end(), i, [](int s, const Row& row) { return s < row.first; });
   const Row& row = *(after - 1);
@@ -196,7 +156,6 @@ bool RblCell::contains(int sample) const {
 }
 
 int RblCell::num_partitioned() const {
-  if (excluded_) return static_cast<int>(inside_.segment(first_sample_, num_samples_).sum());
   int count = 0;
   for (const Row& row : rows_) count += row.high - row.low;
   return count;
@@ -228,10 +187,7 @@ CellCentroids RblCell::centroids(const Vector3& destination_agent_m, double beta
     add(sensing, row, sum, sum_x);
     const int count = row.high - row.low;
     if (count == 0) continue;
-    if (excluded_) {
-      const auto inside = inside_.segment(row.first, row.count);
-      add(partitioned, row, (weight * inside).sum(), (weight * inside * x).sum());
-    } else if (count == row.count) {
+    if (count == row.count) {
       add(partitioned, row, sum, sum_x);
     } else {
       const auto in = weight.segment(row.low, count);
@@ -251,8 +207,7 @@ Vector3 RblCell::partitioned_centroid(const Vector3& destination_agent_m, double
     for (int i = row.first + row.low; i < row.first + row.high; ++i) {
       in_x_[count] = x_[i];
       in_y_[count] = row.y;
-      in_z_[count] = row.z;
-      count += !excluded_ || inside_[i] != 0.0F;
+      in_z_[count++] = row.z;
     }
   }
   const auto weight = weight_.head(count);
@@ -265,22 +220,11 @@ Vector3 RblCell::partitioned_centroid(const Vector3& destination_agent_m, double
   return centroid(sums, destination_agent_m);
 }
 
-std::array<Vector3, 2> RblCell::bounds() const {
-  Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
-  for (const Row& row : rows_) {
-    if (row.low == row.high) continue;
-    low = low.cwiseMin(Eigen::Vector3f(x_[row.first + row.low], row.y, row.z));
-    high = high.cwiseMax(Eigen::Vector3f(x_[row.first + row.high - 1], row.y, row.z));
-  }
-  return {low.cast<double>(), high.cast<double>()};
-}
-
 int RblCell::nearest_partitioned(const Vector3& wanted_agent_m) const {
   int best = -1;
   double best_sq = std::numeric_limits<double>::infinity();
   for (const Row& row : rows_) {
     for (int i = row.first + row.low; i < row.first + row.high; ++i) {
-      if (excluded_ && inside_[i] == 0.0F) continue;
       const double distance_sq = (at(i) - wanted_agent_m).squaredNorm();
       if (distance_sq >= best_sq) continue;
       best_sq = distance_sq;

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include "swiftlet/core/math/angles.hpp"
 
@@ -23,41 +22,10 @@ HalfSpace voxel_cut(const Vector3& nearest_agent_m, const Vector3& center_agent_
           -encumbrance_m};
 }
 
-/// Whether q lies beyond obstacle_cut(point): q . point / d > offset(d), where the offset is gain * d - less.
-class PlaneTest {
- public:
-  PlaneTest(double encumbrance_m, double eta)
-      : twice_sq_(static_cast<float>(4.0 * encumbrance_m * encumbrance_m)),
-        near_{1.0F, static_cast<float>(encumbrance_m)},
-        far_{static_cast<float>(eta), static_cast<float>((2.0 * eta - 1.0) * encumbrance_m)} {}
-
-  bool operator()(const Eigen::Vector3f& q, const Eigen::Vector3f& point) const {
-    const float d_sq = point.squaredNorm();
-    const Offset& offset = d_sq < twice_sq_ ? near_ : far_;
-    const float over = q.dot(point) - offset.gain * d_sq;  // beyond when more than -less * d
-    const bool within_less = over * over < offset.less * offset.less * d_sq;
-    return offset.less >= 0.0F ? over > 0.0F || within_less : over > 0.0F && !within_less;
-  }
-
- private:
-  struct Offset {
-    float gain, less;
-  };
-  float twice_sq_;
-  Offset near_, far_;
-};
-
 }  // namespace
 
-void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
-                                double edge_m, double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
-  const std::size_t first = cuts.size();
-  convex_planes(p_local_m, voxels_local_m, edge_m, encumbrance_m, eta, cuts);
-  for (std::size_t i = first; i < cuts.size(); ++i) cell.cut(cuts[i]);
-}
-
-void ObstacleCutter::convex_planes(const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
-                                   double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
+void ObstacleCutter::cut(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
+                         double edge_m, double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
   left_.clear();
   for (const Vector3& voxel_local_m : voxels_local_m) {
     const Vector3 center = voxel_local_m - p_local_m;
@@ -69,11 +37,12 @@ void ObstacleCutter::convex_planes(const Vector3& p_local_m, std::span<const Vec
       return a.distance_sq < b.distance_sq;
     });
     const Candidate at = *first;
-    const HalfSpace cut =
+    const HalfSpace plane =
         voxel_cut(at.nearest_agent_m.cast<double>(), at.center_agent_m.cast<double>(), encumbrance_m, eta);
-    cuts.push_back(cut);
+    cuts.push_back(plane);
+    cell.cut(plane);
     // Voxels beyond the plane through the nearest point are at least as far from the cell as that point.
-    const Eigen::Vector3f normal = cut.normal_local.cast<float>();
+    const Eigen::Vector3f normal = plane.normal_local.cast<float>();
     const float beyond = std::sqrt(at.distance_sq) - 1e-4F;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < left_.size(); ++i) {
@@ -82,36 +51,6 @@ void ObstacleCutter::convex_planes(const Vector3& p_local_m, std::span<const Vec
     }
     left_.resize(kept);
   }
-}
-
-void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
-                                 double edge_m, double encumbrance_m, double eta) {
-  if (voxels_local_m.empty() || cell.is_empty()) return;
-  const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
-  const VoxelGrid around{edge_m, (p_local_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
-  const Vector3 from_corner_m = p_local_m - around.min_cell.cast<double>() * edge_m;
-  // Inside the grid all coordinates are positive, so truncation rounds down.
-  const auto counted_cell = [&](const Vector3& q) { return Cell(((q + from_corner_m) / edge_m).cast<int>()); };
-  const auto [low_m, high_m] = cell.bounds();
-  const Cell low = counted_cell(low_m), high = counted_cell(high_m);
-  nearest_.compute(voxels_local_m, around, {edge_m, around.min_cell + low, high - low + Cell::Ones()});
-  if (nearest_.empty()) return;
-
-  // Evaluated for every sample: single precision, no root.
-  const auto edge = static_cast<float>(edge_m), per_edge = static_cast<float>(1.0 / edge_m);
-  const Eigen::Vector3f to_face = Eigen::Vector3f::Constant(0.5F * edge);
-  const Eigen::Vector3f to_box_cells = (from_corner_m / edge_m - low.cast<double>()).cast<float>();
-  const Eigen::Vector3f first_center = (Vector3::Constant(0.5 * edge_m) - from_corner_m).cast<float>();
-  const PlaneTest beyond_plane(encumbrance_m, eta);
-  const Cell last = high - low;
-  cell.exclude([&](const Eigen::Vector3f& q) {
-    const Cell in_box = (per_edge * q + to_box_cells).cast<int>().cwiseMin(last);
-    const Eigen::Vector3f center = first_center + edge * nearest_.nearest(in_box).cast<float>();
-    const Eigen::Vector3f nearest = q.cwiseMax(center - to_face).cwiseMin(center + to_face);
-    if (nearest.squaredNorm() > kInside_m * kInside_m) return beyond_plane(q, nearest);
-    const HalfSpace cut = voxel_cut(nearest.cast<double>(), center.cast<double>(), encumbrance_m, eta);
-    return cut.normal_local.dot(q.cast<double>()) > cut.offset_m;
-  });
 }
 
 std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg,
@@ -124,8 +63,6 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_l
 
 void RblLidarConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping) [Kamler 2025, chapter 3]");
-  v.choice("cut", cut, {"convex", "nearest"},
-           "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
   v.choice(
       "legal", legal, {"sensed", "cell"},
       "[-] cell A' of admissible goals: what is sensed now, or the whole cell A (authors' experiment files), each in "

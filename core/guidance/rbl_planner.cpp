@@ -10,7 +10,6 @@ namespace {
 constexpr double kSamePlace_m = 1e-6;  // below this distance the direction is arbitrary
 
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
-  if (cut == RblCellConfig::Cut::kProjected) return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
   return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
@@ -18,25 +17,6 @@ double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
 
 HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
   return {d > kSamePlace_m ? Vector3(to_local_m / d) : Vector3(Vector3::UnitX()), offset_m};
-}
-
-/// (2.3) as printed: nearer to the agent than eta times to the neighbor (or to its mirrored position). The set is a
-/// ball.
-void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& to_local_m, double Delta, double eta) {
-  const double d = to_local_m.norm();
-  const double reach = d >= 2.0 * Delta ? d : 2.0 * (d - Delta);
-  if (reach <= 0.0) {  // the mirrored position is on the wrong side: only the plane is meaningful
-    cuts.push_back(half_space(to_local_m, d, d - Delta));
-    cell.cut(cuts.back());
-    return;
-  }
-  const double rest = 1.0 - eta * eta;
-  cuts.push_back(half_space(to_local_m, d, eta / (1.0 + eta) * reach));
-  if (rest < 1e-9) {
-    cell.cut(cuts.back());
-  } else {
-    cell.cut_ball(-eta * eta / rest * reach / d * to_local_m, eta / rest * reach);
-  }
 }
 
 }  // namespace
@@ -72,12 +52,8 @@ void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> ne
     Vector3 to_local_m = neighbor_local_m - p_local_m;
     if (planar_) to_local_m.z() = 0.0;
     if (to_local_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m) continue;  // its cut lies beyond S
-    if (config_.cut == RblCellConfig::Cut::kPrinted) {
-      cut_as_printed(cell_, cuts_, to_local_m, Delta_m, config_.eta);
-    } else {
-      cuts_.push_back(neighbor_cut(to_local_m, Delta_m, config_.eta, config_.cut));
-      cell_.cut(cuts_.back());
-    }
+    cuts_.push_back(neighbor_cut(to_local_m, Delta_m, config_.eta, config_.cut));
+    cell_.cut(cuts_.back());
   }
 }
 
@@ -117,9 +93,9 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("eta", eta, "[-] scale of the cells: share of the distance to a neighbor that belongs to the agent",
           Range{0.0, 1.0, true, false});
   v.choice(
-      "cut", cut, {"program", "projected", "printed", "buffered", "continued"},
-      "[-] interpretation of (2.3): plane that leaves the encumbrances free, at eta times the distance, printed ball, "
-      "half the gap, or the first plane at any distance");
+      "cut", cut, {"program", "buffered", "continued"},
+      "[-] interpretation of (2.3): plane that leaves the encumbrances free, half the gap, or the first plane at any "
+      "distance");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

@@ -63,8 +63,7 @@ void update(benchmark::State& state, const char* obstacles) {
   }
   for (auto _ : state) {
     planner.partition(p, neighbors, 1.0, 10.0);
-    if (mode == "convex") cutter.cut_convex(planner.cell(), p, voxels, kEdge_m, 0.5, 0.9, planner.cuts());
-    if (mode == "nearest") cutter.cut_nearest(planner.cell(), p, voxels, kEdge_m, 0.5, 0.9);
+    if (mode == "convex") cutter.cut(planner.cell(), p, voxels, kEdge_m, 0.5, 0.9, planner.cuts());
     benchmark::DoNotOptimize(planner.update({20, 1, 5}, 1e-6));
   }
   state.counters["samples"] = planner.cell().num_samples();
@@ -73,7 +72,6 @@ void update(benchmark::State& state, const char* obstacles) {
 
 BENCHMARK_CAPTURE(update, neighbors_15, "")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(update, voxels_convex, "convex")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(update, voxels_nearest, "nearest")->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace swiftlet

@@ -415,13 +415,9 @@ TEST(RblFlight, AnObstacleAheadShortensTheWay) {
       wall_m.emplace_back(1.6, y, z);
     }
   }
-  for (const auto cut : {RblLidarConfig::Cut::kConvex, RblLidarConfig::Cut::kNearest}) {
-    RblConfig config = with_lidar();
-    config.lidar.cut = cut;
-    const double before_m = goal_in_sight_m(config, wall_m).x();
-    EXPECT_LT(before_m, 1.5 - 0.5) << "the encumbrance before the wall stays free";
-    EXPECT_LT(before_m, free_m - 0.3);
-  }
+  const double before_m = goal_in_sight_m(with_lidar(), wall_m).x();
+  EXPECT_LT(before_m, 1.5 - 0.5) << "the encumbrance before the wall stays free";
+  EXPECT_LT(before_m, free_m - 0.3);
 }
 
 TEST(RblFlight, GroundFarBelowTheLowestLevelIsNoObstacle) {

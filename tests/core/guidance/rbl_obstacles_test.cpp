@@ -52,7 +52,7 @@ TEST(ObstacleCutter, ConvexCellKeepsItsDistanceFromEveryVoxel) {
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;
-  cutter.cut_convex(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
+  cutter.cut(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
   ASSERT_GT(cell.num_partitioned(), 100);
   EXPECT_LT(cuts.size(), 120U);
   for (int i = 0; i < cell.num_samples(); i += 7) {
@@ -63,42 +63,12 @@ TEST(ObstacleCutter, ConvexCellKeepsItsDistanceFromEveryVoxel) {
   EXPECT_LT(cell.point(cell.nearest_partitioned(Vector3::Zero())).norm(), 1e-6);  // the agent is inside
 }
 
-TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
-  std::vector<Vector3> voxels;
-  const Random random(3, "test");
-  for (std::uint32_t i = 0; i < 60; ++i) {
-    const Vector3 p(random.uniform(-3.5, 3.5, 0, i), random.uniform(-3.5, 3.5, 1, i), random.uniform(-3.5, 3.5, 2, i));
-    if (p.norm() > 1.0) voxels.push_back(voxel_at(p));
-  }
-  const Vector3 p(0.1, 0.1, 0.1);  // a voxel's center: samples of step 0.2 m lie on centers, too
-  RblCell by_grid(3.5, 0.2, false), by_search(3.5, 0.2, false);
-  ObstacleCutter cutter;
-  cutter.cut_nearest(by_grid, p, voxels, kEdge, kEncumbrance, kEta);
-  int differing = 0;
-  by_search.exclude([&](const Eigen::Vector3f& sample) {
-    const Vector3 q = sample.cast<double>();
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vector3& voxel : voxels) least = std::min(least, (p + q - voxel).norm());
-    bool any = false, all = true;  // either of two equally near voxels may be chosen
-    for (const Vector3& voxel : voxels) {
-      if ((p + q - voxel).norm() > least + 1e-6) continue;
-      const Vector3 nearest = nearest_in_voxel(q, voxel - p, kEdge);
-      const HalfSpace cut = obstacle_cut(nearest, kEncumbrance, kEta);
-      (cut.normal_local.dot(q) > cut.offset_m ? any : all) = cut.normal_local.dot(q) > cut.offset_m;
-    }
-    return any && all;
-  });
-  for (int i = 0; i < by_grid.num_samples(); ++i) differing += by_grid.contains(i) != by_search.contains(i);
-  EXPECT_LT(differing, by_grid.num_samples() / 100);  // ties only
-  EXPECT_LT(by_grid.num_partitioned(), by_grid.num_samples());
-}
-
 TEST(ObstacleCutter, AgentInsideAVoxelsSpaceIsSentAway) {
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;
   const std::vector<Vector3> voxels = {{0.4, 0.1, 0.1}};
-  cutter.cut_convex(cell, Vector3(0.1, 0.1, 0.1), voxels, kEdge, kEncumbrance, kEta, cuts);
+  cutter.cut(cell, Vector3(0.1, 0.1, 0.1), voxels, kEdge, kEncumbrance, kEta, cuts);
   EXPECT_LT(cell.partitioned_centroid({20, 0, 0}, 0.5).x(), 0.0);
 }
 
@@ -156,7 +126,7 @@ double progress_after_leaves(double miss_log_odds) {
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;
-  cutter.cut_convex(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
+  cutter.cut(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
   return cell.is_empty() ? 0.0 : cell.partitioned_centroid({20, 0, 0}, 0.5).x();
 }
 
@@ -165,17 +135,16 @@ TEST(Ghosts, LockTheVehicleInWithTheConservativeMapOnly) {
   EXPECT_GT(progress_after_leaves(0.4), 2.0);
 }
 
-TEST(ObstacleCutter, WithoutVoxelsOrCellCutsNothing) {
+TEST(ObstacleCutter, WithoutVoxelsCutsNothing) {
   ObstacleCutter cutter;
   RblCell cell(2.0, 0.3, false);
   const int all = cell.num_partitioned();
-  cutter.cut_nearest(cell, {0, 0, 0}, {}, kEdge, kEncumbrance, kEta);
+  std::vector<HalfSpace> cuts;
+  cutter.cut(cell, {0, 0, 0}, {}, kEdge, kEncumbrance, kEta, cuts);
   EXPECT_EQ(cell.num_partitioned(), all);
-  cutter.cut_nearest(cell, {0, 0, 0}, std::vector<Vector3>{{50.1, 0.1, 0.1}}, kEdge, kEncumbrance, kEta);
-  EXPECT_EQ(cell.num_partitioned(), all);
-  cell.cut({Vector3::UnitX(), -3.0});
-  cutter.cut_nearest(cell, {0, 0, 0}, std::vector<Vector3>{{0.7, 0.1, 0.1}}, kEdge, kEncumbrance, kEta);
-  EXPECT_TRUE(cell.is_empty());
+  EXPECT_TRUE(cuts.empty());
+  cutter.cut(cell, {0, 0, 0}, std::vector<Vector3>{{50.1, 0.1, 0.1}}, kEdge, kEncumbrance, kEta, cuts);
+  EXPECT_EQ(cell.num_partitioned(), all) << "out of reach";
 }
 
 }  // namespace

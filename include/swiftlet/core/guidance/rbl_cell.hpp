@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -37,19 +36,6 @@ class RblCell {
 
   /// Restricts A to the half-space (2.3).
   void cut(const HalfSpace& keep);
-  /// Restricts A to the ball (2.3 as printed: an Apollonius ball).
-  void cut_ball(const Vector3& center_agent_m, double radius_m);
-  /// Removes the samples q of A with `excluded(q)`. Called once per sample of A, in order.
-  template <class Excluded>
-  void exclude(const Excluded& excluded) {
-    prepare_mask();
-    excluded_ = true;
-    for (const Row& row : rows_) {
-      for (int i = row.first + row.low; i < row.first + row.high; ++i) {
-        if (inside_[i] != 0.0F && excluded(Eigen::Vector3f(x_[i], row.y, row.z))) inside_[i] = 0.0F;
-      }
-    }
-  }
 
   /// Centroids with the weight exp(-|q - destination| / beta) (2.5, 2.10).
   CellCentroids centroids(const Vector3& destination_agent_m, double beta_m);
@@ -61,8 +47,6 @@ class RblCell {
   int num_partitioned() const;                      ///< number of samples of A
   Vector3 point(int sample) const { return at(first_sample_ + sample); }
   bool contains(int sample) const;  ///< is the sample in A?
-  /// Axis-aligned bounds of the samples of A, which is not empty.
-  std::array<Vector3, 2> bounds() const;
   /// Sample of A that is nearest to `wanted_agent_m`; -1 when A is empty.
   int nearest_partitioned(const Vector3& wanted_agent_m) const;
   /// Sample of S with the smallest maximum violation of the half-spaces; the target when A is empty.
@@ -86,8 +70,6 @@ class RblCell {
 
   void sample_ball(const Vector3& origin_agent_m);
   Vector3 at(int i) const { return {x_[i], y_[i], z_[i]}; }
-  void prepare_mask();
-  void trim();
   Vector3 centroid(const Sums& sums, const Vector3& destination_agent_m) const;
 
   double radius_m_, step_m_;
@@ -100,9 +82,6 @@ class RblCell {
   Eigen::ArrayXf x_, y_, z_;
   Eigen::ArrayXf weight_;
   Eigen::ArrayXf in_x_, in_y_, in_z_;  // samples of A, packed
-  Eigen::ArrayXf inside_;              // 1: in A; valid while masked_
-  bool masked_ = false;
-  bool excluded_ = false;  // single samples were removed, so the intervals alone do not determine A
 };
 
 }  // namespace swiftlet

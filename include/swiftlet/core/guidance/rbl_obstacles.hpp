@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "swiftlet/core/guidance/guidance.hpp"
-#include "swiftlet/core/guidance/nearest_voxels.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 
 namespace swiftlet {
@@ -16,8 +15,6 @@ namespace swiftlet {
 /// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
 struct RblLidarConfig {
   bool enabled = false;
-  enum class Cut { kConvex, kNearest };
-  Cut cut = Cut::kConvex;
   enum class Legal { kSensed, kCell };
   Legal legal = Legal::kSensed;
   double fov_lower_deg = 20.0;
@@ -36,21 +33,15 @@ inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, dou
   return {along(p_m.x(), center_m.x()), along(p_m.y(), center_m.y()), along(p_m.z(), center_m.z())};
 }
 
-/// Cuts cells by occupied voxels. Both cuts keep the agent's encumbrance away from every voxel that faces it:
-/// - convex [Kamler 2025, sec. 3.1.3]: half-spaces, so the cell stays convex. The first touches the nearest point of
-///   the nearest voxel. Each further one touches the nearest voxel not yet outside of the cut cell.
-/// - nearest [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected]: each sample is tested against the voxel
-///   nearest to it.
+/// Cuts cells by occupied voxels with half-spaces, so that a cell stays convex, and keeps the agent's encumbrance away
+/// from every voxel that faces it [Kamler 2025, sec. 3.1.3]. The first plane touches the nearest point of the nearest
+/// voxel. Each further one touches the nearest voxel not yet outside of the cut cell.
 class ObstacleCutter {
  public:
   /// @param p_local_m  position of the agent, the origin of the cell
-  void cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
-                  double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
-  /// Computes the planes of `cut_convex` without cutting a cell.
-  void convex_planes(const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
-                     double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
-  void cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
-                   double encumbrance_m, double eta);
+  /// @param cuts  the planes are appended to it
+  void cut(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
+           double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
 
  private:
   struct Candidate {
@@ -60,7 +51,6 @@ class ObstacleCutter {
   };
 
   std::vector<Candidate> left_;
-  NearestVoxels nearest_;
 };
 
 /// Field of view of the tilted sensor (3.2-3.4) as two half-spaces relative to the vehicle: the region ahead between

@@ -20,7 +20,7 @@ struct RblCellConfig {
   Lattice lattice = Lattice::kAgent;
   double encumbrance_m = 0.5;  ///< delta_i, equal for all vehicles
   double eta = 0.9;
-  enum class Cut { kProgram, kProjected, kPrinted, kBuffered, kContinued };
+  enum class Cut { kProgram, kBuffered, kContinued };
   Cut cut = Cut::kProgram;
 
   void visit(ConfigVisitor& v);
