@@ -22,13 +22,8 @@ int bits_of_axis(double size_m, double edge_m) {
 }  // namespace
 
 void AirMapConfig::visit(ConfigVisitor& v) {
-  v.field("voxel_m", voxel_m, "[m] edge of a voxel", Range{0.0, 100.0, true});
   v.field("size_m", size_m, "[m] edges of the box around the sensor; rounded up to a power of two of voxels",
           Range::positive());
-  v.field("memory_beams", memory_beams, "[-] most beams that a voxel counts; older ones fade",
-          Range::between(8, kMostMemory));
-  v.field("prior_hits", prior_hits, "[-] beams that end in an unknown voxel, as a prior", Range::positive());
-  v.field("prior_passes", prior_passes, "[-] beams that pass an unknown voxel, as a prior", Range::positive());
   v.check((size_m / voxel_m).maxCoeff() <= kMostAxis, "size_m", "at most 4096 edges of voxel_m by axis");
   v.check(bytes() <= kMostCells * 4.0, "size_m", "at most 1e9 voxels of voxel_m");
 }

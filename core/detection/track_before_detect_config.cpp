@@ -5,18 +5,9 @@ namespace swiftlet {
 
 void ExpectedTarget::visit(ConfigVisitor& v) {
   v.field("radius_m", radius_m, "[m] radius of the disc that models a target in the beams", Range{0.0, 10.0, true});
-  v.field("return_share", return_share, "[-] mean share of the beams through that disc that return",
-          Range{0.0, 1.0, true});
-  v.field("return_variation", return_variation,
-          "[-] shape of that share's gamma distribution over sweeps; 1: exponential", Range{0.0, 1e6, true});
   v.field("least_share", least_share, "[-] return_share of the smallest UAV, for the distinction from birds",
           Range{0.0, 1.0, true});
   v.field("small_share", small_share, "[-] return_share of objects too small for a UAV", Range{0.0, 1.0, true});
-  v.field("small_prior", small_prior, "[-] prior share of flying objects too small for a UAV; 0: no distinction",
-          Range::between(0.0, 0.99));
-  v.field("small_within_m", small_within_m,
-          "[m] largest range of the distinction; farther targets return less because of their range",
-          Range::non_negative());
   v.check(small_share < least_share, "small_share", "less than least_share");
   v.field("max_size_m", max_size_m, "[m] largest diagonal of the box around the returns of one sweep",
           Range{0.0, 100.0, true});
@@ -24,21 +15,13 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           "[m] distance of two targets below which they may be parts of one body, decided by the returns between them; "
           "0: never",
           Range::between(0.0, 20.0));
-  v.field("seen_side_m", seen_side_m,
-          "[m] distance from the mean of the returns to the center of a target, along the beam", Range::non_negative());
   v.field("sigma_sampling_m", sigma_sampling_m, "[m] standard deviation of single returns about the center, by axis",
           Range::non_negative());
   v.field("sigma_velocity_mps", sigma_velocity_mps,
           "[m/s] standard deviation of the velocity of a target with one return, by axis", Range::positive());
-  v.field("acceleration_density", acceleration_density,
-          "[m^2/s^3] spectral density of a target's white acceleration, by axis", Range::positive());
-  v.field("birth_per_m3", birth_per_m3, "[1/m^3] density of unknown targets", Range{0.0, 1.0, true});
   v.field("strangers_per_m3", strangers_per_m3,
           "[1/m^3] density of targets that appear for the first time, against those that reappear",
           Range{0.0, 1.0, true});
-  v.field("lifetime_s", lifetime_s, "[s] mean lifetime of a target", Range::positive());
-  v.field("seen_for_s", seen_for_s, "[s] mean time until an obstruction that the beams do not show hides a target",
-          Range::positive());
   v.field("hidden_for_s", hidden_for_s, "[s] mean duration of such an obstruction", Range::positive());
 }
 
@@ -57,28 +40,13 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
   v.object("noise", noise, "Sigma_w: noise of range and pose");
   v.field("told_existence", told_existence,
           "[-] existence probability from which a hypothesis is reported as a detection", Range::probability());
-  v.field("background_share", background_share,
-          "[-] share of beams that end in the background above which a return is no target", Range::probability());
-  v.field("free_share", free_share,
-          "[-] largest share of beams that end in the voxels around a new hypothesis; the prior of `air` determines "
-          "how many must have passed",
-          Range::probability());
-  v.field("hit_share", hit_share,
-          "[-] largest share of beams that end in any voxel within free_reach_m of a new hypothesis",
-          Range::probability());
   v.field("free_reach_m", free_reach_m, "[m] radius of that test; extended by the noise of the attitude",
           Range::between(0.0, 20.0));
   v.field("free_air_share", free_air_share,
           "[-] share of the beams through a voxel of such free air that something other than a target returns",
           Range{0.0, 1.0, true});
-  v.check(free_share <= background_share, "free_share", "at most background_share");
-  v.field("learning_delay_s", learning_delay_s, "[s] delay until returns that are no target become background",
-          Range::between(0.0, 60.0));
   v.field("cluster_distance_m", cluster_distance_m, "[m] largest distance between returns of one target",
           Range{0.0, 100.0, true});
-  v.field("sigma_lost_m", sigma_lost_m,
-          "[m] standard deviation of the position, on any axis, above which a hypothesis is dropped",
-          Range::positive());
   v.field("sigma_hidden_m", sigma_hidden_m,
           "[m] standard deviation of the position, on any axis, up to which a dropped target can be recognized again; "
           "0: never",
@@ -88,8 +56,6 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true});
   v.field("empty_ray_m", empty_ray_m, "[m] length up to which a beam without return clears air; 0: not at all",
           Range::between(0.0, 1000.0));
-  v.field("rays_per_sweep", rays_per_sweep, "[-] most beams of a sweep that clear air; the next sweep uses others",
-          Range::between(1.0, 1e7));
   v.field("max_hypotheses", max_hypotheses, "[-] most hypotheses; the most likely ones are kept",
           Range::between(1.0, 4096.0));
   v.field("latency_s", latency_s, "[s] time from a sweep to its detections; of waiting sweeps the newest is used",

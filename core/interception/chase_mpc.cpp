@@ -53,8 +53,6 @@ void ChaseMpcConfig::visit(ConfigVisitor& v) {
   v.field("iterations", iterations, "[-] largest number of iterations of the solver", Range::between(1, 100000));
   v.field("tolerance", tolerance, "[-] violation of the limits, as a share of them, at which the solver stops",
           Range::positive());
-  v.field("jerk_weight", jerk_weight, "[m^2] cost of full jerk, as a squared distance", Range::positive());
-  v.field("wall_weight", wall_weight, "[1/m^2] weight of squared distances beyond a wall", Range::positive());
 }
 
 ChaseMpc::ChaseMpc(const ChaseMpcConfig& config, const MotionLimits& limits, int num_steps)

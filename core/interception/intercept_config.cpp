@@ -5,28 +5,8 @@ namespace swiftlet {
 
 void ChasePlanConfig::visit(ConfigVisitor& v) {
   v.field("steps", steps, "[-] number of steps of the plan", Range::between(2, ChaseMpc::kMaxSteps));
-  v.field("horizon_min_s", horizon_min_s, "[s] shortest horizon of the plan", Range{0.1, 60.0});
-  v.field("horizon_max_s", horizon_max_s, "[s] longest horizon; between both, 1.3 times the time to go",
-          Range{0.1, 60.0});
-  v.field("weight_before", weight_before, "[-] weight of squared distances before the meeting, relative to 1 at it",
-          Range::probability());
-  v.field("weight_after", weight_after,
-          "[-] weight after the meeting; at 1 the vehicle stays with the target, and arrives later",
-          Range::probability());
   v.field("meeting_s", meeting_s, "[s] duration of the meeting", Range::positive());
-  v.field("velocity_weight", velocity_weight, "[s^2] weight of the squared difference of velocities at the meeting",
-          Range::non_negative());
-  v.field("hold_m", hold_m, "[m] vertical distance that a disc keeps from the target until they meet",
-          Range::non_negative());
-  v.field("through_m", through_m, "[m] vertical distance by which a disc then passes the target",
-          Range::non_negative());
-  v.field("crossing_mps", crossing_mps, "[m/s] vertical speed at which a disc crosses the target's height",
-          Range::positive());
-  v.field("crossing_delay_s", crossing_delay_s,
-          "[s] delay from the target within reach to the crossing; less if the target would be out of reach by then",
-          Range::non_negative());
   v.object("solver", solver, "solver of the condensed problem");
-  v.check(horizon_max_s >= horizon_min_s, "horizon_max_s", "at least horizon_min_s");
 }
 
 void InterceptConfig::visit(ConfigVisitor& v) {

@@ -10,9 +10,6 @@ void PursuitGains::visit(ConfigVisitor& v) {
   v.field("pure_pursuit", pure_pursuit, "[1/s^2] acceleration toward the target by distance", Range::positive());
   v.field("proportional_navigation", proportional_navigation, "[-] navigation constant", Range::positive());
   v.field("frpn", frpn, "[-] G of FRPN", Range::positive());
-  v.field("frpn_weight", frpn_weight, "[-] W of FRPN: share of pure pursuit", Range::probability());
-  v.field("time_to_go_min_s", time_to_go_min_s, "[s] a shorter time to go counts as this", Range::positive());
-  v.field("time_to_go_max_s", time_to_go_max_s, "[s] a longer time to go counts as this", Range::positive());
 }
 
 double time_to_go_s(const PursuitGains& gains, const RelativeMotion& relative) {

@@ -28,8 +28,6 @@ void TargetSearchConfig::visit(ConfigVisitor& v) {
           Range::between(-89.0, 89.0));
   v.field("fov_top_deg", fov_top_deg, "[deg] upper edge of the level LiDAR's field of view",
           Range::between(-89.0, 89.0));
-  v.field("detection_rate_per_s", detection_rate_per_s, "[1/s] rate of detections of a visible target",
-          Range::positive());
   v.field("seed", seed, "[-] random seed of the particles");
   v.check(fov_top_deg > fov_bottom_deg, "fov_top_deg", "more than fov_bottom_deg");
 }

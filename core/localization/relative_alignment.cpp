@@ -106,28 +106,16 @@ std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_lo
 }
 
 void RelativeAlignmentConfig::visit(ConfigVisitor& v) {
-  v.field("window_size", window_size, "[-] pairs of sighting and odometry in the window", Range::between(4, 1000));
-  v.field("window_step_m", window_step_m,
-          "[m] distance flown by the other vehicle between pairs; while it rests, the newest pair is replaced",
-          Range::non_negative());
   v.choice("loss", loss, {"squared", "huber", "cauchy", "geman_mcclure"},
            "[-] loss of the residuals until the fit converges; pairs beyond gate_sigma are then excluded");
-  v.field("loss_scale", loss_scale, "[-] residual in standard deviations at which the loss departs from a square",
-          Range::positive());
   v.field("gate_sigma", gate_sigma, "[-] residual in standard deviations beyond which a pair is a false sighting",
           Range::positive());
-  v.field("min_pairs", min_pairs, "[-] fewest inliers of an alignment", Range::between(3, 1000));
-  v.field("residual_sigma_max", residual_sigma_max,
-          "[-] largest RMS residual of the inliers by axis, in standard deviations; above it another vehicle was seen",
-          Range::positive());
-  v.field("min_inlier_share", min_inlier_share, "[-] least share of inliers in the window", Range::probability());
   v.field(
       "min_spread_m", min_spread_m,
       "[m] horizontal RMS distance of the window's positions from their mean below which the heading is unobservable",
       Range::non_negative());
   v.field("heading_sigma_max_deg", heading_sigma_max_deg,
           "[deg] standard deviation of the heading above which it is not reported", Range::positive());
-  v.check(min_pairs <= window_size, "min_pairs", "at most window_size");
 }
 
 RelativeAlignment::RelativeAlignment(const RelativeAlignmentConfig& config, const OdometryDriftConfig& drift)

@@ -33,16 +33,6 @@ Matrix carried(const Transition& A, const Matrix& P) {
 }  // namespace
 
 void RelativeFilterConfig::visit(ConfigVisitor& v) {
-  v.field("acceleration_mps2_psqrthz", acceleration_mps2_psqrthz,
-          "[m/s^2/sqrt(Hz)] white acceleration of the other vehicle between its samples", Range::positive());
-  v.field("odometry_sigma_m", odometry_sigma_m, "[m] white noise of its odometry's position, by axis",
-          Range::positive());
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] white noise of its odometry's velocity",
-          Range::positive());
-  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] white noise of its odometry's heading",
-          Range::non_negative());
-  v.field("yaw_rate_sigma_degps", yaw_rate_sigma_degps,
-          "[deg/s] growth of the heading's standard deviation since its newest odometry", Range::non_negative());
   v.field("bias_sigma_m", bias_sigma_m,
           "[m] standard deviation by axis of the error common to all sightings; it stays in the covariance, whatever "
           "their number",
@@ -52,6 +42,12 @@ void RelativeFilterConfig::visit(ConfigVisitor& v) {
   v.field("drift_factor_max", drift_factor_max,
           "[-] largest factor of the odometry's drift that is estimated from sightings; 1: drift as configured",
           Range::between(1.0, 1000.0));
+  v.field("odometry_sigma_m", odometry_sigma_m, "[m] white noise of its odometry's position, by axis",
+          Range::positive());
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] white noise of its odometry's velocity",
+          Range::positive());
+  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] white noise of its odometry's heading",
+          Range::non_negative());
   v.field("history_s", history_s, "[s] largest delay of a sighting or an odometry sample", Range::between(0.1, 60.0));
 }
 

@@ -305,12 +305,6 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
           Range::between(-1.0, 1.0));
   v.choice("clock", clock, {"synchronized", "one_way"},
            "[-] the other's clock: synchronized with the own one (NTP), or any, estimated from the fastest message");
-  v.field("clock_sigma_s", clock_sigma_s,
-          "[s] standard deviation of that clock offset, which the alignment refines; 0: exact",
-          Range::between(0.0, 10.0));
-  v.field("least_delay_s", least_delay_s, "[s] with one_way: delay of the fastest message", Range::between(0.0, 10.0));
-  v.field("odometry_gap_max_s", odometry_gap_max_s, "[s] longest gap of its odometry in which sightings are paired",
-          Range::positive());
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of its position above which it counts as lost", Range::positive());
   v.field("reacquire_s", reacquire_s,

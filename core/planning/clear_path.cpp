@@ -246,12 +246,7 @@ void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));
-  v.field(
-      "greed", greed,
-      "[-] weight of the remaining distance; above 1 the search is faster and the path longer by at most that factor",
-      Range::between(1.0, 100.0));
   v.field("max_expansions", max_expansions, "[-] largest number of expanded cells", Range::between(1, 1e9));
-  v.field("max_shortenings", max_shortenings, "[-] largest number of passes that cut corners", Range::between(0, 1000));
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

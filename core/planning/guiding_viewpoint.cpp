@@ -264,14 +264,12 @@ GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector
 }
 
 void ViewpointRules::visit(ConfigVisitor& v) {
-  v.field("num_rays", num_rays, "[-] for the visibility region of a waypoint", Range::between(3, 100'000));
   v.field("ray_max_m", ray_max_m, "[m] greatest horizontal distance from which a waypoint is watched",
           Range{0.0, 200.0, true});
   v.field("margin_m", margin_m, "[m] radius around a viewpoint within which as much is in view; 0: as in the document",
           Range::between(0.0, 10.0));
   v.field("unseen_start", unseen_start,
           "[-] if no safe point sees the beginning of the path, the rest is watched; otherwise planning fails");
-  v.field("buffer_m", buffer_m, "[m] horizontal distance that the guide keeps from the path", Range{0.0, 100.0, true});
   v.choice("sight", sight, {"at_waypoint", "in_space"},
            "[-] visibility of a waypoint: in the plane at its height, or along the straight line");
   v.choice("safe_space", safe_space, {"closest", "most_visible"},

@@ -175,11 +175,8 @@ void NextViewConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 90.0));
   v.field("down_deg", down_deg, "[deg] lower edge of the LiDAR's field of view, below the horizon",
           Range::between(0.0, 90.0));
-  v.field("num_rays", num_rays, "[-] number of rays that evaluate a view", Range::between(1, 100000));
   v.field("share_min", share_min, "[-] least share of rays that meet unknown space for a view to be flown to",
           Range{0.0, 1.0, true});
-  v.field("way_weight_per_m", way_weight_per_m, "[1/m] lambda: decay of a view's worth with the length of its path",
-          Range::between(0.0, 10.0));
   v.field("step_m", step_m, "[m] spacing of the lattice that is searched", Range{0.0, 100.0, true});
   v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is given up", Range{0.0, 100.0, true});
   v.field("max_expansions", max_expansions, "[-] largest number of expanded points", Range::between(1, 1e9));

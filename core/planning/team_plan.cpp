@@ -154,8 +154,6 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
 
 void TeamPlannerConfig::visit(ConfigVisitor& v) {
   v.field("tolerance_m", tolerance_m, "[m] distance within which a goal or a viewpoint is reached", Range::positive());
-  v.field("waypoint_spacing_m", waypoint_spacing_m, "[m] greatest distance between waypoints of the guided vehicle",
-          Range{0.01, 100.0});
   v.field("goal_search_m", goal_search_m,
           "[m] radius in which the nearest clear position replaces a goal without clearance",
           Range::between(0.0, 10.0));

@@ -83,34 +83,12 @@ RelativeAlignmentConfig fit_of(const FrameLinkConfig& config) {
 }  // namespace
 
 void FrameLinkConfig::visit(ConfigVisitor& v) {
-  v.field("window_s", window_s, "[s] length of the paths that are compared", Range{0.0, 60.0, true});
-  v.field("interval_s", interval_s, "[s] interval between measurements, so that their errors are independent",
-          Range{0.0, 10.0, true});
-  v.field("gap_max_s", gap_max_s, "[s] longest gap of a path that is interpolated", Range::positive());
-  v.field("min_samples", min_samples, "[-] least samples of a reported path for a comparison", Range::between(8, 256));
   v.field("min_spread_m", min_spread_m, "[m] least RMS distance of a path from its mean, in the plane",
           Range::positive());
-  v.field("min_bend_m", min_bend_m,
-          "[m] least RMS distance of a path from a straight motion of constant velocity: straight ones are ambiguous",
-          Range::positive());
-  v.field("bend_sigmas", bend_sigmas, "[-] the least such distance in standard deviations of the path",
-          Range::positive());
-  v.field("support_s", support_s, "[s] least overlap of other paths that support an alignment", Range::positive());
-  v.field("support_sigma_m", support_sigma_m, "[m] largest standard deviation by axis of such an overlap",
-          Range::positive());
-  v.field("alone_s", alone_s, "[s] least length of a single path that determines an alignment", Range::positive());
-  v.field("alone_sigmas", alone_sigmas,
-          "[-] least distance of that path from a straight motion, in standard deviations", Range::positive());
-  v.field("residual_sigma_max", residual_sigma_max,
-          "[-] largest RMS residual by axis between two paths of one body, in standard deviations", Range::positive());
   v.field("gate_sigma", gate_sigma, "[-] largest distance between tracks of one body, in standard deviations",
           Range::positive());
   v.field("margin", margin, "[-] twice the log-likelihood ratio by which a pair must exceed the next alternative",
           Range::non_negative());
-  v.field("sigma_own_m", sigma_own_m, "[m] standard deviation of an observer's own position", Range::positive());
-  v.field("sigma_common_m", sigma_common_m,
-          "[m] standard deviation that does not average out: each observer sees its own side of a target",
-          Range::positive());
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of the position above which an alignment is lost", Range::positive());
   v.field("heading_sigma_max_deg", heading_sigma_max_deg,

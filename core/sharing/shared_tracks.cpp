@@ -424,11 +424,7 @@ void SharedTracksConfig::visit(ConfigVisitor& v) {
           "[-] least probability of existence of own tracks that are shared; the detector's told_existence "
           "must be as low",
           Range::probability());
-  v.field("certainty", certainty, "[-] probability of existence of own tracks whose detector reports none",
-          Range::probability());
   v.field("timeout_s", timeout_s, "[s] time after its newest message for which an observer counts", Range::positive());
-  v.field("acceleration_density", acceleration_density,
-          "[m^2/s^3] white acceleration of a target by axis, since the track's report", Range::positive());
   v.field("body_m", body_m, "[m] radius around an observer in which a second track belongs to the same body",
           Range::positive());
   v.object("frame", frame, "alignment of the others' local frames");

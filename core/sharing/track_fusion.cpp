@@ -13,29 +13,14 @@ constexpr std::ptrdiff_t kMostKeys = 64;  // most identities of a target over al
 void TrackFusionConfig::visit(ConfigVisitor& v) {
   v.field("told_existence", told_existence, "[-] least probability of existence of targets that are reported",
           Range::probability());
-  v.field("prior_existence", prior_existence, "[-] prior probability of a target at a reported position",
-          Range{0.0, 1.0, true, true});
   v.field("common_clutter", common_clutter,
           "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
           Range{0.0, 1.0, true});
-  v.field("gate_sq", gate_sq,
-          "[-] squared Mahalanobis distance of position and velocity up to which two tracks may be one target",
-          Range::positive());
   v.field("merge_sq", merge_sq, "[-] squared Mahalanobis distance up to which they agree on one target",
           Range::positive());
-  v.field("break_sq", break_sq, "[-] squared Mahalanobis distance beyond which they are separated", Range::positive());
   v.field("margin", margin, "[-] twice the log-likelihood ratio by which a partner must exceed the next one",
           Range::non_negative());
-  v.field("sure_m", sure_m, "[m] largest standard deviation of the distance of two tracks for a confirmation",
-          Range::positive());
-  v.field("confirmations", confirmations, "[-] agreements less disagreements after which two tracks are joined",
-          Range::between(1, 100));
-  v.field("doubt_s", doubt_s, "[s] time without agreement after which possibly equal targets are reported as two",
-          Range::non_negative());
-  v.field("remember_s", remember_s, "[s] time for which the identity of an unreported target is kept",
-          Range::non_negative());
-  v.check(merge_sq <= gate_sq, "merge_sq", "at most gate_sq");
-  v.check(gate_sq <= break_sq, "break_sq", "at least gate_sq");
+  v.check(merge_sq <= gate_sq, "merge_sq", "at most 22.5");
 }
 
 void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {

@@ -42,10 +42,6 @@ double AdaptiveVoxelFilter::thin(std::span<const Eigen::Vector3f> points_m, cons
 }
 
 void AdaptiveVoxelConfig::visit(ConfigVisitor& v) {
-  v.field("edge_max_m", edge_max_m, "[m] largest edge of the cubes that keep one point each",
-          Range::between(0.01, 100.0));
-  v.field("points_min", points_min, "[-] the edge shrinks until at least this many points are left",
-          Range::between(1, 1000000));
   v.field("range_max_m", range_max_m, "[m] farther points are left out", Range::between(0.5, 1000.0));
 }
 

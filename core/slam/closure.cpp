@@ -539,12 +539,6 @@ ClosureConfig locating_config() {
 }
 
 void ClosureConfig::visit(ConfigVisitor& v) {
-  v.field("window_xy_m", window_xy_m, "[m] largest horizontal distance of a match from the estimate",
-          Range::between(0.0, 50.0));
-  v.field("window_z_m", window_z_m, "[m] largest vertical distance of a match from the estimate",
-          Range::between(0.0, 20.0));
-  v.field("window_yaw_deg", window_yaw_deg, "[deg] largest heading difference of a match from the estimate",
-          Range::between(0.0, 180.0));
   v.field("cell_m", cell_m, "[m] edge of a cell of the search grid", Range::between(0.1, 5.0));
   v.field("levels", levels, "[-] levels of the search grid, each twice as coarse as the one before",
           Range::between(1, 8));
@@ -552,17 +546,6 @@ void ClosureConfig::visit(ConfigVisitor& v) {
   v.field("range_max_m", range_max_m, "[m] points farther from the submap's center are left out",
           Range::between(2.0, 200.0));
   v.field("budget", budget, "[-] most nodes of one search", Range::between(100, 100000000));
-  v.field("histogram_min", histogram_min, "[-] headings whose rotational histograms agree less are not searched",
-          Range::probability());
-  v.field("score_min", score_min, "[-] share of the points that must lie in occupied cells", Range::probability());
-  v.field("rival_share", rival_share, "[-] rejects a closure when another place reaches this share of the best score",
-          Range::probability());
-  v.field("rival_distance_m", rival_distance_m, "[m] least distance at which a match counts as another place",
-          Range::between(0.0, 50.0));
-  v.field("overlap_min", overlap_min, "[-] least share of the newer submap that the older one contains",
-          Range::probability());
-  v.field("near_min", near_min, "[-] least share of the overlapping points that lie on the older submap's surfaces",
-          Range::probability());
 }
 
 }  // namespace swiftlet

@@ -518,12 +518,6 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] are loops closed and GNSS fixes used?");
   v.field("latency_s", latency_s, "[s] time from a scan to its correction: search and optimization",
           Range::between(0.0, 60.0));
-  v.field("node_every_m", node_every_m, "[m] flown distance between nodes of the graph", Range::between(0.05, 20.0));
-  v.field("submap_m", submap_m, "[m] flown distance after which the next submap begins", Range::between(0.5, 200.0));
-  v.field("submap_voxel_m", submap_voxel_m, "[m] edge of the cubes in which a submap keeps one point",
-          Range::between(0.05, 2.0));
-  v.field("closure_distance_m", closure_distance_m, "[m] largest distance between two submaps that are compared",
-          positive);
   v.field("covered_share", covered_share,
           "[-] share of a submap's points in older joined ones from which on it keeps only the others; 1: keeps all",
           Range::probability());
@@ -531,19 +525,7 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
           "[-] submaps that begin within half of submap_m of each other, at most: another one is dropped if these know "
           "covered_share of its points; more take more memory",
           Range::between(1, 1000));
-  v.field("closure_gap_m", closure_gap_m, "[m] least flown distance between two submaps that are compared",
-          Range::non_negative());
   v.field("searches", searches, "[-] most searches for a finished submap", Range::between(0, 100));
-  v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,
-          "[m/sqrt(m)] position noise of local SLAM per root of the flown distance, as assumed by the graph", positive);
-  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m,
-          "[deg/sqrt(m)] attitude noise of local SLAM per root of the flown distance, as assumed by the graph",
-          positive);
-  v.field("closure_position_m", closure_position_m, "[m] standard deviation of a closure's position", positive);
-  v.field("closure_attitude_deg", closure_attitude_deg, "[deg] standard deviation of a closure's attitude", positive);
-  v.field("closure_huber", closure_huber,
-          "[-] Huber threshold of closures, in standard deviations; larger residuals count less", positive);
-  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] standard deviation of the tilt from local SLAM", positive);
   v.field("use_gnss", use_gnss, "[-] do GNSS fixes constrain the trajectory?");
   v.field("optimize_every_s", optimize_every_s, "[s] interval of optimizations with new fixes; a closure does not wait",
           positive);

@@ -151,12 +151,6 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
 }
 
 void GridMatchConfig::visit(ConfigVisitor& v) {
-  const Range weight = Range::between(0.0, 1e6);
-  v.field("high_weight", high_weight, "[-] weight of occupied space in the finer grid", weight);
-  v.field("low_weight", low_weight, "[-] weight of occupied space in the coarser grid", weight);
-  v.field("translation_weight_1_m", translation_weight_1_m, "[1/m] weight of the displacement from the prediction",
-          weight);
-  v.field("rotation_weight", rotation_weight, "[-] weight of half the angle from the prediction", weight);
   v.field("iterations", iterations, "[-] most iterations of the least squares", Range::between(1, 100));
 }
 

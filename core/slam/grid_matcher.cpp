@@ -137,18 +137,10 @@ void GridMatcher::clear() {
 void GridMatchingConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] nearer returns are left out", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
-  v.field("voxel_m", voxel_m, "[m] one return in a cube of this edge goes into the map", Range::between(0.01, 5.0));
   v.object("high", high, "points that are matched to the finer grid");
   v.object("low", low, "points that are matched to the coarser grid");
   v.object("cost", cost, "cost of a pose");
   v.object("submaps", submaps, "pairs of grids that scans go into");
-  v.field("insert_after_m", insert_after_m, "[m] motion after which a scan goes into the map", Range::non_negative());
-  v.field("insert_after_deg", insert_after_deg, "[deg] rotation after which a scan goes into the map",
-          Range::non_negative());
-  v.field("insert_after_s", insert_after_s, "[s] time after which a scan goes into the map without motion",
-          Range::non_negative());
-  v.field("points_per_error", points_per_error, "[-] points assumed to share one error, for the covariance",
-          Range::between(0.01, 1000.0));
 }
 
 }  // namespace swiftlet

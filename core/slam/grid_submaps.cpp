@@ -49,17 +49,8 @@ std::size_t GridSubmaps::bytes() const {
 }
 
 void GridSubmapConfig::visit(ConfigVisitor& v) {
-  v.field("high_resolution_m", high_resolution_m, "[m] edge of a cell of the finer grid", Range::between(0.02, 2.0));
-  v.field("low_resolution_m", low_resolution_m, "[m] edge of a cell of the coarser grid", Range::between(0.05, 5.0));
-  v.field("high_range_max_m", high_range_max_m, "[m] points farther away do not go into the finer grid",
-          Range::between(1.0, 1000.0));
   v.field("scans", scans, "[-] scans after which the next submap begins; each takes twice as many",
           Range::between(1, 100000));
-  v.field("hit_probability", hit_probability, "[-] probability of a surface in a cell with a return",
-          Range::between(0.501, 0.9));
-  v.field("miss_probability", miss_probability, "[-] probability of a surface in a cell before a return",
-          Range::between(0.1, 0.499));
-  v.field("cells_missed", cells_missed, "[-] cells before a return that count as free", Range::between(0, 1000));
 }
 
 }  // namespace swiftlet

@@ -212,19 +212,12 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
   v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes in which one return goes into the map",
           Range::between(0.01, 5.0));
-  v.field("map_points", map_points, "[-] most points of a scan that go into the map", Range::between(100, 1000000));
   v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes in which one return is matched",
           Range::between(0.01, 10.0));
-  v.field("match_points", match_points, "[-] most points of a scan that are matched", Range::between(100, 100000));
   v.field("start_scans", start_scans,
           "[-] first scans, which are matched a second time with the biases estimated from them; 0: matched once",
           Range::between(0, 100));
   v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
-  v.field("insert_after_m", insert_after_m, "[m] motion after which a scan goes into the map", Range::non_negative());
-  v.field("insert_after_deg", insert_after_deg, "[deg] rotation after which a scan goes into the map",
-          Range::non_negative());
-  v.field("insert_after_s", insert_after_s, "[s] time after which a scan goes into the map without motion",
-          Range::non_negative());
   v.field("known_share_min", known_share_min,
           "[-] least share of a scan's points near surfaces of the map for the scan to be used", Range::probability());
   v.field("vehicle_radius_m", vehicle_radius_m,

@@ -188,23 +188,7 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
 }
 
 void MapJoinConfig::visit(ConfigVisitor& v) {
-  const Range positive = Range::positive();
   v.field("closures_min", closures_min, "[-] consistent closures required to join two maps", Range::between(2, 64));
-  v.field(
-      "chi2_max", chi2_max,
-      "[-] largest chi-square of the loop through two closures, with 6 degrees of freedom, for them to be consistent",
-      positive);
-  v.field("closure_position_m", closure_position_m,
-          "[m] standard deviation of the position of a closure between vehicles", positive);
-  v.field("closure_attitude_deg", closure_attitude_deg,
-          "[deg] standard deviation of the attitude of a closure between vehicles", positive);
-  v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,
-          "[m/sqrt(m)] position noise of either vehicle's odometry per root of the flown distance", positive);
-  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m,
-          "[deg/sqrt(m)] attitude noise of either vehicle's odometry per root of the flown distance", positive);
-  v.field("closure_huber", closure_huber,
-          "[-] Huber threshold of closures, in standard deviations; larger residuals count less", positive);
-  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] standard deviation of a submap's tilt", positive);
   v.object("graph", graph, "optimization of both trajectories");
 }
 

@@ -552,17 +552,9 @@ void MapSharing::append_counters(std::vector<Counter>& counters) const {
 }
 
 void CompactCloudConfig::visit(ConfigVisitor& v) {
-  v.field("voxel_m", voxel_m, "[m] edge of the cubes that keep one point of upright structure",
-          Range::between(0.1, 2.0));
-  v.field("flat_voxel_m", flat_voxel_m, "[m] edge of the cubes that keep one point of the ground and all else",
-          Range::between(0.1, 10.0));
   v.field("range_max_m", range_max_m, "[m] points farther from the submap's center are left out",
           Range::between(2.0, 200.0));
-  v.field("upright_points", upright_points,
-          "[-] approximate limit of points of upright structure; whole columns beyond it are left out",
-          Range::between(100, 50000));
   v.field("bits", bits, "[-] bits of each coordinate within its voxel", Range::between(1, 10));
-  v.field("chunk_bytes", chunk_bytes, "[B] most bytes of the cloud in one message", Range::between(50, 20000));
 }
 
 void MapSharingConfig::visit(ConfigVisitor& v) {
@@ -570,21 +562,10 @@ void MapSharingConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] is the map joined with those of other vehicles by radio?");
   v.field("latency_s", latency_s, "[s] duration of a search for one submap", Range::between(0.0, 60.0));
   v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included", positive);
-  v.field("tell_every_s", tell_every_s,
-          "[s] interval of repeated reports of submap poses and closures, in case a message was lost",
-          Range::between(0.5, 600.0));
-  v.field("ask_again_s", ask_again_s, "[s] time without an answer after which missing data is requested again",
-          Range::between(0.1, 600.0));
-  v.field("likeness_min", likeness_min, "[-] least similarity of the descriptors of two submaps that are compared",
-          Range::probability());
-  v.field("search_submaps", search_submaps,
-          "[-] most own submaps in which another vehicle's submap is searched at once", Range::between(1, 100));
   v.field(
       "near_m", near_m,
       "[m] largest distance to an own submap at which another vehicle's cloud is requested once the maps are joined",
       positive);
-  v.field("closures_enough", closures_enough,
-          "[-] consistent closures with one vehicle after which no more clouds are requested", Range::between(2, 32));
   v.object("cloud", cloud, "part of a submap that is transmitted");
   v.object("search", search, "search for another vehicle's submap in the own ones, around each one's center");
   v.object("join", join, "tests of closures and estimation of the transform between the maps");

@@ -359,7 +359,6 @@ void GnssFactorConfig::visit(ConfigVisitor& v) {
 
 void GraphSolverConfig::visit(ConfigVisitor& v) {
   v.field("iterations", iterations, "[-] most iterations of one optimization", Range::between(1, 1000));
-  v.field("step_min", step_min, "[m, rad] step size below which the optimization ends", Range::positive());
 }
 
 }  // namespace swiftlet

@@ -402,22 +402,12 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
 }
 
 void ScanToMapConfig::visit(ConfigVisitor& v) {
-  v.field("kernel_sigma", kernel_sigma, "[-] residual in standard deviations beyond which points hardly count",
-          Range::between(0.5, 100.0));
   v.field("reach_m", reach_m, "[m] largest distance of a point from its plane", Range::between(0.01, 10.0));
-  v.field("surface_sigma_m", surface_sigma_m, "[m] roughness assumed for the smoothest surface",
-          Range::between(1e-4, 1.0));
-  v.field("point_weight", point_weight, "[-] weight of points where the map has no plane; 0: they are left out",
-          Range::probability());
   v.field("degenerate_share", degenerate_share,
           "[-] share of the planes' information below which a direction counts as open", Range::between(0.0, 0.3));
   v.field("standing_points", standing_points,
           "[-] fewest points on free-standing surfaces, such as stems, that constrain an open direction",
           Range::between(1, 1000000));
-  v.field("floor_position_m", floor_position_m,
-          "[m] standard deviation of the position error common to all points of a scan", Range::positive());
-  v.field("floor_attitude_deg", floor_attitude_deg,
-          "[deg] standard deviation of the attitude error common to all points of a scan", Range::positive());
 }
 
 }  // namespace swiftlet

@@ -209,10 +209,6 @@ std::size_t SurfaceMap::bytes() const {
 void SurfaceMapConfig::visit(ConfigVisitor& v) {
   v.field("cell_m", cell_m, "[m] edge of the largest cells", Range::between(0.1, 10.0));
   v.field("levels", levels, "[-] sizes of cells, each half of the one before", Range::between(1, 6));
-  v.field("fineness", fineness, "[-] smallest edge of a cell, as a share of the range of its points",
-          Range::non_negative());
-  v.field("points_per_cell", points_per_cell, "[-] most points of a cell", Range::between(30, 100000));
-  v.field("plane_sigma_m", plane_sigma_m, "[m] largest scatter of the points about a plane", Range::between(1e-3, 1.0));
   v.field("keep_radius_m", keep_radius_m, "[m] cells farther from the vehicle are dropped",
           Range::between(5.0, 2000.0));
 }

@@ -74,7 +74,6 @@ std::string fill(const Style& style, double opacity) {
 // ---- data ranges ---------------------------------------------------------------------------------------------------
 
 void include_x(const Series& s, Range& range) {
-  if (s.kind == kHorizontal) return;
   for (const double value : s.x) range.include(value);
   if ((s.kind == kBars || s.kind == kBoxes) && !s.x.empty()) {
     range.include(-0.6);
@@ -195,16 +194,6 @@ void draw_marker(SvgWriter& svg, PointPx p, const Style& style) {
     case Marker::kDiamond:
       svg.polygon({{p.x, p.y - 1.3 * r}, {p.x + 1.3 * r, p.y}, {p.x, p.y + 1.3 * r}, {p.x - 1.3 * r, p.y}}, ink);
       return;
-    case Marker::kTriangle:
-      svg.polygon({{p.x, p.y - 1.2 * r}, {p.x + 1.1 * r, p.y + 0.8 * r}, {p.x - 1.1 * r, p.y + 0.8 * r}}, ink);
-      return;
-    case Marker::kCross: {
-      Style pen = style;
-      pen.dash = Dash::kSolid;
-      svg.segment({p.x - r, p.y - r}, {p.x + r, p.y + r}, stroke(pen));
-      svg.segment({p.x - r, p.y + r}, {p.x + r, p.y - r}, stroke(pen));
-      return;
-    }
   }
 }
 
@@ -312,14 +301,8 @@ void draw_series(SvgWriter& svg, const Panel& panel, const Series& s, const View
     case kBoxes:
       draw_boxes(svg, s, view, slot_of(panel, s));
       return;
-    case kHorizontal:
-      svg.segment({frame.left, view.y.at(s.y[0])}, {frame.right, view.y.at(s.y[0])}, stroke(s.style));
-      return;
     case kVertical:
       svg.segment({view.x.at(s.x[0]), frame.top}, {view.x.at(s.x[0]), frame.bottom}, stroke(s.style));
-      return;
-    case kText:
-      svg.text(view.at(s.x[0], s.y[0]), s.label, kLegend_px, Anchor::kStart, kInk);
       return;
   }
 }
@@ -330,7 +313,7 @@ std::vector<const Series*> legend_entries(const Panel& panel) {
   std::vector<const Series*> entries;
   if (panel.legend == Legend::kNone) return entries;
   for (const Series& s : panel.series()) {
-    if (!s.label.empty() && s.kind != kText) entries.push_back(&s);
+    if (!s.label.empty()) entries.push_back(&s);
   }
   return entries;
 }
@@ -383,7 +366,6 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
           segment(view.at(s.x[i], s.y[i]), view.at(s.x[i + 1], s.y[i + 1]));
         [[fallthrough]];
       case kScatter:
-      case kText:
         for (std::size_t i = 0; i < s.x.size(); ++i) points.push_back(view.at(s.x[i], s.y[i]));
         break;
       case kBand:
@@ -412,9 +394,6 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
             segment(view.at(s.x[i] + side, box.low), view.at(s.x[i] + side, box.high));
           for (const double outlier : box.outliers) points.push_back(view.at(s.x[i], outlier));
         }
-        break;
-      case kHorizontal:
-        segment({view.frame.left, view.y.at(s.y[0])}, {view.frame.right, view.y.at(s.y[0])});
         break;
       case kVertical:
         segment({view.x.at(s.x[0]), view.frame.top}, {view.x.at(s.x[0]), view.frame.bottom});

@@ -83,20 +83,6 @@ Panel& Panel::line(const std::string& label, Values xs, Values ys, const Style& 
   return *this;
 }
 
-Panel& Panel::step(const std::string& label, Values xs, Values ys, const Style& style) {
-  need_same_length(label, {xs.size(), ys.size()});
-  Series& series = add(kLine, label, style);
-  for (std::size_t i = 0; i < xs.size(); ++i) {
-    if (i > 0) {
-      series.x.push_back(xs[i]);
-      series.y.push_back(ys[i - 1]);
-    }
-    series.x.push_back(xs[i]);
-    series.y.push_back(ys[i]);
-  }
-  return *this;
-}
-
 Panel& Panel::band(const std::string& label, Values xs, Values low, Values high, const Style& style) {
   need_same_length(label, {xs.size(), low.size(), high.size()});
   Series& series = add(kBand, label, style);
@@ -129,20 +115,8 @@ Panel& Panel::boxes(const std::string& label, std::vector<Box> boxes, const Styl
   return *this;
 }
 
-Panel& Panel::horizontal(const std::string& label, double at, const Style& style) {
-  add(kHorizontal, label, style).y = {at};
-  return *this;
-}
-
 Panel& Panel::vertical(const std::string& label, double at, const Style& style) {
   add(kVertical, label, style).x = {at};
-  return *this;
-}
-
-Panel& Panel::text(double at_x, double at_y, const std::string& words) {
-  Series& series = add(kText, words, {.color = 6});
-  series.x = {at_x};
-  series.y = {at_y};
   return *this;
 }
 

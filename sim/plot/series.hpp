@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim::plot {
 
-enum Kind { kLine, kBand, kScatter, kBars, kBoxes, kHorizontal, kVertical, kText };
+enum Kind { kLine, kBand, kScatter, kBars, kBoxes, kVertical };
 
 /// One series of a Panel.
 struct Panel::Series {

@@ -59,8 +59,6 @@ TEST(AirMap, ItsSettingsAreBounded) {
   EXPECT_TRUE(refuses(1.0, 1.0, 4097.0));
   EXPECT_FALSE(refuses(1024.0, 1024.0, 512.0));
   EXPECT_TRUE(refuses(1024.0, 1024.0, 1024.0)) << "1.07e9 voxels";
-  // Counts of 1/16 beam are kept in 16 bits, with one beam more for a moment.
-  EXPECT_EQ(ConfigChecks(AirMapConfig{}).range("memory_beams").max, 1000.0);
 }
 
 }  // namespace

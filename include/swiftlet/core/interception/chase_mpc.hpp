@@ -45,8 +45,8 @@ struct ChaseAim {
 struct ChaseMpcConfig {
   int iterations = 80;
   double tolerance = 1e-3;
-  double jerk_weight = 1e-3;
-  double wall_weight = 200.0;
+  double jerk_weight = 1e-3;   ///< [m^2] cost of full jerk, as a squared distance
+  double wall_weight = 200.0;  ///< [1/m^2] weight of squared distances beyond a wall
 
   void visit(ConfigVisitor& v);
 };

@@ -17,15 +17,17 @@ namespace swiftlet {
 /// Settings of the planner for `method: mpc`.
 struct ChasePlanConfig {
   int steps = 20;
-  double horizon_min_s = 1.0;
-  double horizon_max_s = 2.5;
-  double weight_before = 0.02;
+  double horizon_min_s = 1.0;   ///< [s] shortest horizon of the plan
+  double horizon_max_s = 2.5;   ///< [s] longest horizon; between both, 1.3 times the time to go
+  double weight_before = 0.02;  ///< [-] weight of squared distances before the meeting, relative to 1 at it
+  /// [-] weight after the meeting; at 1 the vehicle stays with the target, and arrives later
   double weight_after = 0.02;
   double meeting_s = 0.5;
-  double velocity_weight = 0.0;
-  double hold_m = 0.2;
-  double through_m = 0.06;
-  double crossing_mps = 1.0;
+  double velocity_weight = 0.0;  ///< [s^2] weight of the squared difference of velocities at the meeting
+  double hold_m = 0.2;           ///< [m] vertical distance that a disc keeps from the target until they meet
+  double through_m = 0.06;       ///< [m] vertical distance by which a disc then passes the target
+  double crossing_mps = 1.0;     ///< [m/s] vertical speed at which a disc crosses the target's height
+  /// [s] delay from the target within reach to the crossing; less if the target would be out of reach by then
   double crossing_delay_s = 0.15;
   ChaseMpcConfig solver;
 

@@ -12,9 +12,9 @@ struct PursuitGains {
   double pure_pursuit = 1.0;
   double proportional_navigation = 3.0;
   double frpn = 19.7;
-  double frpn_weight = 0.051;
-  double time_to_go_min_s = 0.05;
-  double time_to_go_max_s = 30.0;
+  double frpn_weight = 0.051;      ///< [-] W of FRPN: share of pure pursuit
+  double time_to_go_min_s = 0.05;  ///< [s] a shorter time to go counts as this
+  double time_to_go_max_s = 30.0;  ///< [s] a longer time to go counts as this
 
   void visit(ConfigVisitor& v);
 };

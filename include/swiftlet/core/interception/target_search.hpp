@@ -17,7 +17,7 @@ struct TargetSearchConfig {
   double range_m = 20.0;
   double fov_bottom_deg = -22.5;
   double fov_top_deg = 22.5;
-  double detection_rate_per_s = 3.0;
+  double detection_rate_per_s = 3.0;  ///< [1/s] rate of detections of a visible target
   std::uint64_t seed = 1;
 
   void visit(ConfigVisitor& v);

@@ -48,13 +48,15 @@ std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_lo
 
 struct RelativeAlignmentConfig {
   enum class Loss { kSquared, kHuber, kCauchy, kGemanMcclure };
-  int window_size = 60;
+  int window_size = 60;  ///< [-] pairs of sighting and odometry in the window
+  /// [m] distance flown by the other vehicle between pairs; while it rests, the newest pair is replaced
   double window_step_m = 0.1;
   Loss loss = Loss::kCauchy;
-  double loss_scale = 2.0;
+  double loss_scale = 2.0;  ///< [-] residual in standard deviations at which the loss departs from a square
   double gate_sigma = 3.5;
-  int min_pairs = 8;
-  double min_inlier_share = 0.65;
+  int min_pairs = 8;               ///< [-] fewest inliers of an alignment
+  double min_inlier_share = 0.65;  ///< [-] least share of inliers in the window
+  /// [-] largest RMS residual of the inliers by axis, in standard deviations; above it another vehicle was seen
   double residual_sigma_max = 1.25;
   double min_spread_m = 0.25;
   double heading_sigma_max_deg = 5.0;

@@ -10,9 +10,9 @@ namespace swiftlet {
 /// Path search by random sampling. The budget is counted in samples, never in time.
 struct SamplingConfig {
   double step_m = 1.0;
-  double goal_share = 0.05;
+  double goal_share = 0.05;  ///< [-] share of the samples at the goal itself, until there is a path
   double margin_m = 10.0;
-  int max_samples = 2000;
+  int max_samples = 2000;  ///< [-] largest number of samples
   std::uint64_t seed = 1;
 
   void visit(ConfigVisitor& v);

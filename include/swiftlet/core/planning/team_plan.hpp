@@ -16,7 +16,7 @@ namespace swiftlet {
 /// The defaults are those of [Pritzl 2024, tab. I].
 struct TeamPlannerConfig {
   double tolerance_m = 0.3;
-  double waypoint_spacing_m = 0.5;
+  double waypoint_spacing_m = 0.5;  ///< [m] greatest distance between waypoints of the guided vehicle
   double goal_search_m = 1.0;
   double primary_width_m = 1.5;
   double primary_height_m = 10.0;

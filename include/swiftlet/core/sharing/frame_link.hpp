@@ -13,21 +13,24 @@
 namespace swiftlet {
 
 struct FrameLinkConfig {
-  double window_s = 15.0;
-  double interval_s = 0.5;
-  double gap_max_s = 0.8;
-  int min_samples = 20;
+  double window_s = 15.0;   ///< [s] length of the paths that are compared
+  double interval_s = 0.5;  ///< [s] interval between measurements, so that their errors are independent
+  double gap_max_s = 0.8;   ///< [s] longest gap of a path that is interpolated
+  int min_samples = 20;     ///< [-] least samples of a reported path for a comparison
   double min_spread_m = 2.0;
+  /// [m] least RMS distance of a path from a straight motion of constant velocity: straight ones are ambiguous
   double min_bend_m = 1.0;
-  double bend_sigmas = 4.0;
-  double support_s = 3.0;
-  double support_sigma_m = 1.0;
-  double alone_s = 10.0;
-  double alone_sigmas = 12.0;
+  double bend_sigmas = 4.0;      ///< [-] the least such distance in standard deviations of the path
+  double support_s = 3.0;        ///< [s] least overlap of other paths that support an alignment
+  double support_sigma_m = 1.0;  ///< [m] largest standard deviation by axis of such an overlap
+  double alone_s = 10.0;         ///< [s] least length of a single path that determines an alignment
+  double alone_sigmas = 12.0;    ///< [-] least distance of that path from a straight motion, in standard deviations
+  /// [-] largest RMS residual by axis between two paths of one body, in standard deviations
   double residual_sigma_max = 1.5;
   double gate_sigma = 4.0;
   double margin = 9.2;
-  double sigma_own_m = 0.02;
+  double sigma_own_m = 0.02;  ///< [m] standard deviation of an observer's own position
+  /// [m] standard deviation that does not average out: each observer sees its own side of a target
   double sigma_common_m = 0.05;
   double position_sigma_max_m = 1.5;
   double heading_sigma_max_deg = 5.0;

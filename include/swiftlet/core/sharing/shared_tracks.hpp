@@ -15,11 +15,11 @@ namespace swiftlet {
 /// Several observers of the same targets, each with a track-before-detect detector; docs/detection.md.
 struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   double rate_hz = 5.0;
-  int max_told = 16;
+  int max_told = 16;  ///< [-] largest number of tracks in a message, the likeliest first; 120 bytes each
   double tell_existence = 0.1;
-  double certainty = 0.9;
+  double certainty = 0.9;  ///< [-] probability of existence of own tracks whose detector reports none
   double timeout_s = 1.0;
-  double acceleration_density = 3.0;
+  double acceleration_density = 3.0;  ///< [m^2/s^3] white acceleration of a target by axis, since the track's report
   double body_m = 0.8;
   FrameLinkConfig frame;
   OdometryDriftConfig drift;

@@ -22,16 +22,17 @@ struct ObservedTrack {
 
 struct TrackFusionConfig {
   double told_existence = 0.5;
-  double prior_existence = 2e-4;
+  double prior_existence = 2e-4;  ///< [-] prior probability of a target at a reported position
   double common_clutter = 0.1;
+  /// [-] squared Mahalanobis distance of position and velocity up to which two tracks may be one target
   double gate_sq = 22.5;
-  double merge_sq = 12.6;
-  double break_sq = 33.0;
+  double merge_sq = 12.6;  ///< [-] squared Mahalanobis distance up to which they agree on one target
+  double break_sq = 33.0;  ///< [-] squared Mahalanobis distance beyond which they are separated
   double margin = 9.2;
-  double sure_m = 1.0;
-  int confirmations = 3;
-  double doubt_s = 2.0;
-  double remember_s = 10.0;
+  double sure_m = 1.0;       ///< [m] largest standard deviation of the distance of two tracks for a confirmation
+  int confirmations = 3;     ///< [-] agreements less disagreements after which two tracks are joined
+  double doubt_s = 2.0;      ///< [s] time without agreement after which possibly equal targets are reported as two
+  double remember_s = 10.0;  ///< [s] time for which the identity of an unreported target is kept
 
   void visit(ConfigVisitor& v);
 };

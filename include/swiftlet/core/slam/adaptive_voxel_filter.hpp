@@ -10,8 +10,8 @@
 namespace swiftlet {
 
 struct AdaptiveVoxelConfig {
-  double edge_max_m = 2.0;
-  int points_min = 150;
+  double edge_max_m = 2.0;  ///< [m] largest edge of the cubes that keep one point each
+  int points_min = 150;     ///< [-] the edge shrinks until at least this many points are left
   double range_max_m = 15.0;
 
   void visit(ConfigVisitor& v);

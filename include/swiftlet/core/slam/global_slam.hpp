@@ -26,20 +26,22 @@ namespace swiftlet {
 struct GlobalSlamConfig {
   bool enabled = false;
   double latency_s = 0.3;
-  double node_every_m = 0.5;
-  double submap_m = 8.0;
-  double submap_voxel_m = 0.2;
+  double node_every_m = 0.5;    ///< [m] flown distance between nodes of the graph
+  double submap_m = 8.0;        ///< [m] flown distance after which the next submap begins
+  double submap_voxel_m = 0.2;  ///< [m] edge of the cubes in which a submap keeps one point
   double covered_share = 0.7;
   int visits_kept = 6;
-  double closure_distance_m = 8.0;
-  double closure_gap_m = 30.0;
+  double closure_distance_m = 8.0;  ///< [m] largest distance between two submaps that are compared
+  double closure_gap_m = 30.0;      ///< [m] least flown distance between two submaps that are compared
   int searches = 2;
+  /// [m/sqrt(m)] position noise of local SLAM per root of the flown distance, as assumed by the graph
   double odometry_position_m_sqrt_m = 0.02;
+  /// [deg/sqrt(m)] attitude noise of local SLAM per root of the flown distance, as assumed by the graph
   double odometry_attitude_deg_sqrt_m = 0.1;
-  double closure_position_m = 0.02;
-  double closure_attitude_deg = 0.1;
-  double closure_huber = 3.0;
-  double gravity_sigma_deg = 0.2;
+  double closure_position_m = 0.02;   ///< [m] standard deviation of a closure's position
+  double closure_attitude_deg = 0.1;  ///< [deg] standard deviation of a closure's attitude
+  double closure_huber = 3.0;  ///< [-] Huber threshold of closures, in standard deviations; larger residuals count less
+  double gravity_sigma_deg = 0.2;  ///< [deg] standard deviation of the tilt from local SLAM
   bool use_gnss = true;
   double optimize_every_s = 10.0;
   double fit_spread_m = 5.0;

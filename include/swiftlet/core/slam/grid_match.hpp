@@ -12,10 +12,10 @@ namespace swiftlet {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 struct GridMatchConfig {
-  double high_weight = 1.0;
-  double low_weight = 6.0;
-  double translation_weight_1_m = 5.0;
-  double rotation_weight = 400.0;
+  double high_weight = 1.0;             ///< [-] weight of occupied space in the finer grid
+  double low_weight = 6.0;              ///< [-] weight of occupied space in the coarser grid
+  double translation_weight_1_m = 5.0;  ///< [1/m] weight of the displacement from the prediction
+  double rotation_weight = 400.0;       ///< [-] weight of half the angle from the prediction
   int iterations = 12;
 
   void visit(ConfigVisitor& v);

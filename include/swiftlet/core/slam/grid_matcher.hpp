@@ -14,15 +14,15 @@ namespace swiftlet {
 struct GridMatchingConfig {
   double range_min_m = 1.0;
   double range_max_m = 60.0;
-  double voxel_m = 0.15;
+  double voxel_m = 0.15;  ///< [m] one return in a cube of this edge goes into the map
   AdaptiveVoxelConfig high{2.0, 150, 15.0};
   AdaptiveVoxelConfig low{4.0, 200, 60.0};
   GridMatchConfig cost;
   GridSubmapConfig submaps;
-  double insert_after_m = 0.1;
-  double insert_after_deg = 0.23;
-  double insert_after_s = 0.5;
-  double points_per_error = 4.0;
+  double insert_after_m = 0.1;     ///< [m] motion after which a scan goes into the map
+  double insert_after_deg = 0.23;  ///< [deg] rotation after which a scan goes into the map
+  double insert_after_s = 0.5;     ///< [s] time after which a scan goes into the map without motion
+  double points_per_error = 4.0;   ///< [-] points assumed to share one error, for the covariance
 
   void visit(ConfigVisitor& v);
 };

@@ -10,13 +10,13 @@
 namespace swiftlet {
 
 struct GridSubmapConfig {
-  double high_resolution_m = 0.1;
-  double low_resolution_m = 0.45;
-  double high_range_max_m = 20.0;
+  double high_resolution_m = 0.1;  ///< [m] edge of a cell of the finer grid
+  double low_resolution_m = 0.45;  ///< [m] edge of a cell of the coarser grid
+  double high_range_max_m = 20.0;  ///< [m] points farther away do not go into the finer grid
   int scans = 160;
-  double hit_probability = 0.55;
-  double miss_probability = 0.49;
-  int cells_missed = 2;
+  double hit_probability = 0.55;   ///< [-] probability of a surface in a cell with a return
+  double miss_probability = 0.49;  ///< [-] probability of a surface in a cell before a return
+  int cells_missed = 2;            ///< [-] cells before a return that count as free
 
   void visit(ConfigVisitor& v);
 };

@@ -9,12 +9,13 @@ namespace swiftlet {
 
 /// Transmitted part of a submap.
 struct CompactCloudConfig {
-  double voxel_m = 0.5;
-  double flat_voxel_m = 1.5;
+  double voxel_m = 0.5;       ///< [m] edge of the cubes that keep one point of upright structure
+  double flat_voxel_m = 1.5;  ///< [m] edge of the cubes that keep one point of the ground and all else
   double range_max_m = 25.0;
+  /// [-] approximate limit of points of upright structure; whole columns beyond it are left out
   int upright_points = 1200;
   int bits = 5;
-  int chunk_bytes = 1000;
+  int chunk_bytes = 1000;  ///< [B] most bytes of the cloud in one message
 
   void visit(ConfigVisitor& v);
 };
@@ -22,13 +23,16 @@ struct CompactCloudConfig {
 /// Acceptance of closures between two vehicles.
 struct MapJoinConfig {
   int closures_min = 2;
+  /// [-] largest chi-square of the loop through two closures, with 6 degrees of freedom, for them to be consistent
   double chi2_max = 16.81;
-  double closure_position_m = 0.03;
-  double closure_attitude_deg = 0.1;
+  double closure_position_m = 0.03;   ///< [m] standard deviation of the position of a closure between vehicles
+  double closure_attitude_deg = 0.1;  ///< [deg] standard deviation of the attitude of a closure between vehicles
+  /// [m/sqrt(m)] position noise of either vehicle's odometry per root of the flown distance
   double odometry_position_m_sqrt_m = 0.02;
+  /// [deg/sqrt(m)] attitude noise of either vehicle's odometry per root of the flown distance
   double odometry_attitude_deg_sqrt_m = 0.05;
-  double closure_huber = 3.0;
-  double gravity_sigma_deg = 0.2;
+  double closure_huber = 3.0;  ///< [-] Huber threshold of closures, in standard deviations; larger residuals count less
+  double gravity_sigma_deg = 0.2;  ///< [deg] standard deviation of a submap's tilt
   GraphSolverConfig graph;
 
   void visit(ConfigVisitor& v);
@@ -39,12 +43,13 @@ struct MapSharingConfig {
   bool enabled = false;
   double latency_s = 0.5;
   double budget_kbps = 100.0;
+  /// [s] interval of repeated reports of submap poses and closures, in case a message was lost
   double tell_every_s = 5.0;
-  double ask_again_s = 3.0;
-  double likeness_min = 0.5;
-  int search_submaps = 8;
+  double ask_again_s = 3.0;   ///< [s] time without an answer after which missing data is requested again
+  double likeness_min = 0.5;  ///< [-] least similarity of the descriptors of two submaps that are compared
+  int search_submaps = 8;     ///< [-] most own submaps in which another vehicle's submap is searched at once
   double near_m = 12.0;
-  int closures_enough = 8;
+  int closures_enough = 8;  ///< [-] consistent closures with one vehicle after which no more clouds are requested
   CompactCloudConfig cloud;
   ClosureConfig search = global_closure_config();
   MapJoinConfig join;

@@ -67,7 +67,7 @@ Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_wor
 
 struct GraphSolverConfig {
   int iterations = 20;
-  double step_min = 1e-6;
+  double step_min = 1e-6;  ///< [m, rad] step size below which the optimization ends
 
   void visit(ConfigVisitor& v);
 };

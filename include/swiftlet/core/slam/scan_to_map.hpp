@@ -11,14 +11,14 @@
 namespace swiftlet {
 
 struct ScanToMapConfig {
-  double kernel_sigma = 3.0;
+  double kernel_sigma = 3.0;  ///< [-] residual in standard deviations beyond which points hardly count
   double reach_m = 0.5;
-  double surface_sigma_m = 0.005;
-  double point_weight = 0.02;
+  double surface_sigma_m = 0.005;  ///< [m] roughness assumed for the smoothest surface
+  double point_weight = 0.02;      ///< [-] weight of points where the map has no plane; 0: they are left out
   double degenerate_share = 0.003;
   int standing_points = 10;
-  double floor_position_m = 0.0005;
-  double floor_attitude_deg = 0.002;
+  double floor_position_m = 0.0005;   ///< [m] standard deviation of the position error common to all points of a scan
+  double floor_attitude_deg = 0.002;  ///< [deg] standard deviation of the attitude error common to all points of a scan
 
   void visit(ConfigVisitor& v);
 };

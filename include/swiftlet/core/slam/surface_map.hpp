@@ -13,9 +13,9 @@ namespace swiftlet {
 struct SurfaceMapConfig {
   double cell_m = 2.0;
   int levels = 4;
-  double fineness = 0.01;
-  int points_per_cell = 300;
-  double plane_sigma_m = 0.06;
+  double fineness = 0.01;       ///< [-] smallest edge of a cell, as a share of the range of its points
+  int points_per_cell = 300;    ///< [-] most points of a cell
+  double plane_sigma_m = 0.06;  ///< [m] largest scatter of the points about a plane
   double keep_radius_m = 150.0;
 
   void visit(ConfigVisitor& v);

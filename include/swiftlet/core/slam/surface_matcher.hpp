@@ -12,13 +12,13 @@ namespace swiftlet {
 
 struct SurfaceMatchingConfig {
   double map_voxel_m = 0.2;
-  int map_points = 20000;
+  int map_points = 20000;  ///< [-] most points of a scan that go into the map
   double match_voxel_m = 0.5;
-  int match_points = 4000;
+  int match_points = 4000;  ///< [-] most points of a scan that are matched
   int iterations = 5;
-  double insert_after_m = 0.3;
-  double insert_after_deg = 8.0;
-  double insert_after_s = 1.0;
+  double insert_after_m = 0.3;    ///< [m] motion after which a scan goes into the map
+  double insert_after_deg = 8.0;  ///< [deg] rotation after which a scan goes into the map
+  double insert_after_s = 1.0;    ///< [s] time after which a scan goes into the map without motion
   ScanToMapConfig matching;
   SurfaceMapConfig map;
 };

@@ -18,7 +18,7 @@
 namespace swiftlet::sim::plot {
 
 enum class Dash { kSolid, kDashed, kDotted };
-enum class Marker { kNone, kCircle, kSquare, kDiamond, kTriangle, kCross };
+enum class Marker { kNone, kCircle, kSquare, kDiamond };
 enum class Legend { kAuto, kOutside, kNone };  ///< auto: a free corner if there is one, beside the panel otherwise
 
 struct Style {
@@ -60,15 +60,12 @@ class Panel {
 
   using Values = std::span<const double>;
   Panel& line(const std::string& label, Values x, Values y, const Style& style = {});
-  Panel& step(const std::string& label, Values x, Values y, const Style& style = {});  ///< y[i] holds until x[i + 1]
   Panel& band(const std::string& label, Values x, Values low, Values high, const Style& style = {});
   Panel& scatter(const std::string& label, Values x, Values y, const Style& style = {});
   /// Bars at positions 0, 1, 2, ...; several bar or box series of a panel stand side by side.
   Panel& bars(const std::string& label, Values heights, const Style& style = {});
   Panel& boxes(const std::string& label, std::vector<Box> boxes, const Style& style = {});
-  Panel& horizontal(const std::string& label, double y, const Style& style = {});
   Panel& vertical(const std::string& label, double x, const Style& style = {});
-  Panel& text(double x, double y, const std::string& text);  ///< anchored left, at data coordinates
 
   struct Series;  ///< defined in plot.cpp
   Panel();
