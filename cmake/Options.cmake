@@ -8,7 +8,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_compile_options(swiftlet_options INTERFACE -Wshadow=local -Wno-psabi -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds
     -Wno-maybe-uninitialized)
 endif()
-# The compiler collects its garbage less often: a twentieth of the time, for 250 MB a process.
+# GCC frees memory less often, which saves a twentieth of the compile time and takes 250 MB more a process.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_compile_options(swiftlet_options INTERFACE "SHELL:--param ggc-min-heapsize=1000000")
 endif()

@@ -7,8 +7,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <stdexcept>
+#include <string_view>
 
+#include "embedded/sim_batch.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
@@ -25,12 +28,32 @@ constexpr int kDay_min = 24 * 60;
 // Share of a task's memory for a worker's limit, so that the limit acts before Slurm kills the task
 constexpr double kMemoryMargin = 0.9;
 
+/// The template with the value of NAME in place of each @NAME@. Any other @ stays.
+std::string filled(std::string_view text, const std::map<std::string_view, std::string>& values) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t begin = text.find('@');
+    result += text.substr(0, begin);
+    if (begin == std::string_view::npos) break;
+    text.remove_prefix(begin + 1);
+    const std::size_t end = text.find('@');
+    const auto value = end == std::string_view::npos ? values.end() : values.find(text.substr(0, end));
+    if (value == values.end()) {
+      result += '@';
+    } else {
+      result += value->second;
+      text.remove_prefix(end + 1);
+    }
+  }
+  return result;
+}
+
 std::string option(const std::string& name, const std::string& value) {
   return "#SBATCH --" + name + "=" + value + "\n";
 }
 
-std::string head(const SlurmConfig& config, const std::string& job_name) {
-  std::string text = "#!/bin/bash\n" + option("job-name", job_name);
+std::string account(const SlurmConfig& config) {
+  std::string text;
   if (!config.partition.empty()) text += option("partition", config.partition);
   if (!config.account.empty()) text += option("account", config.account);
   return text;
@@ -55,54 +78,31 @@ int task_minutes(const BatchConfig& config, int episodes_per_task) {
 std::string array_script(const BatchPlan& plan, const SlurmScripts& job, const fs::path& out, const fs::path& program) {
   const BatchConfig& config = plan.config();
   const SlurmConfig& slurm = config.slurm;
-  const std::string range = "1-" + std::to_string(job.num_tasks) +
-                            (slurm.max_running_tasks > 0 ? "%" + std::to_string(slurm.max_running_tasks) : "");
   const double worker_mb = slurm.memory_per_cpu_mb * kMemoryMargin;
   const bool limit = config.memory_limit_mb <= 0.0 || config.memory_limit_mb > worker_mb;
-  std::string text = head(slurm, config.name);
-  text += option("array", range);
-  text += option("cpus-per-task", std::to_string(slurm.cpus_per_task));
-  text += option("mem-per-cpu", std::to_string(static_cast<int>(std::ceil(slurm.memory_per_cpu_mb))) + "M");
-  text += option("time", std::to_string(job.time_limit_min));
-  text += "#SBATCH --requeue\n#SBATCH --open-mode=append\n";
-  text += option("signal", "B:USR1@60");
-  text += option("output", in_shell_quotes((out / "slurm" / "%A_%a.log").string()));
-  text += further(slurm);
-  text +=
-      "\n# Every task flies its part of the batch and stores each episode as it ends. Whatever starts again, because "
-      "it was\n"
-      "# killed, its node died or its time ran out, flies only what is missing.\n"
-      "fly() {\n  " +
-      in_shell_quotes(program.string()) + " batch " + in_shell_quotes(plan.file().string()) + " --out " +
-      in_shell_quotes(out.string()) + " --resume \\\n    --shard \"${SLURM_ARRAY_TASK_ID}/" +
-      std::to_string(job.num_tasks) + "\" --jobs " + std::to_string(slurm.cpus_per_task);
-  if (limit) text += " --memory-limit " + std::to_string(static_cast<int>(worker_mb));
-  text +=
-      " &\n  work=$!\n  wait \"$work\"\n}\n"
-      "out_of_time() {\n"
-      "  kill -TERM \"$work\"; wait \"$work\"\n"
-      "  [ \"${SLURM_RESTART_COUNT:-0}\" -lt 20 ] && scontrol requeue "
-      "\"${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}\"\n"
-      "  exit 1\n"
-      "}\n"
-      "trap out_of_time USR1\n"
-      "for attempt in 1 2 3; do\n"
-      "  fly\n"
-      "  status=$?\n"
-      "  [ \"$status\" -le 128 ] && break  # above: ended by a signal\n"
-      "done\n"
-      "exit \"$status\"\n";
-  return text;
+  const std::string running = slurm.max_running_tasks > 0 ? "%" + std::to_string(slurm.max_running_tasks) : "";
+  return filled(embedded::slurm_array_sh,
+                {{"account", account(slurm)},
+                 {"range", "1-" + std::to_string(job.num_tasks) + running},
+                 {"cpus", std::to_string(slurm.cpus_per_task)},
+                 {"memory_mb", std::to_string(static_cast<int>(std::ceil(slurm.memory_per_cpu_mb)))},
+                 {"minutes", std::to_string(job.time_limit_min)},
+                 {"options", further(slurm)},
+                 {"tasks", std::to_string(job.num_tasks)},
+                 {"memory_limit", limit ? " --memory-limit " + std::to_string(static_cast<int>(worker_mb)) : ""},
+                 {"name", config.name},
+                 {"log", in_shell_quotes((out / "slurm" / "%A_%a.log").string())},
+                 {"program", in_shell_quotes(program.string())},
+                 {"file", in_shell_quotes(plan.file().string())},
+                 {"out", in_shell_quotes(out.string())}});
 }
 
 std::string merge_script(const BatchPlan& plan, const fs::path& out, const fs::path& program) {
-  std::string text = head(plan.config().slurm, plan.config().name + "-merge");
-  text += option("time", "60") + option("mem", "4000M");
-  text += option("output", in_shell_quotes((out / "slurm" / "merge_%j.log").string()));
-  text += "\nset -e\n";
-  const std::string swiftlet = in_shell_quotes(program.string()), directory = in_shell_quotes(out.string());
-  text += swiftlet + " batch merge --out " + directory + " " + directory + "\n";
-  return text + swiftlet + " report " + directory + "\n";
+  return filled(embedded::slurm_merge_sh, {{"account", account(plan.config().slurm)},
+                                           {"name", plan.config().name},
+                                           {"log", in_shell_quotes((out / "slurm" / "merge_%j.log").string())},
+                                           {"program", in_shell_quotes(program.string())},
+                                           {"out", in_shell_quotes(out.string())}});
 }
 
 std::string sbatch(const std::string& arguments) {
