@@ -8,7 +8,6 @@
 #include <tuple>
 #include <vector>
 
-#include "swiftlet/core/map/log_odds_map.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "swiftlet/core/map/sparse_voxel_map.hpp"
@@ -120,7 +119,7 @@ std::vector<Ray> returns_around(std::uint32_t seed, int num, double half_m) {
   return rays;
 }
 
-TEST(PlainMaps, AnOccupancyMapAnswersAsAListOfItsCellsDoes) {
+TEST(PlainMaps, OccupancyMapMatchesCellList) {
   for (const double edge_m : {0.1, 0.25}) {
     OccupancyMapConfig config;
     config.edge_m = edge_m;
@@ -134,7 +133,7 @@ TEST(PlainMaps, AnOccupancyMapAnswersAsAListOfItsCellsDoes) {
   }
 }
 
-TEST(PlainMaps, ASparseMapAnswersAsAListOfItsVoxelsDoes) {
+TEST(PlainMaps, SparseMapMatchesVoxelList) {
   SparseVoxelMapConfig config;
   config.keep_radius_m = 10.0;
   SparseVoxelMap map(config);
@@ -144,7 +143,7 @@ TEST(PlainMaps, ASparseMapAnswersAsAListOfItsVoxelsDoes) {
   expect_answers_of(map, all, 4.0, 4);
 }
 
-TEST(PlainMaps, PlacesLaidOverAMapAnswerWithTheCellsInThem) {
+TEST(PlainMaps, OverlaidPlacesMatchTheirCells) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;
   config.keep_radius_m = config.range_max_m = 10.0;
@@ -237,7 +236,7 @@ OccupancyMap::Ray straight_to(const Vector3& end_m) {
   return {(end_m - Vector3(0.01, 0, 0)).cast<float>(), end_m.cast<float>(), true};
 }
 
-TEST(PlainMaps, WithinItsRadiusNoBlockTakesThePlaceOfAnother) {
+TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;
   config.keep_radius_m = config.range_max_m = 16.0;
@@ -276,7 +275,7 @@ TEST(PlainMaps, WithinItsRadiusNoBlockTakesThePlaceOfAnother) {
 
 // ---- the dense maps
 
-TEST(PlainMaps, AScrollingMapKeepsTheValuesOfWhatStaysInIt) {
+TEST(PlainMaps, KeepRemainingValuesWhenScrolling) {
   VoxelMapConfig config;
   config.size_m = {12.0, 9.0, 7.0};
   VoxelMap map(config);
@@ -316,7 +315,7 @@ TEST(PlainMaps, AScrollingMapKeepsTheValuesOfWhatStaysInIt) {
   }
 }
 
-TEST(PlainMaps, ACenterOfEachVoxelThatIsAtLeastThatSureIsTold) {
+TEST(PlainMaps, ListCentersOfSufficientlyCertainVoxels) {
   VoxelMapConfig config;
   config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = {3.0, 2.0, 1.0};
@@ -332,51 +331,6 @@ TEST(PlainMaps, ACenterOfEachVoxelThatIsAtLeastThatSureIsTold) {
       if (map.state(i) >= at_least) expected.push_back(map.grid().center_m(map.grid().cell(i)));
     }
     EXPECT_EQ(told, expected);
-  }
-}
-
-TEST(PlainMaps, LogOddsUpdateOncePerScan) {
-  LogOddsConfig config;
-  config.size_m = {6.0, 6.0, 6.0};
-  const Random random(10, "test.log_odds");
-  LogOddsMap map(config);
-  std::vector<double> expected(static_cast<std::size_t>(map.grid().num_cells()), 0.0);
-  for (std::uint32_t scan = 0; scan < 3; ++scan) {
-    const Vector3 origin_m(random.uniform(-1, 1, scan, 0), random.uniform(-1, 1, scan, 1),
-                           random.uniform(-1, 1, scan, 2));
-    Centers ends_m;
-    std::vector<std::uint8_t> is_point;
-    for (std::uint32_t i = 0; i < 30; ++i) {
-      ends_m.emplace_back(random.uniform(-4, 4, scan, 10 + 3 * i), random.uniform(-4, 4, scan, 11 + 3 * i),
-                          random.uniform(-4, 4, scan, 12 + 3 * i));
-      is_point.push_back(i % 3 != 0 ? 1 : 0);
-    }
-    ends_m.emplace_back(std::nan(""), 0.0, 0.0);
-    is_point.push_back(1);
-    ends_m.push_back(origin_m);
-    is_point.push_back(1);
-    map.insert(origin_m, ends_m, is_point);
-    std::vector<char> hit(expected.size(), 0), passed(expected.size(), 0), unsure(expected.size(), 0);
-    for (std::size_t k = 0; k + 2 < ends_m.size(); ++k) {
-      if (is_point[k] != 0 && map.grid().contains(ends_m[k]))
-        hit[static_cast<std::size_t>(map.grid().index(map.grid().cell_of(ends_m[k])))] = 1;
-      for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
-        const Vector3 c_m = map.grid().center_m(map.grid().cell(i));
-        // Cells of which a corner is just touched are a matter of rounding.
-        if (way_to_cell_m(origin_m, ends_m[k], c_m, 0.2502) < 0.0) continue;
-        (way_to_cell_m(origin_m, ends_m[k], c_m, 0.2498) >= 0.0 ? passed : unsure)[static_cast<std::size_t>(i)] = 1;
-      }
-    }
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      const double value = map.value(static_cast<std::ptrdiff_t>(i));
-      if (unsure[i] != 0 && passed[i] == 0 && hit[i] == 0) {
-        expected[i] = value;
-        continue;
-      }
-      if (hit[i] != 0) expected[i] = std::min(3.5, expected[i] + 0.8473);
-      if (hit[i] == 0 && passed[i] != 0) expected[i] = std::max(-2.0, expected[i] - 0.4055);
-      ASSERT_NEAR(value, expected[i], 1e-5) << scan << " " << i;
-    }
   }
 }
 

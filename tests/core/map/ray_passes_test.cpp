@@ -6,7 +6,6 @@
 #include <map>
 #include <tuple>
 
-#include "swiftlet/core/map/log_odds_map.hpp"
 #include "swiftlet/core/map/sparse_voxel_map.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
 #include "swiftlet/core/math/random.hpp"
@@ -71,16 +70,6 @@ TEST(SparseVoxelMap, ARayLowersExactlyTheVoxelsThatItPasses) {
   }
   EXPECT_GT(passed, 150);
   EXPECT_GT(spared, 150);
-}
-
-TEST(LogOddsMap, OneRayIsEnough) {
-  LogOddsConfig config;
-  config.size_m = {6.0, 6.0, 6.0};
-  LogOddsMap map(config);
-  map.insert({0.1, 0.1, 0.1}, std::vector<Vector3>{{2.1, 0.1, 0.1}}, std::vector<std::uint8_t>{1});
-  const auto value = [&](const Vector3& p) { return map.value(map.grid().index(map.grid().cell_of(p))); };
-  EXPECT_GT(value({2.1, 0.1, 0.1}), 0.0F);
-  EXPECT_LT(value({1.1, 0.1, 0.1}), 0.0F);
 }
 
 VoxelMap wide_map() {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "swiftlet/core/map/log_odds_map.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
@@ -27,7 +26,7 @@ Vector3 random_point(const Random& random, std::uint32_t i, const Vector3& size_
   return p;
 }
 
-TEST(VoxelMap, PartsOfAnUpdateCountByEquation12) {
+TEST(VoxelMap, FollowsEquation12ForPartialUpdates) {
   for (const double n : {0.25, 0.5, 1.0, 1.5, 2.5, 7.75}) {
     VoxelMap map(small_box());
     map.update(7, n, 0.0);
@@ -35,7 +34,7 @@ TEST(VoxelMap, PartsOfAnUpdateCountByEquation12) {
   }
 }
 
-TEST(VoxelMap, NUpdatesAreOneUpdateOfWeightN) {
+TEST(VoxelMap, MergesRepeatedUpdatesIntoOneWeight) {
   for (const double g : {0.0, -740.0, -1000.0}) {
     for (const int n : {1, 2, 5, 13, 40}) {
       VoxelMap one(small_box()), many(small_box());
@@ -54,14 +53,14 @@ TEST(VoxelMap, RealWeightsAddUp) {
   EXPECT_NEAR(split.value(3), whole.value(3), 1e-3);
 }
 
-TEST(VoxelMap, AnInfiniteWeightSetsTheValueExactly) {
+TEST(VoxelMap, SetsExactValueAtInfiniteWeight) {
   VoxelMap map(small_box());
   map.update(3, 2.5, 0.0);
   map.update(3, kInfinity, -740.0);
   EXPECT_EQ(map.value(3), -740.0F);
 }
 
-TEST(VoxelMap, ARowMovesToFreeAsItsVoxelsDo) {
+TEST(VoxelMap, FreesRowsLikeSingleVoxels) {
   const Random random(1, "row");
   VoxelMap row(small_box()), single(small_box());
   std::vector<float> n(20);
@@ -87,7 +86,7 @@ TEST(VoxelMap, ARowMovesToFreeAsItsVoxelsDo) {
   }
 }
 
-TEST(VoxelMap, ItsCopyHasEveryVoxelThatIsNotExactlyUnknown) {
+TEST(VoxelMap, CopiesAllVoxelsExceptUnknown) {
   VoxelMap map(small_box());
   map.set(3, 0.0F);
   map.set(40, -200.0F);
@@ -141,7 +140,7 @@ TEST(VoxelMap, WhatIsKnownBeforehandNeverChanges) {
   EXPECT_EQ(map.state(free), VoxelState::kFree);
 }
 
-TEST(VoxelMap, VoxelsOfThePriorThatItCannotTakeAreCounted) {
+TEST(VoxelMap, CountsRejectedPriorVoxels) {
   PriorMap prior;
   prior.occupied_world_m = {{0.1F, 0.1F, 0.1F}, {0.15F, 0.1F, 0.1F}, {900.0F, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}};
   prior.free_world_m = {{1.1F, 0.1F, 0.1F}, {0.0F, 0.0F, -900.0F}};
@@ -166,7 +165,7 @@ TEST(VoxelMap, VoxelsOfThePriorThatItCannotTakeAreCounted) {
   EXPECT_EQ(scrolling.num_occupied(), 2);
 }
 
-TEST(VoxelMap, AnswersAboutWhatIsOccupiedAreThoseOfALookAtEveryVoxel) {
+TEST(VoxelMap, MatchesBruteForceForOccupiedVoxels) {
   const Random random(1, "map");
   const VoxelMapConfig config = small_box({20.0, 9.0, 5.0});  // rows of more than one word
   VoxelMap map(config);
@@ -202,7 +201,7 @@ TEST(VoxelMap, AnswersAboutWhatIsOccupiedAreThoseOfALookAtEveryVoxel) {
   }
 }
 
-TEST(VoxelMap, ScrollsWithTheVehicleAndForgetsWhatItLeaves) {
+TEST(VoxelMap, ScrollsAndForgetsWhatItLeaves) {
   VoxelMapConfig config = small_box({20.0, 20.0, 10.0});
   config.extent = VoxelMapConfig::Extent::kScrolling;
   PriorMap prior;
@@ -238,29 +237,7 @@ TEST(VoxelMap, ABoundedMapStays) {
   EXPECT_EQ(map.grid().min_cell, before);
 }
 
-TEST(LogOddsMap, HitsAndMissesAddUpAndSaturate) {
-  LogOddsConfig config;
-  config.size_m = {6.0, 6.0, 6.0};
-  LogOddsMap map(config);
-  const Vector3 origin(0.1, 0.1, 0.1), hit(2.1, 0.1, 0.1), passed(0.1, 1.1, 0.1);
-  const std::vector<Vector3> ends = {hit, hit, passed};  // twice the same cell: counted once a scan
-  const std::vector<std::uint8_t> is_point = {1, 1, 0};
-  const auto at = [&](const Vector3& p) { return map.grid().index(map.grid().cell_of(p)); };
-  map.insert(origin, ends, is_point);
-  EXPECT_NEAR(map.value(at(hit)), 0.8473, 1e-6);
-  EXPECT_NEAR(map.probability(at(hit)), 0.7, 1e-4);
-  EXPECT_NEAR(map.value(at({1.0, 0.1, 0.1})), -0.4055, 1e-6);
-  EXPECT_NEAR(map.value(at(passed)), -0.4055, 1e-6);
-  EXPECT_EQ(map.value(at({-1.0, 0.1, 0.1})), 0.0F);
-  EXPECT_EQ(map.state(at(hit)), VoxelState::kConfident);
-  EXPECT_EQ(map.state(at(passed)), VoxelState::kFree);
-  EXPECT_EQ(map.state(at({-1.0, 0.1, 0.1})), VoxelState::kUncertain);
-  for (int i = 0; i < 10; ++i) map.insert(origin, ends, is_point);
-  EXPECT_FLOAT_EQ(map.value(at(hit)), 3.5F);
-  EXPECT_FLOAT_EQ(map.value(at(passed)), -2.0F);
-}
-
-TEST(VoxelGrid, TheIndexOfAPointIsThatOfItsCell) {
+TEST(VoxelGrid, IndexesPointsByTheirCell) {
   const Random random(9, "grid");
   const VoxelGrid grid = VoxelGrid::covering({0.3, -7.0, 100.0}, {9.0, 4.0, 3.0}, 0.1);
   int inside = 0;

@@ -35,6 +35,7 @@ class Experiment:
         self.rows, self.files = [], []
         self._repetitions, self._most_repetitions = repetitions, 0
         self._log = None
+        self._shown = -math.inf  # when progress was last shown
         self.folder.mkdir(parents=True, exist_ok=True)
 
     # Runs
@@ -101,10 +102,12 @@ class Experiment:
         self._log.flush()
 
     def _progress(self, text, started):
-        if self.quiet or time.monotonic() - started < 2.0:
+        now = time.monotonic()
+        if self.quiet or now - max(started, self._shown) < 2.0:
             return
+        self._shown = now
         end = "\r" if sys.stderr.isatty() else "\n"
-        print(f"  {self.name}: {text}, {time.monotonic() - started:.0f} s", end=end, file=sys.stderr, flush=True)
+        print(f"  {self.name}: {text}, {now - started:.0f} s", end=end, file=sys.stderr, flush=True)
 
     # The table
 
