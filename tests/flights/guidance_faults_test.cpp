@@ -74,7 +74,7 @@ void expect_refused(const Changes& changes, const std::string& message) {
   }
 }
 
-TEST(GuidanceFaultsInFull, SlowRadioAndAnyLatencyReachTheGoal) {
+TEST(GuidanceFaultsInFull, ToleratesSlowRadioAndPlanningLatency) {
   for (const char* latency_s : {"0", "1"}) {
     const Outcome outcome = fly_with({{kGuide + "planning_latency_s", latency_s},
                                       {"radio.delay_s", "1"},
@@ -126,7 +126,7 @@ TEST(GuidanceFaultsInFull, SilentRadioEndsTheMission) {
   expect_failure({{"radio.loss_probability", "1"}}, "the guided vehicle was not found");
 }
 
-TEST(GuidanceFaults, CrashOfTheGuidedVehicleEndsTheMission) {
+TEST(GuidanceFaults, GuidedVehicleCrashEndsTheMission) {
   // A gap that is narrower than it, and a planner that does not mind.
   const Outcome outcome = fly_with({{"world.gap_width_m", "0.5"}, {kGuide + "planner.secondary.clearance_m", "0.1"}});
   EXPECT_TRUE(outcome.guided_crashed);

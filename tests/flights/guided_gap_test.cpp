@@ -93,7 +93,7 @@ TEST(GuidedGapInFull, GuideLocalizesByGnss) {
                     "{type: altimeter, name: altimeter}");
 }
 
-TEST(GuidedGapInFull, LostLinkEndsTheMissionWithoutContact) {
+TEST(GuidedGapInFull, EndsMissionSafelyWithoutRadioLink) {
   const GuidedFlight flight = fly({{"duration_s", "60"}, {"radio.loss_probability", "1"}});
   EXPECT_NE(flight.summary.outcome, "crashed");
   EXPECT_EQ(flight.passes, 0);

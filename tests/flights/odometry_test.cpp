@@ -60,7 +60,7 @@ Drift drift_of(const std::string& file, const Overrides& overrides, double from_
   return drift;
 }
 
-TEST(Odometry, KissIcpDriftsByCentimetersInAnAisle) {
+TEST(Odometry, KissIcpDriftsCentimetersInAisle) {
   const Drift drift =
       drift_of("warehouse.yaml",
                {{"vehicles[uav1].start.position_m", "[0, 0, 3.6]"},
@@ -74,7 +74,7 @@ TEST(Odometry, KissIcpDriftsByCentimetersInAnAisle) {
   EXPECT_GT(drift.reversed_m, 1.5 * drift.as_fired_m);
 }
 
-TEST(OdometryInFull, KissIcpNeedsTheTimesOfTheBeams) {
+TEST(OdometryInFull, KissIcpNeedsBeamTimes) {
   const Drift drift = drift_of(
       "hall.yaml",
       {{"vehicles[observer].start.position_m", "[0.2, 0, 2.5]"},

@@ -43,7 +43,7 @@ TEST(SlamFlight, IsCentimeterExactAroundABuilding) {
   EXPECT_LT(largest_step_m, 0.02) << "no scan makes control jump";
 }
 
-TEST(SlamFlight, FliesWithHalfASecondOfLatency) {
+TEST(SlamFlight, FliesWithHalfSecondLatency) {
   Simulation simulation(campus_slam(15.0, "latency_s", "0.5"), 2);
   while (!simulation.finished()) simulation.tick();
   const RunSummary summary = simulation.summary();
@@ -64,7 +64,7 @@ TEST(SlamFlight, TouchesNothingAsDocumented) {
   EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 1.2) << "rings on the floor drag";
 }
 
-TEST(SlamFlight, HasTheSameBitsOnAnyThreads) {
+TEST(SlamFlight, IsIndependentOfThreadCount) {
   for (const char* matching : {"surfaces", "grid"}) {
     std::uint64_t hashes[2] = {};
     for (int threads : {1, 2}) {

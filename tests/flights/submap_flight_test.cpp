@@ -69,7 +69,7 @@ Scenario soon_closed(double duration_s, ConfigChanges changes = {}) {
   return submap_navigation(duration_s, changes);
 }
 
-TEST(SubmapFlightInFull, HasTheSameBitsAfterAClosure) {
+TEST(SubmapFlightInFull, KeepsIdenticalBitsAfterLoopClosure) {
   std::uint64_t hashes[2] = {};
   MapVoxels maps[2];
   for (int threads : {1, 2}) {
@@ -86,7 +86,7 @@ TEST(SubmapFlightInFull, HasTheSameBitsAfterAClosure) {
 }
 
 // OctoMap's library itself reads the file that the recorder wrote.
-TEST(SubmapFlight, MapFileHasEveryCellForOctomap) {
+TEST(SubmapFlight, WritesEveryCellForOctomap) {
   const TemporaryDirectory folder;
   Simulation simulation(soon_closed(25.0, {{"recorders", "[{type: map, format: bt, maps: [mapping]}]"}}), 2);
   simulation.attach_recorders(folder.path());

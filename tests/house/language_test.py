@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Comments and pages that a reader of the field understands (docs/conventions.md#comments). Usage: language_test.py SOURCE_DIR
 
-A comment or a cell of the reference does not begin with a word that leans on the name beside it, and no comment or page speaks
-of things as of people.
+A comment or a cell of the reference does not begin with a word that leans on the name beside it, no comment or page speaks
+of things as of people, and the name of a test has at most six words.
 """
 import pathlib
 import re
@@ -14,6 +14,10 @@ from tracked import tracked  # noqa: E402
 HEADLESS = re.compile(r"(of|that|by|who|whom|whose|which|it|the same)\b", re.IGNORECASE)
 PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody)\b(?!\.tum)", re.IGNORECASE)
 COMMENT = re.compile(r'^((?:[^"/]|"(?:\\.|[^"\\])*"|/(?!/))*)//[/!]?<?\s?(.*)$')
+
+TEST = re.compile(r"\b(?:TYPED_TEST_P|TYPED_TEST|TEST_P|TEST_F|TEST)\(\s*\w+,\s*(\w+)\s*\)")
+WORD = re.compile(r"[A-Z][a-z0-9]*|[A-Z]+(?![a-z])|[0-9]+")
+MOST_WORDS = 6  # of a test's name
 
 
 def code_comments(text):
@@ -42,6 +46,10 @@ def faults(root):
                     yield name, number, said
                 elif PEOPLE.search(said):
                     yield name, number, said
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                for test in TEST.findall(line):
+                    if len(WORD.findall(test)) > MOST_WORDS:
+                        yield name, number, f"{test}: expected at most {MOST_WORDS} words"
         elif path.suffix == ".md":
             text = path.read_text()
             if name == "docs/reference.md":

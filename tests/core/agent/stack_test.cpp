@@ -118,7 +118,7 @@ StackConfig stack_with(const char* guidance, const Config& config,
   return stack;
 }
 
-TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimeters) {
+TEST(Stack, EveryVehicleHoversWithinTwoCentimeters) {
   for (const auto& [name, airframe] : testing::all_airframes()) {
     ClosedLoop loop(airframe, StackConfig{}, {1, 2, 3});
     loop.run(4.0);
@@ -131,7 +131,7 @@ TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimeters) {
   }
 }
 
-TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimeters) {
+TEST(Stack, TracksAgileTrajectoriesWithinThirtyCentimeters) {
   for (const auto& [name, airframe] : testing::all_airframes()) {
     for (const std::uint64_t seed : {1u, 2u}) {
       AgileConfig config;
@@ -151,7 +151,7 @@ TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimeters) {
   }
 }
 
-TEST(Stack, TakesOffAndLandsOnTheGround) {
+TEST(Stack, TakesOffAndLands) {
   TakeoffLandConfig config;
   config.hover_s = 1.0;
   ClosedLoop loop(testing::x500(), stack_with("takeoff_land", config), {0, 0, 0.2});
@@ -171,7 +171,7 @@ TEST(Stack, TakesOffAndLandsOnTheGround) {
   for (const double u : loop.last->rotor_command) EXPECT_EQ(u, 0.0);
 }
 
-TEST(Stack, MissionIsDoneWhenTheLastDwellHasElapsed) {
+TEST(Stack, CompletesMissionAfterLastDwell) {
   WaypointsConfig config;
   config.waypoints_m = {{3, 0, 2}, {3, 3, 2}};
   config.dwell_s = 0.5;
@@ -183,7 +183,7 @@ TEST(Stack, MissionIsDoneWhenTheLastDwellHasElapsed) {
   EXPECT_LT((loop.plant.p - Vector3(3, 3, 2)).norm(), 0.02);
 }
 
-TEST(Stack, FliesOnOdometryInItsOwnFrame) {
+TEST(Stack, FliesOnOdometryInOwnFrame) {
   WaypointsConfig config;
   config.waypoints_m = {{4, 2, 3}};
   ClosedLoop loop(testing::x500(), stack_with("waypoints", config, MotionLimitsConfig::Set::kSlow, "odometry"),
@@ -196,7 +196,7 @@ TEST(Stack, FliesOnOdometryInItsOwnFrame) {
   EXPECT_LT((loop.plant.p - Vector3(4, 2, 3)).norm(), 0.05);
 }
 
-TEST(Stack, HoversOnInertialNavigationWithNoisyGnss) {
+TEST(Stack, HoversOnInsWithNoisyGnss) {
   ClosedLoop loop(testing::x500(), stack_with("hover", HoverConfig{}, MotionLimitsConfig::Set::kMedium, "ins"),
                   {0, 0, 5});
   loop.pose_every = 0;
@@ -211,7 +211,7 @@ TEST(Stack, HoversOnInertialNavigationWithNoisyGnss) {
   EXPECT_EQ(loop.last->mission, MissionStatus::kEndless) << loop.last->mission_note;
 }
 
-TEST(Stack, WithoutAnyPoseTheMissionFailsWithANoteAndTheMotorsIdle) {
+TEST(Stack, WithoutPoseFailsAndIdlesMotors) {
   ClosedLoop loop(testing::x500(), StackConfig{}, {0, 0, 5});
   loop.run(1.0);
   EXPECT_EQ(loop.last->mission, MissionStatus::kEndless);
@@ -282,7 +282,7 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
   }
 }
 
-TEST(Stack, WhatItSaysIsWrittenIntoTheMemoryOfWhatItSaidBefore) {
+TEST(Stack, ReusesMessageMemory) {
   RblConfig config;
   config.neighbors.source = NeighborSourceConfig::Source::kRadio;
   ClosedLoop loop(testing::x500(), stack_with("rbl", config), {0, 0, 6});
@@ -309,7 +309,7 @@ TEST(Stack, SameObservationsGiveTheSameBits) {
   EXPECT_GT(b.last->overlays[0].positions.size(), 90u);
 }
 
-TEST(Agents, EveryTypeCanBeMadeFromItsDefaults) {
+TEST(Agents, CreatesEveryTypeFromDefaults) {
   AgentSetup setup;
   setup.airframe = testing::x500();
   for (const AgentType& type : agent_registry().rows()) {
@@ -323,7 +323,7 @@ TEST(Agents, EveryTypeCanBeMadeFromItsDefaults) {
   EXPECT_THROW(make_agent(Module(agent_module_types(), "stack"), setup), std::invalid_argument);
 }
 
-TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
+TEST(Agents, DeclareNeedsBesideSensors) {
   Module stack(agent_module_types(), "stack");
   EXPECT_TRUE(needs_of(stack).true_pose) << "by default it is told its pose";
   EXPECT_FALSE(needs_of(stack).true_neighbors || needs_of(stack).detects || needs_of(stack).tracks);
@@ -342,7 +342,7 @@ TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
   EXPECT_EQ(guidance_of(none), nullptr);
 }
 
-TEST(Guidances, TellWhetherTheyNeedToKnowWhereInTheWorldTheyAre) {
+TEST(Guidances, DeclareNeedForWorldPosition) {
   AgentSetup agent;
   agent.airframe = testing::x500();
   MotionLimitsConfig limits;
@@ -364,7 +364,7 @@ TEST(Guidances, TellWhetherTheyNeedToKnowWhereInTheWorldTheyAre) {
   EXPECT_FALSE(needs_world(waypoints));
 }
 
-TEST(Stack, CountersAndMapsAreNamedByTheirStages) {
+TEST(Stack, NamesCountersAndMapsByStage) {
   StackConfig config = stack_with("hover", HoverConfig{});
   config.detector = Module(detector_module_types(), "vofod");
   ClosedLoop loop(testing::all_airframes()[0].airframe, config, {0, 0, 3});
@@ -379,7 +379,7 @@ TEST(Stack, CountersAndMapsAreNamedByTheirStages) {
   EXPECT_EQ(maps[0].name, "detector");
 }
 
-TEST(Stack, TellsWhoListensEachStageThatItHasInOrderInEachTick) {
+TEST(Stack, NotifiesListenerOfStagesInOrder) {
   StackConfig all = stack_with("hover", HoverConfig{});
   all.detector = Module(detector_module_types(), "vofod");
   all.tracker = Module(tracker_module_types(), "vofod");

@@ -127,7 +127,7 @@ struct Flight {
   std::array<double, kMaxRotors> command = {0.4, 0.4, 0.4, 0.4};
 };
 
-TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
+TEST(TwoFrames, CorrectionLeavesControlAndReferenceSmooth) {
   // Two legs of the local frame: one vehicle never learns where that lies, the other one in the middle of the flight.
   const std::vector<Vector3> legs = {{3, 0, 1}, {3, 3, 1}};
   Flight unaware(100 * kNsPerSecond, waypoints(legs, WaypointsConfig::Frame::kStart)),
@@ -147,7 +147,7 @@ TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
   }
 }
 
-TEST(TwoFrames, WaypointsOfTheWorldAreReachedAfterTheCorrection) {
+TEST(TwoFrames, ReachesWorldWaypointsAfterTheCorrection) {
   const Vector3 target(9.0, 1.0, 3.0);
   Flight flight(2 * kNsPerSecond, waypoints({target}, WaypointsConfig::Frame::kWorld));
   const Action* action = nullptr;
@@ -164,7 +164,7 @@ TEST(TwoFrames, WaypointsOfTheWorldAreReachedAfterTheCorrection) {
   EXPECT_LT((action->estimate.T_world_body().translation() - flight.plant.p).norm(), 0.05);
 }
 
-TEST(TwoFrames, WhoLooksForItselfInAMapFliesNowhereButTurns) {
+TEST(TwoFrames, TurnsInPlaceWhileItRelocalizes) {
   const Vector3 target(9.0, 1.0, 3.0);
   Flight flight(8 * kNsPerSecond, waypoints({target}, WaypointsConfig::Frame::kWorld), true);
   const Vector3 start_m = flight.plant.p;
@@ -185,7 +185,7 @@ TEST(TwoFrames, WhoLooksForItselfInAMapFliesNowhereButTurns) {
   EXPECT_LT((flight.plant.p - target).norm(), 0.6);
 }
 
-TEST(TwoFrames, WhoLooksInVainStopsToTurnAndFails) {
+TEST(TwoFrames, StopsAndFailsAfterUnsuccessfulSearch) {
   Flight flight(100 * kNsPerSecond, waypoints({{9.0, 1.0, 3.0}}, WaypointsConfig::Frame::kWorld), true);
   const Vector3 start_m = flight.plant.p;
   const Action* action = nullptr;
@@ -196,7 +196,7 @@ TEST(TwoFrames, WhoLooksInVainStopsToTurnAndFails) {
   EXPECT_LT(flight.plant.omega.norm(), 0.02);
 }
 
-TEST(TwoFrames, WhoHasFoundItselfSaysNoMoreThatItLooks) {
+TEST(TwoFrames, ClearsTheSearchNoteOnceRelocalized) {
   // Relocalized while still searching, and after the search was given up.
   for (const TimeNs found_at : {4 * kNsPerSecond, 12 * kNsPerSecond}) {
     Flight flight(found_at, waypoints({{9.0, 1.0, 3.0}}, WaypointsConfig::Frame::kWorld), true);
@@ -207,7 +207,7 @@ TEST(TwoFrames, WhoHasFoundItselfSaysNoMoreThatItLooks) {
   }
 }
 
-TEST(TwoFrames, WhoLooksForItselfFliesWhatNeedsNoWorld) {
+TEST(TwoFrames, FliesLocalMissionsWhileItRelocalizes) {
   Flight flight(100 * kNsPerSecond, waypoints({{3, 0, 1}}, WaypointsConfig::Frame::kStart), true);
   const Action* action = nullptr;
   for (int i = 0; i < 4000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i)
@@ -215,7 +215,7 @@ TEST(TwoFrames, WhoLooksForItselfFliesWhatNeedsNoWorld) {
   EXPECT_EQ(action->mission, MissionStatus::kDone);
 }
 
-TEST(Stack, AFeasibleReferenceIsFlownAsItIsAndAGoalIsNot) {
+TEST(Stack, LimitsGoalsButNotFeasibleReferences) {
   for (const bool feasible : {false, true}) {
     Flight flight(100 * kNsPerSecond, std::make_unique<StepGuidance>(feasible));
     Vector3 before = Vector3::Zero(), after = Vector3::Zero();
@@ -233,7 +233,7 @@ TEST(Stack, AFeasibleReferenceIsFlownAsItIsAndAGoalIsNot) {
   }
 }
 
-TEST(Stack, EveryStageMaySaySomethingAndTheOutboxTellsWho) {
+TEST(Stack, NamesTheStageOfEveryMessage) {
   Flight flight(0, std::make_unique<StepGuidance>(false));
   flight.tick();
   const Action& action = flight.tick();
@@ -245,7 +245,7 @@ TEST(Stack, EveryStageMaySaySomethingAndTheOutboxTellsWho) {
   EXPECT_EQ(action.messages[1].to, 3);
 }
 
-TEST(Stack, TellsWhatIsWrongWithAnEstimateThatIsStillValid) {
+TEST(Stack, ExplainsProblemsOfAValidEstimate) {
   Flight flight(kNsPerSecond, std::make_unique<StepGuidance>(false));
   while (flight.plant.t < kNsPerSecond - kStep) EXPECT_EQ(flight.tick().mission_note, "");
   const Action& action = flight.tick();
@@ -253,7 +253,7 @@ TEST(Stack, TellsWhatIsWrongWithAnEstimateThatIsStillValid) {
   EXPECT_EQ(action.mission, MissionStatus::kRunning) << "it flies on";
 }
 
-TEST(Stack, ScansArePlacedForGuidanceOnlyWhenItNeedsThem) {
+TEST(Stack, PlacesScansOnlyOnGuidanceRequest) {
   auto beams = std::make_shared<BeamTable>();
   beams->rows = beams->cols = 1;
   beams->directions_lidar = {Eigen::Vector3f::UnitX()};
@@ -282,7 +282,7 @@ TEST(Stack, ScansArePlacedForGuidanceOnlyWhenItNeedsThem) {
   }
 }
 
-TEST(Stack, GuidanceThatNeedsAMapIsRefusedWithoutOne) {
+TEST(Stack, RefusesMapGuidanceWithoutAMap) {
   StackStages stages;
   stages.localization = std::make_unique<LateEstimator>(0);
   stages.guidance = std::make_unique<WatchingGuidance>(GuidanceNeeds{.map = true});

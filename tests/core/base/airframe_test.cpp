@@ -20,18 +20,18 @@ Airframe cross() {
   return airframe;
 }
 
-TEST(Airframe, TheSphereAroundItReachesTheTipOfTheFarthestPropeller) {
+TEST(Airframe, BoundingSphereReachesFarthestPropellerTip) {
   EXPECT_DOUBLE_EQ(cross().circumscribed_radius_m(), std::hypot(0.5 + 0.1, 0.05));
 }
 
-TEST(Airframe, TheSphereAroundItHoldsTheSkids) {
+TEST(Airframe, BoundingSphereEnclosesTheSkids) {
   Airframe airframe = cross();
   airframe.body_radius_m = 0.6;
   airframe.leg_height_m = 0.5;
   EXPECT_DOUBLE_EQ(airframe.circumscribed_radius_m(), std::hypot(2.0 * 0.6, 0.5));
 }
 
-TEST(Airframe, HoversWhereItsRotorsCarryItsWeight) {
+TEST(Airframe, RotorsCarryItsWeightInHover) {
   const Airframe airframe = cross();
   const double speed_radps = airframe.hover_rotor_speed_radps(9.81);
   EXPECT_NEAR(4.0 * airframe.thrust_constant_N_per_radps2 * speed_radps * speed_radps, airframe.mass_kg * 9.81, 1e-9);

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(CaptureVolume, ADiscIsMetWhereTheWayGoesThroughIt) {
+TEST(CaptureVolume, IsMetWherePathCrossesDisc) {
   const CaptureVolume net;  // radius 2 m
   EXPECT_NEAR(net.met_m({1.0, 0.0, 0.5}, {2.0, 0.0, -0.5}).value_or(-1.0), 1.5, 1e-12);
   EXPECT_FALSE(net.met_m({1.0, 0.0, 0.5}, {1.0, 0.0, 0.1})) << "it stays above";
@@ -19,7 +19,7 @@ TEST(CaptureVolume, ADiscIsMetWhereTheWayGoesThroughIt) {
 }
 
 // The whole path is tested, not only its ends, however long the step is.
-TEST(CaptureVolume, AFastTargetIsNotMissedBetweenTwoTicks) {
+TEST(CaptureVolume, CatchesFastTargetBetweenTicks) {
   CaptureVolume net;
   EXPECT_TRUE(net.met_m({0.0, 0.0, 100.0}, {0.0, 0.0, -100.0}));
   net.height_m = 1.0;
@@ -29,7 +29,7 @@ TEST(CaptureVolume, AFastTargetIsNotMissedBetweenTwoTicks) {
 }
 
 // A path that crosses the axis only above or below the volume is nearest to it at a rim.
-TEST(CaptureVolume, OnlyThePartOfAWayBetweenItsRimsCounts) {
+TEST(CaptureVolume, CountsOnlyPathBetweenItsRims) {
   CaptureVolume net;
   net.height_m = 1.0;
   const Vector3 above(0.0, 0.0, 2.0), beside_below(4.0, 0.0, -2.0);
@@ -50,7 +50,7 @@ TEST(CaptureVolume, AWayEndsWhereItEnds) {
   EXPECT_NEAR(net.met_m({0.0, 1.0, 0.2}, {0.0, 1.0, 0.2}).value_or(-1.0), 1.0, 1e-12) << "it hovers inside";
 }
 
-TEST(CaptureVolume, HangsBelowAndTurnsWithTheHeading) {
+TEST(CaptureVolume, HangsBelowVehicleAndFollowsHeading) {
   CaptureVolume net;
   net.offset_m = {1.0, 0.0, -2.0};
   EXPECT_LT((net.center({5, 5, 5}, 0.5 * std::numbers::pi) - Vector3(5, 6, 3)).norm(), 1e-9);
@@ -60,7 +60,7 @@ TEST(CaptureVolume, HangsBelowAndTurnsWithTheHeading) {
 }
 
 // Compared with ten thousand positions along each path.
-TEST(CaptureVolume, IsMetWhereSomePlaceOfTheWayLiesInIt) {
+TEST(CaptureVolume, IsMetWherePathLiesInside) {
   int met = 0, missed = 0;
   for (std::uint32_t round = 0; round < 400; ++round) {
     std::minstd_rand random(round + 1);

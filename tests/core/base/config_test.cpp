@@ -19,7 +19,7 @@ struct KettleConfig : ModuleConfigOf<KettleConfig> {
 
 const ModuleType kTypes[] = {{"kettle", "boils water", make_module_config<KettleConfig>}};
 
-TEST(Module, IsMadeByNameWithItsDefaults) {
+TEST(Module, TakesTheDefaultsOfItsType) {
   Module module(kTypes, "kettle");
   EXPECT_EQ(module.type, "kettle");
   EXPECT_EQ(module.as<KettleConfig>().volume_l, 1.7);
@@ -32,7 +32,7 @@ TEST(Module, ACopyIsOfItsOwn) {
   EXPECT_EQ(module.as<KettleConfig>().volume_l, 1.7);
 }
 
-TEST(Module, AnUnknownNameIsTold) {
+TEST(Module, ReportsUnknownNames) {
   EXPECT_THAT([] { Module(kTypes, "ketle"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("'ketle'")));
 }
 

@@ -27,7 +27,7 @@ TEST(Ensure, AConditionThatHoldsDoesNothing) {
   EXPECT_NO_THROW(ENSURE(true, 1, 2));
 }
 
-TEST(Ensure, AFailureTellsPlaceExpressionAndValuesByNameInOneLine) {
+TEST(Ensure, ReportsPlaceExpressionAndNamedValues) {
   const std::size_t index = 7;
   const std::vector<int> list = {1, 2, 3};
   const int line = __LINE__ + 1;
@@ -36,11 +36,11 @@ TEST(Ensure, AFailureTellsPlaceExpressionAndValuesByNameInOneLine) {
                          ": ENSURE(index < list.size()): index = 7, list.size() = 3");
 }
 
-TEST(Ensure, AFailureWithoutValuesTellsTheExpression) {
+TEST(Ensure, ReportsTheExpressionWithoutValues) {
   EXPECT_TRUE(message_of([] { ENSURE(2 < 1); }).ends_with(": ENSURE(2 < 1)"));
 }
 
-TEST(Ensure, ValuesOfEveryKindAreTold) {
+TEST(Ensure, ReportsValuesOfEveryKind) {
   const std::string name = "uav1";
   const Eigen::Vector3d p_world_m(1.0, -0.5, std::numeric_limits<double>::quiet_NaN());
   const std::string message =

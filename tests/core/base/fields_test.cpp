@@ -73,14 +73,14 @@ class Words final : public ColumnSink {
   std::vector<std::string> words;
 };
 
-TEST(Fields, AColumnIsNamedByItsFieldItsComponentAndItsUnit) {
+TEST(Fields, NamesColumnsByFieldAndUnit) {
   EXPECT_THAT(names_of(columns_of<Gust>()),
               ElementsAre("t_s", "whose", "vx_mps", "vy_mps", "vz_mps", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw",
                           "cov_xx_m2", "cov_xy_m2", "cov_xz_m2", "cov_yy_m2", "cov_yz_m2", "cov_zz_m2", "side", "count",
                           "note"));
 }
 
-TEST(Fields, ARowHasTheValuesInTheOrderOfTheColumns) {
+TEST(Fields, ListsRowValuesInColumnOrder) {
   Gust gust;
   gust.t = 5;
   gust.whose = 2;
@@ -113,7 +113,7 @@ TEST(Fields, APrefixStandsBeforeEveryName) {
   EXPECT_EQ(list.columns().back().name, "ref_yaw_rate_radps");
 }
 
-TEST(Fields, TheTextOfEveryColumnBeginsWithItsUnit) {
+TEST(Fields, BeginsEachColumnDescriptionWithUnit) {
   const Observation nothing;
   Observation::each_samples(nothing, []<class Sample>(const std::vector<Sample>&) {
     for (const Column& column : columns_of<Sample>()) {
@@ -124,7 +124,7 @@ TEST(Fields, TheTextOfEveryColumnBeginsWithItsUnit) {
 }
 
 // Hash, tables, bytes: all come from `visit`, so nothing may be missing there.
-TEST(Fields, EveryByteOfAKindOfDataThatIsNotPaddingIsVisited) {
+TEST(Fields, VisitsByteThatIsNotPadding) {
   const Observation nothing;
   Observation::each_samples(
       nothing, []<class Sample>(const std::vector<Sample>&) { EXPECT_TRUE(forgets<Sample>(0)) << Sample::kName; });
@@ -138,13 +138,11 @@ TEST(Fields, EveryByteOfAKindOfDataThatIsNotPaddingIsVisited) {
   EXPECT_TRUE(forgets<Gust>(0));
 }
 
-TEST(Fields, AScanVisitsEverythingButTheTableOfItsBeams) {
-  EXPECT_TRUE(forgets<Scan>(static_cast<int>(sizeof(Scan::beams))));
-}
+TEST(Fields, VisitsScansExceptTheirBeamTable) { EXPECT_TRUE(forgets<Scan>(static_cast<int>(sizeof(Scan::beams)))); }
 
-TEST(Fields, AFieldThatIsForgottenIsNoticed) { EXPECT_TRUE(forgets<Forgetful>(1)); }
+TEST(Fields, DetectsAForgottenField) { EXPECT_TRUE(forgets<Forgetful>(1)); }
 
-TEST(Fields, OneNumberThatIsNotFiniteIsFoundWhereverItStands) {
+TEST(Fields, FindsAnyNonFiniteNumber) {
   const auto is_found = [](const auto& spoil) {
     Gust gust;
     spoil(gust);
@@ -157,7 +155,7 @@ TEST(Fields, OneNumberThatIsNotFiniteIsFoundWhereverItStands) {
   EXPECT_TRUE(is_found([](Gust& g) { g.covariance(5, 4) = -HUGE_VAL; }));
 }
 
-TEST(Observation, EveryListOfSamplesIsEmptiedByClear) {
+TEST(Observation, ClearEmptiesEverySampleList) {
   Observation observation;
   Observation::each_samples(observation, [](auto& samples) { samples.emplace_back(); });
   observation.clear();

@@ -20,7 +20,7 @@ constexpr Row kRows[] = {{{"one", "the first", make_module_config<Nothing>}, [] 
                          {{"two", "the second", make_module_config<Nothing>}, [] { return 2; }}};
 constexpr Row kThree = {{"three", "a program's own", make_module_config<Nothing>}, [] { return 3; }};
 
-TEST(Registry, RowsOfAProgramComeAfterThoseOfSwiftlet) {
+TEST(Registry, ListsProgramRowsAfterSwiftletRows) {
   Registry<Row> registry("number", kRows);
   registry.add(kThree);
   EXPECT_EQ(registry.named("two").make(), 2);
@@ -30,7 +30,7 @@ TEST(Registry, RowsOfAProgramComeAfterThoseOfSwiftlet) {
   EXPECT_EQ(Module(registry.modules(), "three").type, "three");
 }
 
-TEST(Registry, ANameThatIsTakenIsRefused) {
+TEST(Registry, RefusesTakenNames) {
   Registry<Row> registry("number", kRows);
   registry.add(kThree);
   try {
@@ -41,7 +41,7 @@ TEST(Registry, ANameThatIsTakenIsRefused) {
   }
 }
 
-TEST(Registry, ARowWithoutNameDescriptionOrMakerIsRefused) {
+TEST(Registry, RefusesIncompleteRows) {
   Registry<Row> registry("number", kRows);
   const auto refusal = [&](const Row& row) -> std::string {
     try {
@@ -92,7 +92,7 @@ TEST(Registry, AMakerThatFailsIsNamed) {
             "so");
 }
 
-TEST(Registry, ANameThatNobodyHasIsToldWithItsKind) {
+TEST(Registry, ReportsUnknownNamesWithTheirKind) {
   const Registry<Row> registry("number", kRows);
   try {
     registry.named("four");

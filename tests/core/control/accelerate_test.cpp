@@ -12,7 +12,7 @@ constexpr MotionLimits kLimits{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 constexpr double kDt_s = 0.004;
 
 // A wish far beyond every limit, which turns about all the time.
-TEST(ReferenceGovernor, AccelerationsThatAreWantedKeepTheLimits) {
+TEST(ReferenceGovernor, KeepsLimitsUnderExcessiveAccelerationRequests) {
   ReferenceGovernor governor(kLimits);
   governor.reset({});
   for (int i = 0; i < 20'000; ++i) {
@@ -28,7 +28,7 @@ TEST(ReferenceGovernor, AccelerationsThatAreWantedKeepTheLimits) {
   }
 }
 
-TEST(ReferenceGovernor, AWantedAccelerationWithinTheLimitsIsFlown) {
+TEST(ReferenceGovernor, FollowsFeasibleAccelerationRequests) {
   ReferenceGovernor governor(kLimits);
   governor.reset({});
   for (int i = 0; i < 250; ++i) governor.accelerate({2.0, 0.0, -1.0}, 0.0, kDt_s);
@@ -37,7 +37,7 @@ TEST(ReferenceGovernor, AWantedAccelerationWithinTheLimitsIsFlown) {
   EXPECT_NEAR(governor.state().velocity_mps.z(), -1.0, 0.05);
 }
 
-TEST(ReferenceGovernor, WhileItAcceleratesItTurnsToTheHeadingAndStaysThere) {
+TEST(ReferenceGovernor, TurnsToRequestedHeadingWhileAccelerating) {
   for (const double yaw_rad : {1.2, -2.9}) {
     ReferenceGovernor governor(kLimits);
     governor.reset({});
@@ -51,7 +51,7 @@ TEST(ReferenceGovernor, WhileItAcceleratesItTurnsToTheHeadingAndStaysThere) {
   }
 }
 
-TEST(ReferenceGovernor, AtTheSpeedLimitItStillTurns) {
+TEST(ReferenceGovernor, StillTurnsAtTheSpeedLimit) {
   ReferenceGovernor governor(kLimits);
   governor.reset({});
   for (int i = 0; i < 1000; ++i) governor.accelerate({4.0, 0.0, 0.0}, 0.0, kDt_s);

@@ -54,7 +54,7 @@ class ControlLaw : public ::testing::TestWithParam<testing::NamedAirframe> {
 INSTANTIATE_TEST_SUITE_P(Vehicles, ControlLaw, ::testing::ValuesIn(testing::all_airframes()),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
-TEST_P(ControlLaw, AHeadingErrorAsksForYawTorqueAlone) {
+TEST_P(ControlLaw, HeadingErrorCommandsOnlyYawTorque) {
   for (const double error_rad : {-0.02, 0.01}) {
     FirstTick tick(airframe);
     tick.reference.yaw_rad = error_rad;
@@ -66,7 +66,7 @@ TEST_P(ControlLaw, AHeadingErrorAsksForYawTorqueAlone) {
   }
 }
 
-TEST_P(ControlLaw, YawRateThatIsAskedForIsBounded) {
+TEST_P(ControlLaw, BoundsCommandedYawRate) {
   ControlGainsConfig config;
   config.yaw_rate_max_degps = 1.0;
   for (const double sign : {-1.0, 1.0}) {
@@ -77,7 +77,7 @@ TEST_P(ControlLaw, YawRateThatIsAskedForIsBounded) {
   }
 }
 
-TEST_P(ControlLaw, ATiltAsksForTorqueBackAndForThrustAsFarAsItPointsUp) {
+TEST_P(ControlLaw, TiltCommandsTorqueAndReducedThrust) {
   for (int axis = 0; axis < 2; ++axis) {
     for (const double tilt_rad : {-0.05, 0.03}) {
       FirstTick tick(airframe);
@@ -92,7 +92,7 @@ TEST_P(ControlLaw, ATiltAsksForTorqueBackAndForThrustAsFarAsItPointsUp) {
   }
 }
 
-TEST_P(ControlLaw, TiltRateThatIsAskedForIsBounded) {
+TEST_P(ControlLaw, BoundsCommandedTiltRate) {
   ControlGainsConfig config;
   config.tilt_rate_max_degps = 10.0;
   FirstTick tick(airframe, config);
@@ -104,7 +104,7 @@ TEST_P(ControlLaw, TiltRateThatIsAskedForIsBounded) {
               1e-9);
 }
 
-TEST_P(ControlLaw, BodyRatesAreBrakedAndTheGyroscopicTorqueIsAdded) {
+TEST_P(ControlLaw, DampsRatesAndAddsGyroscopicTorque) {
   FirstTick tick(airframe);
   const Vector3 omega(0.3, -0.2, 0.02), inertia = airframe.inertia_diagonal_kgm2;
   tick.estimate.omega_body_radps = omega;
@@ -113,7 +113,7 @@ TEST_P(ControlLaw, BodyRatesAreBrakedAndTheGyroscopicTorqueIsAdded) {
   EXPECT_LT((tick.wrench().torque_body_Nm - expected).norm(), 1e-9);
 }
 
-TEST_P(ControlLaw, RatesOfTheReferenceComeFromItsJerkAndItsYawRate) {
+TEST_P(ControlLaw, DerivesRatesFromJerkAndYaw) {
   FirstTick tick(airframe);
   tick.reference.yaw_rate_radps = 0.03;
   // Thrust of g that turns by a jerk across it: at jerk / g.
@@ -130,7 +130,7 @@ Eigen::Vector2d wanted_tilt_rad(FirstTick& tick) {
           wrench.torque_body_Nm.y() / tick.torque_Nm(1, tick.gains().rate_body.y() * tick.gains().attitude_body.y())};
 }
 
-TEST_P(ControlLaw, ErrorsOfPositionAndVelocityTiltTheThrust) {
+TEST_P(ControlLaw, PositionAndVelocityErrorsTiltThrust) {
   ControlGainsConfig config;
   config.position_radps = 0.5;
   config.position_damping = 0.8;
@@ -147,7 +147,7 @@ TEST_P(ControlLaw, ErrorsOfPositionAndVelocityTiltTheThrust) {
   EXPECT_NEAR(wanted.y(), tilt * a.x() / level, 1e-9);
 }
 
-TEST_P(ControlLaw, TiltStaysWithinItsBoundWhateverIsAskedFor) {
+TEST_P(ControlLaw, BoundsTiltForAnyDemand) {
   ControlGainsConfig config;
   config.tilt_max_deg = 1.0;
   FirstTick tick(airframe, config);
@@ -167,7 +167,7 @@ TEST_P(ControlLaw, FeedbackIsBounded) {
 }
 
 // The feedforward equals the drag at v in still air: half rho |v| v A, and the drag of each turning rotor.
-TEST_P(ControlLaw, DragOfTheWantedVelocityIsFedForward) {
+TEST_P(ControlLaw, FeedsForwardDragOfReferenceVelocity) {
   Airframe draggy = airframe;
   draggy.body_drag_area_m2 = {0.03, 0.02, 0.05};
   draggy.rotor_drag_N_per_radps_mps = 1e-4;
@@ -183,7 +183,7 @@ TEST_P(ControlLaw, DragOfTheWantedVelocityIsFedForward) {
   EXPECT_NEAR(wanted.y(), tilt * a.x() / level, 1e-6);
 }
 
-TEST_P(ControlLaw, SinkingKeepsAFifthOfTheWeight) {
+TEST_P(ControlLaw, KeepsFifthOfWeightWhenSinking) {
   FirstTick tick(airframe);
   tick.reference.acceleration_mps2.z() = -30.0;
   const double least_N =
@@ -191,7 +191,7 @@ TEST_P(ControlLaw, SinkingKeepsAFifthOfTheWeight) {
   EXPECT_NEAR(tick.wrench().thrust_N, std::max(0.2 * weight_N, least_N), 1e-6);
 }
 
-TEST_P(ControlLaw, EachLoopIsSlowerThanTheOneWithinIt) {
+TEST_P(ControlLaw, OuterLoopsAreSlowerThanInner) {
   const ControlGains gains = FirstTick(airframe).gains();
   EXPECT_NEAR(gains.attitude_body.x(), gains.rate_body.x() / 4.0, 1e-12) << "critically damped";
   EXPECT_NEAR(gains.attitude_body.z(), gains.rate_body.z() / 4.0, 1e-12);
@@ -201,7 +201,7 @@ TEST_P(ControlLaw, EachLoopIsSlowerThanTheOneWithinIt) {
   EXPECT_NEAR(gains.velocity, 2.0 * ControlGainsConfig{}.position_damping * position, 1e-12);
 }
 
-TEST(ControlGains, RateLoopIsHalfTheInverseOfTheLagThatIsLeft) {
+TEST(ControlGains, RateLoopIsHalfInverseLag) {
   Airframe airframe = testing::all_airframes().front().airframe;
   airframe.motor_time_constant_up_s = 0.03;
   airframe.motor_time_constant_down_s = 0.05;
@@ -238,7 +238,7 @@ struct Hanging {
 };
 
 // The integral part grows with the error up to its bound.
-TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
+TEST(ControlIntegral, GrowsWithErrorUpToBound) {
   ControlGainsConfig config;
   config.integral_max_mps2 = 0.05;
   Hanging hanging(config, 0.01);
@@ -250,7 +250,7 @@ TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
   EXPECT_GT(gains.integral * kTick_s * 5000 * 0.01, 0.05);
 }
 
-TEST(ControlIntegral, StandsStillWhileTheFeedbackIsAtItsBound) {
+TEST(ControlIntegral, FreezesWhileFeedbackSaturates) {
   for (const double feedback_max_mps2 : {0.4, 3.0}) {
     ControlGainsConfig config;
     config.position_radps = 2.0;

@@ -28,7 +28,7 @@ class EveryAirframe : public ::testing::TestWithParam<NamedAirframe> {
   const Airframe airframe = GetParam().airframe;
 };
 
-TEST_P(EveryAirframe, HoversWithRotorsAtTheSpeedThatCarriesItsWeight) {
+TEST_P(EveryAirframe, HoversAtRotorSpeedBalancingWeight) {
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
   const Reference here;
@@ -37,7 +37,7 @@ TEST_P(EveryAirframe, HoversWithRotorsAtTheSpeedThatCarriesItsWeight) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(rotor_speed(airframe, command[i]), hover, 1e-6 * hover);
 }
 
-TEST_P(EveryAirframe, HoldsAHoverWithinTwoCentimetersAfterAPush) {
+TEST_P(EveryAirframe, HoldsHoverWithinCentimetersAfterPush) {
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
   plant.v = {0.5, -0.3, 0.2};
@@ -51,7 +51,7 @@ TEST_P(EveryAirframe, HoldsAHoverWithinTwoCentimetersAfterAPush) {
   EXPECT_LT(plant.omega.norm(), 1e-3) << "no limit cycle";
 }
 
-TEST_P(EveryAirframe, HoldsAHoverInSteadyWindByItsIntegralPart) {
+TEST_P(EveryAirframe, HoldsHoverInWindByIntegral) {
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
   plant.wind = {4.0, 2.0, 0.0};
@@ -59,7 +59,7 @@ TEST_P(EveryAirframe, HoldsAHoverInSteadyWindByItsIntegralPart) {
   EXPECT_LT(plant.p.norm(), 0.05);
 }
 
-TEST_P(EveryAirframe, TiltSettlesQuicklyAndWithLittleOvershoot) {
+TEST_P(EveryAirframe, SettlesTiltQuicklyWithLittleOvershoot) {
   // A step of the wanted acceleration by g/4 needs a tilt of atan(1/4); feedback of position and velocity is off.
   ControlGainsConfig gains;
   gains.position_radps = 1e-6;
@@ -96,7 +96,7 @@ struct Eight {
   }
 };
 
-TEST_P(EveryAirframe, FliesAgileTrajectoriesOfTableFourWithinThirtyCentimeters) {
+TEST_P(EveryAirframe, TracksAgileTrajectoriesWithinThirtyCentimeters) {
   MotionLimitsConfig limits;
   limits.set = MotionLimitsConfig::Set::kAgile;
   ReferenceGovernor governor(limits.resolve());
@@ -149,7 +149,7 @@ TEST_P(EveryAirframe, SurvivesHugeErrorsAndFliesBack) {
 
 // A new goal ten times a second, as in flocking. The jerk of the reference alternates at its limit, and the commanded
 // torque exceeds that of the rotors again and again.
-TEST_P(EveryAirframe, GoalsThatJumpNeitherLiftNorLoseIt) {
+TEST_P(EveryAirframe, StaysControlledUnderJumpingGoals) {
   const MotionLimits limits;
   ASSERT_EQ(limits.horizontal_jerk_mps3, 40.0);
   for (const double jump_m : {0.05, 0.4}) {
@@ -190,7 +190,7 @@ TEST(MultirotorController, SlowMotorsOnlyMakeItSlower) {
   }
 }
 
-TEST(MultirotorController, StaysStableWithMotorsThatHaveNoLag) {
+TEST(MultirotorController, StaysStableWithoutMotorLag) {
   // The simulator can switch the lag off; the controller's model then expects a lag that is not there.
   const Airframe model = testing::x500();
   Airframe truth = model;
@@ -203,7 +203,7 @@ TEST(MultirotorController, StaysStableWithMotorsThatHaveNoLag) {
   EXPECT_LT(plant.omega.norm(), 2e-3);
 }
 
-TEST(MultirotorController, WorksAtOneKilohertzAndAtAHundredHertz) {
+TEST(MultirotorController, WorksAtHundredAndThousandHertz) {
   for (const double dt : {0.001, 0.01}) {
     MultirotorController controller(testing::x500(), {}, dt);
     FinePlant plant(testing::x500());
@@ -215,7 +215,7 @@ TEST(MultirotorController, WorksAtOneKilohertzAndAtAHundredHertz) {
   }
 }
 
-TEST(MultirotorController, AnyNumberOfRotorsHoversAndTurns) {
+TEST(MultirotorController, HoversWithAnyNumberOfRotors) {
   for (const int n : {4, 5, 6, 7, 8}) {
     const Airframe airframe = testing::ring_of_rotors(n);
     MultirotorController controller(airframe, {}, kDt);
@@ -246,7 +246,7 @@ TEST(MultirotorController, MirroredErrorGivesMirroredCommands) {
   EXPECT_NEAR(u[3], w[1], 1e-12);
 }
 
-TEST(MultirotorController, BadInputStopsTheMotorsAndNothingElse) {
+TEST(MultirotorController, OnBadInputOnlyStopsMotors) {
   MultirotorController controller(testing::x500(), {}, kDt);
   FinePlant plant(testing::x500());
   const double nan = std::nan("");
@@ -272,7 +272,7 @@ TEST(MultirotorController, BadInputStopsTheMotorsAndNothingElse) {
   for (int i = 0; i < 4; ++i) EXPECT_GT(controller.step(plant.truth(), {}, Vector3::Zero(), kDt)[i], 0.2);
 }
 
-TEST(MultirotorController, CommandsStayWithinTheirRangeForAnyState) {
+TEST(MultirotorController, BoundsCommandsForAnyState) {
   const Airframe airframe = testing::x500();
   const Random random(5, "test.controller");
   MultirotorController controller(airframe, {}, kDt);

@@ -14,7 +14,7 @@ namespace {
 
 using testing::all_airframes;
 
-TEST(Mixer, GivesBackTheWrenchThatWasAskedForWhenInReach) {
+TEST(Mixer, ReproducesEveryFeasibleWrench) {
   for (const int n : {4, 6, 8}) {
     const Airframe airframe = testing::ring_of_rotors(n);
     const Mixer mixer(airframe);
@@ -48,7 +48,7 @@ TEST(Mixer, ClosedFormOfTheQuadX) {
   EXPECT_NEAR(y[2] - y[0], 0.1 / (2 * airframe.torque_to_thrust_m), 1e-9);
 }
 
-TEST(Mixer, GivesUpYawFirstThenThrustThenShrinksRollAndPitchTogether) {
+TEST(Mixer, SacrificesYawThenThrustThenTilt) {
   const Airframe airframe = testing::x500();
   const Mixer mixer(airframe);
   const double thrust = 0.5 * airframe.max_thrust_N();
@@ -74,7 +74,7 @@ TEST(Mixer, GivesUpYawFirstThenThrustThenShrinksRollAndPitchTogether) {
   EXPECT_NEAR(got.torque_body_Nm.y() / got.torque_body_Nm.x(), 0.5, 1e-9);
 }
 
-TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
+TEST(Mixer, LimitsThrustRaisedForTilting) {
   for (const auto& [name, airframe] : all_airframes()) {
     const Mixer mixer(airframe);
     const double weight = airframe.mass_kg * 9.81;
@@ -91,7 +91,7 @@ TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
   }
 }
 
-TEST(Mixer, ForcesAlwaysStayWithinTheRotorsRange) {
+TEST(Mixer, KeepsForcesWithinTheRotorRange) {
   for (const auto& [name, airframe] : all_airframes()) {
     const Mixer mixer(airframe);
     const Random random(1, "test.mixer", name);

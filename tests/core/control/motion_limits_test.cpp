@@ -34,7 +34,7 @@ TEST(MotionLimits, SetsAreThePublishedOnes) {
   for (std::size_t i = 0; i < fast.size(); ++i) EXPECT_GE(faster[i], fast[i]) << i;
 }
 
-TEST(MotionLimits, ANumberThatIsGivenReplacesTheOneOfTheSet) {
+TEST(MotionLimits, GivenValueOverridesTheSet) {
   MotionLimitsConfig config;
   double* const given[] = {&config.horizontal_speed_mps,       &config.horizontal_acceleration_mps2,
                            &config.horizontal_jerk_mps3,       &config.vertical_speed_mps,

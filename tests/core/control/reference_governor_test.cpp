@@ -50,7 +50,7 @@ struct Usage {
 /// both.
 double least_time(double distance, double v, double a, double j) { return distance / v + v / a + a / j; }
 
-TEST(ReferenceGovernor, TakesAFeasibleReferenceAsItIsAndGoesOnFromThere) {
+TEST(ReferenceGovernor, AdoptsFeasibleReferencesAndContinues) {
   MotionLimitsConfig config;
   ReferenceGovernor governor(config.resolve());
   governor.reset({});
@@ -71,7 +71,7 @@ TEST(ReferenceGovernor, TakesAFeasibleReferenceAsItIsAndGoesOnFromThere) {
   EXPECT_TRUE(governor.take(told, 0.01).position_m.allFinite());
 }
 
-TEST(ReferenceGovernor, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
+TEST(ReferenceGovernor, ReachesFarPointQuicklyWithoutOvershoot) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);
     ReferenceGovernor governor(l);
@@ -94,7 +94,7 @@ TEST(ReferenceGovernor, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
 }
 
 // Full jerk up to the greatest acceleration, and full jerk down to none at the greatest speed.
-TEST(ReferenceGovernor, GainsSpeedAsFastAsItsLimitsAllow) {
+TEST(ReferenceGovernor, AcceleratesAsFastAsLimitsAllow) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);
     const double v_mps = l.horizontal_speed_mps, a_mps2 = l.horizontal_acceleration_mps2,
@@ -115,7 +115,7 @@ TEST(ReferenceGovernor, GainsSpeedAsFastAsItsLimitsAllow) {
   }
 }
 
-TEST(ReferenceGovernor, NeverExceedsALimitWhateverTheGoal) {
+TEST(ReferenceGovernor, NeverExceedsLimitsForAnyGoal) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);
     for (std::uint32_t trial = 0; trial < 6; ++trial) {
@@ -147,7 +147,7 @@ TEST(ReferenceGovernor, NeverExceedsALimitWhateverTheGoal) {
   }
 }
 
-TEST(ReferenceGovernor, KeepsSpeedAndAccelerationLimitsWhenTheStepVaries) {
+TEST(ReferenceGovernor, KeepsLimitsUnderVaryingTimeSteps) {
   const MotionLimits l = limits_named(Set::kMedium);
   const Random random(3, "test.governor.dt");
   ReferenceGovernor governor(l);
@@ -176,7 +176,7 @@ Reference moving(double t) {
   return m;
 }
 
-TEST(ReferenceGovernor, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
+TEST(ReferenceGovernor, TracksFeasibleTrajectoryWithoutSteadyLag) {
   ReferenceGovernor governor(limits_named(Set::kMedium));
   governor.reset(at(-4, 3, 1));
   Usage usage;
@@ -233,7 +233,7 @@ TEST(ReferenceGovernor, SlowsDownToAWishedSpeed) {
   EXPECT_NEAR(governor.state().velocity_mps.x(), 1.5, 0.01);
 }
 
-TEST(ReferenceGovernor, PassesOverGoalsThatAreNotNumbers) {
+TEST(ReferenceGovernor, IgnoresNonFiniteGoals) {
   ReferenceGovernor governor(limits_named(Set::kMedium));
   governor.reset(at(1, 2, 3));
   Reference broken = at(std::nan(""), 0, 0);
@@ -245,7 +245,7 @@ TEST(ReferenceGovernor, PassesOverGoalsThatAreNotNumbers) {
   EXPECT_EQ(governor.state().position_m, Vector3(1, 2, 3));
 }
 
-TEST(MotionLimits, MediumIsTable21OfTheThesisAndNumbersReplaceTheSet) {
+TEST(MotionLimits, TakesMediumFromThesisUnlessOverridden) {
   const MotionLimits medium = limits_named(Set::kMedium);
   EXPECT_EQ(medium.horizontal_speed_mps, 4.0);
   EXPECT_EQ(medium.horizontal_acceleration_mps2, 2.0);

@@ -12,7 +12,7 @@ namespace {
 
 using testing::ConfigChecks;
 
-TEST(AirMap, ABeamThatIsNowhereChangesNothing) {
+TEST(AirMap, IgnoresBeamsWithNonFiniteEnds) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   AirMapConfig config;
   config.size_m = {4.0, 4.0, 4.0};
@@ -33,7 +33,7 @@ TEST(AirMap, ABeamThatIsNowhereChangesNothing) {
   }
 }
 
-TEST(AirMap, ItsBoxIsRoundedUpToPowersOfTwo) {
+TEST(AirMap, RoundsBoxesToPowersOfTwo) {
   AirMapConfig config;
   config.voxel_m = 0.5;
   const auto voxels = [&](double x, double y, double z) {

@@ -72,7 +72,7 @@ double shots_by_walk(const LocalCloud& cloud, const RoundTarget& target, double 
   return shots;
 }
 
-TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
+TEST(BeamIndex, MatchesBruteForceForMovingSweeps) {
   auto table = std::make_shared<BeamTable>(*make_beams(40, 160, 88.0, -85.0));
   const Random random(2, "motion");
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -115,7 +115,7 @@ TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
 }
 
 // At most the range of any return within half a degree, and exactly that of one nearby return, at any azimuth.
-TEST(BeamIndex, TheNearestReturnAboutADirectionIsOneOfItsNeighbors) {
+TEST(BeamIndex, FindsNearestReturnAroundADirection) {
   const auto table = all_around(60, 200);
   const Random random(5, "returns");
   LocalCloud cloud = moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0);
@@ -152,7 +152,7 @@ TEST(BeamIndex, TheNearestReturnAboutADirectionIsOneOfItsNeighbors) {
 
 // For a target whose position is less certain than its size, beams between 2.5 deviations and the end of the Gaussian
 // may be counted or not.
-TEST(BeamIndex, BeamsAlongTheAxesMeetWhatLiesThere) {
+TEST(BeamIndex, HitsTargetsAlongTheAxes) {
   const Vector3 axes[] = {Vector3::UnitX(),  Vector3::UnitY(),  Vector3::UnitZ(),
                           -Vector3::UnitX(), -Vector3::UnitY(), -Vector3::UnitZ()};
   auto table = std::make_shared<BeamTable>(*make_beams(1, 6));
@@ -170,7 +170,7 @@ TEST(BeamIndex, BeamsAlongTheAxesMeetWhatLiesThere) {
 }
 
 // Bins are not equally wide by azimuth, but in the mean around they are.
-TEST(BeamIndex, TheDensityOfBeamsIsThatAroundTheTarget) {
+TEST(BeamIndex, MeasuresBeamDensityAroundTheTarget) {
   auto table = all_around(128, 256);
   table->masked.assign(table->directions_lidar.size(), 0);
   for (std::size_t i = 0; i < table->masked.size(); ++i) {  // half as dense below

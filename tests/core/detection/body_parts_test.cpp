@@ -15,7 +15,7 @@ using Returns = std::vector<Vector3>;
 
 const double kMiddle = std::log(0.17 / 0.02), kBeside = std::log(0.83 / 0.98);
 
-TEST(BodyParts, EachReturnCountsByTheThirdThatItLiesIn) {
+TEST(BodyParts, CountsReturnsByThirdOfBody) {
   BodyParts parts;
   const Returns a = {{0.0, 0.0, 0.0}, {0.4, 1.0, 0.0}, {-0.4, -1.0, 5.0}}, b = {{1.0, 0.0, 5.0 / 3.0}};
   // The line from the mean of a to b is along x; the second return of a lies at 0.4 of it.
@@ -29,7 +29,7 @@ TEST(BodyParts, EachReturnCountsByTheThirdThatItLiesIn) {
   EXPECT_EQ(parts.log_odds(3, 7), 0.0);
 }
 
-TEST(BodyParts, TwoReturnsSayNothingAndNothingIsEverCertain) {
+TEST(BodyParts, NeedsThreeReturnsAndBoundsCertainty) {
   BodyParts parts;
   const Returns left = {{0.0, 0.0, 0.0}}, right = {{1.0, 0.0, 0.0}}, most = Returns(100, {1.0, 0.0, 0.0});
   EXPECT_FALSE(parts.weigh(1, left, 2, right));
@@ -79,7 +79,7 @@ int taken_for_one(double length_m, double gap_m, double returns_per_sweep) {
   return ones;
 }
 
-TEST(BodyParts, OneBodyIsKnownByItsMiddleAndTwoByTheAirBetweenThem) {
+TEST(BodyParts, DistinguishesOneBodyFromTwo) {
   EXPECT_GE(taken_for_one(2.0, 0.0, 2.0), 80) << "the means of so few are returns themselves";
   for (const double returns_per_sweep : {6.0, 20.0}) EXPECT_GE(taken_for_one(2.0, 0.0, returns_per_sweep), 190);
   for (const double returns_per_sweep : {2.0, 6.0, 20.0}) EXPECT_LE(taken_for_one(1.0, 0.5, returns_per_sweep), 4);

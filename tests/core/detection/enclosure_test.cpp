@@ -45,7 +45,7 @@ bool leads_out_slowly(const VoxelMap& map, const Cell& start, const SearchShape&
   return false;
 }
 
-TEST(EnclosureSearch, AgreesWithASlowFloodInRandomMaps) {
+TEST(EnclosureSearch, MatchesFloodFillInRandomMaps) {
   const Random random(1, "flood");
   EnclosureSearch search;
   int enclosed = 0, out = 0;
@@ -84,7 +84,7 @@ TEST(EnclosureSearch, AgreesWithASlowFloodInRandomMaps) {
   EXPECT_GT(out, 50);
 }
 
-TEST(EnclosureSearch, AShellOfFreeVoxelsHoldsUntilItHasAHole) {
+TEST(EnclosureSearch, FreeShellEnclosesUntilItLeaks) {
   VoxelMap map(box(8.0));
   const auto at = [&](int x, int y, int z) { return map.grid().index({x, y, z}); };
   for (int z = -3; z <= 3; ++z) {
@@ -106,7 +106,7 @@ TEST(EnclosureSearch, AShellOfFreeVoxelsHoldsUntilItHasAHole) {
   EXPECT_FALSE(search.enclosed(map, starts, shape));
 }
 
-TEST(EnclosureSearch, TheBorderOfTheMapAndWhatLiesBeyondAreAWayOut) {
+TEST(EnclosureSearch, TreatsTheMapBorderAsOpen) {
   VoxelMap map(box(2.0));
   EnclosureSearch search;
   const SearchShape shape{.radius_m = 50.0};

@@ -61,7 +61,7 @@ TEST(EuclideanClusters, AreThoseOfBruteForce) {
 
 // Tolerances above one meter, and cells whose keys differ only in their leading digits. Points of one place are far
 // apart in the list.
-TEST(EuclideanClusters, OfGreatDistancesAreThoseOfBruteForce) {
+TEST(EuclideanClusters, MatchBruteForceOverGreatDistances) {
   EuclideanClusters clusters;
   for (std::uint32_t trial = 0; trial < 40; ++trial) {
     const Random random(trial, "test.far");
@@ -82,7 +82,7 @@ TEST(EuclideanClusters, OfGreatDistancesAreThoseOfBruteForce) {
 }
 
 // Cells are numbered in 21 bits by axis, less two at either end for their neighbors.
-TEST(EuclideanClusters, LeaveOutWhatIsAMillionCellsAway) {
+TEST(EuclideanClusters, ExcludePointsAMillionCellsAway) {
   EuclideanClusters clusters;
   for (int axis = 0; axis < 3; ++axis) {
     for (const float sign : {-1.0F, 1.0F}) {
@@ -97,7 +97,7 @@ TEST(EuclideanClusters, LeaveOutWhatIsAMillionCellsAway) {
   }
 }
 
-TEST(EuclideanClusters, ReachExactlyAsFarAsTheTolerance) {
+TEST(EuclideanClusters, ReachExactlyToTheTolerance) {
   EuclideanClusters clusters;
   for (const Eigen::Vector3f& direction :
        {Eigen::Vector3f(1, 0, 0), Eigen::Vector3f(0, -1, 0), Eigen::Vector3f(0, 0, 1),
@@ -112,7 +112,7 @@ TEST(EuclideanClusters, ReachExactlyAsFarAsTheTolerance) {
   }
 }
 
-TEST(EuclideanClusters, AChainOfPointsIsOneCluster) {
+TEST(EuclideanClusters, JoinAChainOfPoints) {
   Points points;
   for (int i = 0; i < 1000; ++i) points.emplace_back(0.2F * static_cast<float>(i), 0.0F, 0.0F);
   EuclideanClusters clusters;
@@ -138,7 +138,7 @@ TEST(EuclideanClusters, LeaveOutWhatIsNoPoint) {
   EXPECT_EQ(clusters.size(), 0);
 }
 
-TEST(EuclideanClusters, AMillionDuplicatesAndADenseHeapAreNothingSpecial) {
+TEST(EuclideanClusters, HandleManyDuplicatesAndDenseHeaps) {
   Points points(1'000'000, Eigen::Vector3f(1, 2, 3));
   const Random random(1, "test.heap");
   for (std::uint32_t i = 0; i < 500'000; ++i) {

@@ -84,7 +84,7 @@ TEST(Smallness, WeighsSweepsByNegativeBinomialLikelihoods) {
   }
 }
 
-TEST(Smallness, TellsBirdsFromTheSmallestUav) {
+TEST(Smallness, SeparatesBirdsFromTheSmallestUav) {
   const Random random(11, "smallness");
   constexpr double kShots = 7.5, kPrior = 0.05;  // a Mid-360 at 10 m
   int birds = 0, uavs = 0;

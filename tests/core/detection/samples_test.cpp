@@ -9,7 +9,7 @@ namespace swiftlet {
 namespace {
 
 // Two full voxels on a line along x and two with a point each beside it: the box lies along the line.
-TEST(ClusterShape, VoxelsCountByTheirPointsInMeanAndAxes) {
+TEST(ClusterShape, WeightsVoxelsByPointCount) {
   Samples samples;
   samples.at_local_m = {{-1.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {-1.0F, -1.0F, 0.0F}, {1.0F, 1.0F, 0.0F}};
   samples.weight = {1000, 1000, 1, 1};
@@ -25,7 +25,7 @@ TEST(ClusterShape, VoxelsCountByTheirPointsInMeanAndAxes) {
   EXPECT_GT(shape_of(samples, all).extent_m.z(), 2.5);
 }
 
-TEST(Samples, VoxelsHoldThePointsOfTheScan) {
+TEST(Samples, CollectScanPointsPerVoxel) {
   VoxelGrid grid;
   grid.edge_m = 0.5;
   grid.size = {4, 4, 4};

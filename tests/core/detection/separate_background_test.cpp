@@ -75,7 +75,7 @@ TEST(SeparateBackground, AgreesWithLabelsThatSpread) {
 }
 
 // Every pair of voxels, at all positions in blocks and words: near or not by the distance of their centers.
-TEST(SeparateBackground, TwoVoxelsHangTogetherUpToTheDistanceAndWithIt) {
+TEST(SeparateBackground, JoinsVoxelsUpToDistanceInclusive) {
   SeparateBackground separator;
   for (const double distance : {1.0, 1.4, 1.75, 2.0, 3.0, 3.2}) {  // in edges
     VoxelMap map(box({17.0, 2.25, 2.25}));
@@ -99,7 +99,7 @@ TEST(SeparateBackground, TwoVoxelsHangTogetherUpToTheDistanceAndWithIt) {
   }
 }
 
-TEST(SeparateBackground, WithoutALeastNumberAllAreKept) {
+TEST(SeparateBackground, KeepsAllWithoutAMinimumSize) {
   SeparateBackground separator;
   VoxelMap map(box({3.0, 3.0, 3.0}));
   map.set(0, -200.0F);

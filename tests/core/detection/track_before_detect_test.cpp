@@ -32,7 +32,7 @@ TEST(Existence, IsBayesRule) {
 }
 
 // The integral of exp(-rate n) over the gamma distribution of shape a and mean m is (a / (a + m n))^a.
-TEST(Existence, SilenceIsPoissonAveragedOverTheGammaDistribution) {
+TEST(Existence, AveragesPoissonSilenceOverGammaDistribution) {
   const ReturnRate rate{.returns = 3.0, .shots = 10.0, .variation = 2.0};
   constexpr int kSteps = 200000;
   constexpr double kStep = 1e-4, kShots = 7.0;
@@ -47,7 +47,7 @@ TEST(Existence, SilenceIsPoissonAveragedOverTheGammaDistribution) {
 }
 
 // 20 of 100 targets are hidden. A visible one is silent in one of four sweeps: 20 and 20 remain.
-TEST(Existence, SilenceMakesATargetLikelierHiddenThanGone) {
+TEST(Existence, SilenceFavorsHiddenOverGone) {
   Observability sight{.hidden = 0.2};
   EXPECT_NEAR(sight.weigh(0.25), 0.4, 1e-12);
   EXPECT_NEAR(sight.hidden, 0.5, 1e-12);
@@ -58,7 +58,7 @@ TEST(Existence, SilenceMakesATargetLikelierHiddenThanGone) {
 }
 
 // Seen for 4 s and hidden for 1 s in the mean: a fifth of the time in the long run.
-TEST(Existence, ATargetIsHiddenAndSeenAgain) {
+TEST(Existence, RelaxesToLongRunHiddenShare) {
   Observability sight;
   sight.predict(100.0, 0.25, 1.0);
   EXPECT_NEAR(sight.hidden, 0.2, 1e-12);
@@ -75,7 +75,7 @@ TEST(Existence, TheRateOfReturnsIsLearned) {
   EXPECT_NEAR(rate.mean(), 0.5, 1e-4);
 }
 
-TEST(AirMap, TheClutterShareIsTheMeanOfTheBetaDistribution) {
+TEST(AirMap, EstimatesClutterShareByBetaMean) {
   AirMapConfig config;
   config.size_m = {8.0, 8.0, 8.0};
   config.prior_hits = 0.125;
@@ -92,7 +92,7 @@ TEST(AirMap, TheClutterShareIsTheMeanOfTheBetaDistribution) {
 }
 
 // A voxel by the number of times that a dense sampling of the ray meets it: all of them and no other.
-TEST(AirMap, ARayPassesTheVoxelsOnItsWay) {
+TEST(AirMap, RayPassesVoxelsAlongItsPath) {
   AirMapConfig config;
   config.size_m = {8.0, 8.0, 8.0};
   AirMap map(config);
@@ -139,7 +139,7 @@ std::shared_ptr<const LocalCloud> one_beam(float range_m) {
   return cloud_of(scan);
 }
 
-TEST(BeamIndex, OneBeamMeetsATargetByHowSureItsPlaceIs) {
+TEST(BeamIndex, WeighsBeamByPositionUncertainty) {
   BeamIndex index;
   index.assign(*one_beam(0.0F));
   RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
@@ -153,7 +153,7 @@ TEST(BeamIndex, OneBeamMeetsATargetByHowSureItsPlaceIs) {
   EXPECT_EQ(index.exposure(target).shots, 0.0) << "behind the sensor";
 }
 
-TEST(BeamIndex, ABeamThatEndedBeforeTheTargetSaysNothingOfIt) {
+TEST(BeamIndex, IgnoresBeamsEndingBeforeTarget) {
   BeamIndex index;
   RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
   index.assign(*one_beam(12.0F));
@@ -173,7 +173,7 @@ TEST(BeamIndex, ABeamThatEndedBeforeTheTargetSaysNothingOfIt) {
 }
 
 // In every direction, including the poles and the seam of the azimuth, the index equals a walk over all beams.
-TEST(BeamIndex, FindsTheBeamsThatAWalkOverAllFinds) {
+TEST(BeamIndex, MatchesBruteForceBeams) {
   const auto beams = make_beams(48, 192, 89.0, -89.0);
   const auto cloud = cloud_of(scan_world(ground(-1000.0), Pose::Identity(), beams, 0));
   BeamIndex index;
@@ -234,7 +234,7 @@ class Watcher {
 };
 
 // 12 m away the sphere is met by one of these beams, by two, or by none.
-TEST(TrackBeforeDetect, FollowsATargetOfFewReturnsOnItsKnownPath) {
+TEST(TrackBeforeDetect, FollowsSparseTargetOnKnownPath) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) EXPECT_TRUE(watcher.look(ground()).detections.empty()) << i;
   int found = 0, with_returns = 0;
@@ -263,7 +263,7 @@ TEST(TrackBeforeDetect, FollowsATargetOfFewReturnsOnItsKnownPath) {
 }
 
 // A bar of 2.4 m is wider than any gate of a target, so its ends begin hypotheses of their own.
-TEST(TrackBeforeDetect, ALargeBodyIsOneTargetOnceItsPartsAreJoined) {
+TEST(TrackBeforeDetect, JoinsPartsIntoOneLargeBody) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) watcher.look(ground());
   std::set<std::uint32_t> ids;
@@ -281,7 +281,7 @@ TEST(TrackBeforeDetect, ALargeBodyIsOneTargetOnceItsPartsAreJoined) {
   EXPECT_GT(most, 1U) << "it fell into parts at first";
 }
 
-TEST(TrackBeforeDetect, WhoDoesNotAskForLargeBodiesSeesTheirParts) {
+TEST(TrackBeforeDetect, WithoutLargeBodiesReportsTheirParts) {
   TrackBeforeDetectConfig config;
   config.target.body_m = 0.0;
   Watcher watcher(config);
@@ -295,7 +295,7 @@ TEST(TrackBeforeDetect, WhoDoesNotAskForLargeBodiesSeesTheirParts) {
 }
 
 // A bar loses its middle, and its ends fly apart: they are separate targets after a second or two.
-TEST(TrackBeforeDetect, ABodyThatIsTwoAfterAllIsTakenApart) {
+TEST(TrackBeforeDetect, SplitsBodyProvenToBeTwo) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) watcher.look(ground());
   int one = 0, two = 0;
@@ -325,7 +325,7 @@ TEST(TrackBeforeDetect, TwoSideBySideStayTwo) {
   EXPECT_GE(two, 57) << "of 60";
 }
 
-TEST(TrackBeforeDetect, ForgetsATargetThatBeamsSeeThrough) {
+TEST(TrackBeforeDetect, DropsTargetThatBeamsPassThrough) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) watcher.look(ground());
   for (int i = 0; i < 30; ++i) watcher.look(all_of({ground(), sphere({10.0, 0.0, 5.0}, 0.3)}));
@@ -336,7 +336,7 @@ TEST(TrackBeforeDetect, ForgetsATargetThatBeamsSeeThrough) {
   EXPECT_TRUE(watcher.output.detections.empty());
 }
 
-TEST(TrackBeforeDetect, ATargetBehindAWallIsNotDeniedByTheWall) {
+TEST(TrackBeforeDetect, KeepsTargetHiddenBehindWall) {
   Watcher watcher;
   const World wall = bar({6.0, -0.2, -2.0}, {6.0, -0.2, 9.0}, 1.2);
   const auto target = [](double y) { return sphere({12.0, y, 5.0}, 0.3); };
@@ -370,7 +370,7 @@ struct BehindAPillar {
   std::uint32_t before = 0;
 };
 
-TEST(TrackBeforeDetect, ATargetThatWasHiddenKeepsItsIdentity) {
+TEST(TrackBeforeDetect, KeepsIdentityOfHiddenTarget) {
   BehindAPillar flight;
   ASSERT_NE(flight.before, 0U);
   int hidden = 0, found_after = -1;
@@ -390,7 +390,7 @@ TEST(TrackBeforeDetect, ATargetThatWasHiddenKeepsItsIdentity) {
   EXPECT_LE(found_after, 49) << "it comes out at 46";
 }
 
-TEST(TrackBeforeDetect, WithoutMemoryATargetThatWasHiddenIsANewOne) {
+TEST(TrackBeforeDetect, WithoutMemoryRenewsIdentityAfterHiding) {
   TrackBeforeDetectConfig config;
   config.sigma_hidden_m = 0.0;
   BehindAPillar flight(config);
@@ -419,7 +419,7 @@ TEST(TrackBeforeDetect, AnotherOneElsewhereDoesNotInherit) {
 }
 
 // Air that is free all around returns little but targets. One return may be of anything, two in a row are a target.
-TEST(TrackBeforeDetect, TwoReturnsAmidFreeAirAreATarget) {
+TEST(TrackBeforeDetect, DetectsTwoReturnsAmidFreeAir) {
   Watcher watcher;
   for (int i = 0; i < 40; ++i) watcher.look(ground());
   int looks = 0;
@@ -436,7 +436,7 @@ TEST(TrackBeforeDetect, WhatStandsStillIsNoTarget) {
   for (int i = 0; i < 80; ++i) EXPECT_TRUE(watcher.look(scene).detections.empty()) << i;
 }
 
-TEST(TrackBeforeDetect, TellsWhenItsLatencyIsOver) {
+TEST(TrackBeforeDetect, ReportsDetectionsAfterItsLatency) {
   TrackBeforeDetectConfig config;
   config.latency_s = 0.05;
   Module module(detector_module_types(), "track_before_detect");

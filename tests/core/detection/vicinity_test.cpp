@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(Vicinity, HoldsWhateverIsNearAPointAndNothingFar) {
+TEST(Vicinity, HoldsNearbyPointsAndNothingFar) {
   const Random random(3, "vicinity");
   const VoxelGrid box = VoxelGrid::covering({5.0, -3.0, 2.0}, {30.0, 20.0, 10.0}, 0.25);
   const Vector3 low = box.edge_m * box.min_cell.cast<double>(), size = box.edge_m * box.size.cast<double>();

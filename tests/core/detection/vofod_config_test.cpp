@@ -11,7 +11,7 @@ namespace {
 using testing::ConfigChecks;
 
 // Per voxel a value of four bytes and an occupancy bit.
-TEST(VofodConfig, TellsTheMemoryOfItsMap) {
+TEST(VofodConfig, ReportsTheMemoryOfItsMap) {
   VofodConfig config;
   config.map.voxel_m = 0.5;
   config.map.size_m = {10.0, 20.0, 5.0};
@@ -19,7 +19,7 @@ TEST(VofodConfig, TellsTheMemoryOfItsMap) {
 }
 
 // The window covers the length of rays plus the motion of the sensor in a sweep, or the map plus its scrolling.
-TEST(VofodConfig, TellsTheMemoryOfItsWindowOfRays) {
+TEST(VofodConfig, ReportsMemoryOfItsRayWindow) {
   VofodConfig config;
   config.map.voxel_m = 0.5;
   config.ray_max_m = 15.0;

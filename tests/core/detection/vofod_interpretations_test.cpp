@@ -61,7 +61,7 @@ class FreeAir {
 
 const std::vector<Eigen::Vector3f> kInOneVoxel = {{1.1F, 1.1F, 3.1F}, {1.15F, 1.1F, 3.1F}, {1.1F, 1.15F, 3.15F}};
 
-TEST(VofodConfidence, IsCertainInFreeAirAndFallsWithEveryVoxelWithinTheMarginThatIsNot) {
+TEST(VofodConfidence, FallsWithUncertainVoxelsInMargin) {
   FreeAir clear(small_box());
   ASSERT_EQ(clear.see(kInOneVoxel).size(), 1u);
   EXPECT_NEAR(FreeAir(small_box()).see(kInOneVoxel)[0].confidence, 1.0, 1e-6);
@@ -79,7 +79,7 @@ TEST(VofodConfidence, IsCertainInFreeAirAndFallsWithEveryVoxelWithinTheMarginTha
   }
 }
 
-TEST(VofodConfidence, CornersOfTheBoxCountAndItIsSharedByTheOwnVoxels) {
+TEST(VofodConfidence, CountsBoxCornersAndSharesDoubt) {
   FreeAir air(small_box());
   const Cell own = air.cell_of(kInOneVoxel[0]);
   for (const int x : {-2, 2}) {
@@ -97,7 +97,7 @@ TEST(VofodConfidence, CornersOfTheBoxCountAndItIsSharedByTheOwnVoxels) {
   EXPECT_NEAR(two.see(points)[0].confidence, std::exp(-0.1), 1e-6);
 }
 
-TEST(VofodInterpretations, PositionIsTheCentroidOrTheBoxsCenter) {
+TEST(VofodInterpretations, PlacesDetectionAtCentroidOrCenter) {
   const std::vector<Eigen::Vector3f> points = {{1.0F, 1.0F, 3.0F}, {1.0F, 1.0F, 3.0F}, {1.4F, 1.2F, 3.2F}};
   VofodConfig config = small_box();
   EXPECT_LT((FreeAir(config).see(points)[0].position_m - Vector3(3.4 / 3.0, 3.2 / 3.0, 9.2 / 3.0)).norm(), 1e-6);
@@ -147,7 +147,7 @@ TEST(VofodInterpretations, SearchesASphereOrAnOctahedron) {
 }
 
 // A cluster of background with too little confidence is removed: its voxels alone (the paper), or all around them.
-TEST(VofodInterpretations, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere) {
+TEST(VofodInterpretations, RemovesBackgroundByClusterOrSphere) {
   VofodConfig config = small_box();
   for (const auto reach : {VofodChoices::SeparateReach::kCluster, VofodChoices::SeparateReach::kSphere}) {
     for (const auto becomes : {VofodChoices::SeparateBecomes::kUnknown, VofodChoices::SeparateBecomes::kFree}) {
@@ -179,7 +179,7 @@ TEST(VofodInterpretations, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere)
   }
 }
 
-TEST(VofodStages, SeparateBackgroundIsRemovedByAsManyUpdatesAsThereWereClassifications) {
+TEST(VofodStages, RemovesSeparateBackgroundOncePerClassification) {
   FreeAir air(small_box());
   const Cell cell = air.cell_of({1.1F, 1.1F, 3.1F});
   air.set(cell, -200.0);
@@ -188,7 +188,7 @@ TEST(VofodStages, SeparateBackgroundIsRemovedByAsManyUpdatesAsThereWereClassific
   EXPECT_NEAR(air.G(cell), -740.0 + 540.0 / 8.0, 1e-3);
 }
 
-TEST(VofodStages, TheGroundBelowAnAltimeterMovesHalfWayToOccupied) {
+TEST(VofodStages, MovesAltimeterGroundHalfwayToOccupied) {
   FreeAir air(small_box());
   const Cell cell = air.cell_of({1.1F, 1.1F, 0.1F});
   air.stages.seed_ground({1.1, 1.1, 0.1});
@@ -199,7 +199,7 @@ TEST(VofodStages, TheGroundBelowAnAltimeterMovesHalfWayToOccupied) {
   EXPECT_EQ(air.stages.map().num_occupied(), 1);
 }
 
-TEST(VofodStages, ADetectionHoldsForTheMeanTimeOfItsPoints) {
+TEST(VofodStages, StampsDetectionsWithMeanPointTime) {
   LocalCloud cloud = cloud_from({0, 0, 4}, kInOneVoxel);
   auto beams = std::make_shared<BeamTable>(*cloud.scan->beams);
   beams->column_offset_s = {0.01F, 0.03F, 0.08F};
@@ -219,7 +219,7 @@ TEST(VofodStages, ADetectionHoldsForTheMeanTimeOfItsPoints) {
   EXPECT_LT((found[0].covariance - 0.09 * Matrix3::Identity()).norm(), 1e-12);
 }
 
-TEST(VofodStages, AVoxelCountsAllOfItsPoints) {
+TEST(VofodStages, CountsEveryPointOfAVoxel) {
   VofodConfig config = small_box();
   config.choices.clustering = VofodChoices::Clustering::kVoxels;
   config.min_points = 1;
@@ -231,7 +231,7 @@ TEST(VofodStages, AVoxelCountsAllOfItsPoints) {
 }
 
 // 15 % of 40 x 40 columns are 240 voxels.
-TEST(VofodInterpretations, SufficientIsABackgroundOfEnoughVoxelsOnceAndACorroboratedCluster) {
+TEST(VofodInterpretations, RequiresVoxelsAndACorroboratedCluster) {
   VofodConfig config = small_box();
   config.choices.sufficiency = VofodChoices::Sufficiency::kBackgroundRatio;
   for (const int count : {240, 241}) {
@@ -246,7 +246,7 @@ TEST(VofodInterpretations, SufficientIsABackgroundOfEnoughVoxelsOnceAndACorrobor
   }
 }
 
-TEST(VofodInterpretations, UncertainVoxelsAroundADetectionStayOrBecomeJustFree) {
+TEST(VofodInterpretations, KeepsOrClearsUncertainNearbyVoxels) {
   for (const auto search : {VofodChoices::FailedSearch::kKeep, VofodChoices::FailedSearch::kClear}) {
     VofodConfig config = small_box();
     config.choices.failed_search = search;
@@ -264,7 +264,7 @@ TEST(VofodInterpretations, UncertainVoxelsAroundADetectionStayOrBecomeJustFree) 
   }
 }
 
-TEST(VofodInterpretations, DetectionsBecomeUnknownOrMoveTowardsIt) {
+TEST(VofodInterpretations, SetsDetectionsToOrTowardsUnknown) {
   for (const auto update : {VofodChoices::MapUpdate::kAfter, VofodChoices::MapUpdate::kBefore}) {
     VofodConfig config = small_box();
     config.choices.map_update = update;
@@ -277,7 +277,7 @@ TEST(VofodInterpretations, DetectionsBecomeUnknownOrMoveTowardsIt) {
 }
 
 // d_close is 0.7 m to the center of a voxel that is at least tentative.
-TEST(VofodInterpretations, BackgroundIsWhatIsCloseToIt) {
+TEST(VofodInterpretations, TreatsNearbyClustersAsBackground) {
   for (const auto close_to : {VofodChoices::CloseTo::kTentative, VofodChoices::CloseTo::kConfident}) {
     for (const double G : {-200.0, 0.0}) {
       for (const float away_m : {0.69F, 0.71F}) {
@@ -304,7 +304,7 @@ TEST(VofodInterpretations, BackgroundIsWhatIsCloseToIt) {
   }
 }
 
-TEST(VofodInterpretations, WhatIsLargerThanADetectionMayBeBeginsTheBackground) {
+TEST(VofodInterpretations, SeedsBackgroundFromTooLargeClusters) {
   for (const VofodSeed seed :
        {VofodSeed::kLargeAndAltimeter, VofodSeed::kLarge, VofodSeed::kAltimeter, VofodSeed::kNone}) {
     for (const float length_m : {2.95F, 3.05F}) {
@@ -345,7 +345,7 @@ struct Beams {
   std::shared_ptr<Scan> scan;
 };
 
-TEST(VofodStages, BeamsWithoutReturnClearAsFarAsRaysAreFollowedOrNotAtAll) {
+TEST(VofodStages, ClearsEmptyBeamsOnlyIfConfigured) {
   for (const bool empty_returns : {true, false}) {
     VofodConfig config = small_box();
     config.ray_weight = 1.0;
@@ -365,7 +365,7 @@ TEST(VofodStages, BeamsWithoutReturnClearAsFarAsRaysAreFollowedOrNotAtAll) {
   }
 }
 
-TEST(VofodStages, BeamsThatMeetTheOwnVehicleClearNothing) {
+TEST(VofodStages, ClearsNothingAlongBeamsHittingItself) {
   VofodConfig config = small_box();
   config.ray_weight = 1.0;
   Beams beams(config);
@@ -380,7 +380,7 @@ TEST(VofodStages, BeamsThatMeetTheOwnVehicleClearNothing) {
 }
 
 // Four rays through a whole voxel, of which the weight is that of its diagonal.
-TEST(VofodStages, RaysMoveAVoxelByTheirLengthInIt) {
+TEST(VofodStages, WeightsRaysByLengthInVoxel) {
   for (const int num_classifications : {1, 3}) {
     VofodConfig config = small_box();
     config.ray_weight = 0.2;
@@ -392,7 +392,7 @@ TEST(VofodStages, RaysMoveAVoxelByTheirLengthInIt) {
   }
 }
 
-TEST(VofodInterpretations, RaysFreeVoxelsThatHeldAPointOrNot) {
+TEST(VofodInterpretations, ClearsOrKeepsHitVoxels) {
   for (const auto hit_voxels : {VofodChoices::HitVoxels::kUpdate, VofodChoices::HitVoxels::kKeep}) {
     VofodConfig config = small_box();
     config.ray_weight = 1.0;
@@ -411,7 +411,7 @@ TEST(VofodInterpretations, RaysFreeVoxelsThatHeldAPointOrNot) {
   }
 }
 
-TEST(VofodStages, ASensorOutsideTheMapClearsNothing) {
+TEST(VofodStages, ClearsNothingFromOutsideTheMap) {
   VofodConfig config = small_box();
   config.ray_weight = 1.0;
   Beams beams(config);

@@ -57,7 +57,7 @@ class Flight {
   int count_ = 0;
 };
 
-TEST(VofodStages, AFlyingObjectInExploredAirIsFoundWhereItIs) {
+TEST(VofodStages, LocatesFlyingObjectInExploredAir) {
   Flight flight(small_config());
   flight.look_around(ground(), 10);
   for (const double x : {4.0, 6.0, 8.0}) {
@@ -74,7 +74,7 @@ TEST(VofodStages, AFlyingObjectInExploredAirIsFoundWhereItIs) {
   }
 }
 
-TEST(VofodStages, ADetectionTellsTheBrightestReturnOfItsCluster) {
+TEST(VofodStages, ReportsBrightestReturnOfEachCluster) {
   for (const auto clustering : {VofodChoices::Clustering::kPoints, VofodChoices::Clustering::kVoxels}) {
     VofodConfig config = small_config();
     config.choices.clustering = clustering;
@@ -127,7 +127,7 @@ TEST(VofodStages, AThinCrownIsBackground) {
 }
 
 // A slowly rising wire meets a row of beams here and there; only an end without near points looks like an object.
-TEST(VofodStages, WiresAndPolesThatHangFreeAreBackground) {
+TEST(VofodStages, TreatsFreeHangingStructuresAsBackground) {
   const std::vector<World> things = {bar({5.0, -4.0, 2.0}, {5.0, 3.2, 2.81}, 0.025),
                                      bar({-6.0, -3.0, 2.0}, {-6.0, 3.0, 4.0}, 0.025),
                                      bar({1.0, 6.0, 0.9}, {1.0, 6.0, 5.5}, 0.025)};
@@ -160,18 +160,18 @@ TEST(VofodStages, ALargeTargetIsOneDetection) {
   }
 }
 
-TEST(VofodStages, NothingIsFoundBeforeTheAirAroundIsKnown) {
+TEST(VofodStages, DetectsNothingInUnexploredAir) {
   Flight flight(small_config());
   EXPECT_TRUE(flight.scan(all_of({ground(), sphere({6.0, 1.0, 2.5}, 0.3)})).empty());
 }
 
-TEST(VofodStages, WhatStandsOnTheGroundIsBackground) {
+TEST(VofodStages, TreatsGroundedObjectsAsBackground) {
   Flight flight(small_config());
   flight.look_around(ground(), 10);
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(flight.scan(all_of({ground(), sphere({6.0, 1.0, 0.3}, 0.3)})).empty());
 }
 
-TEST(VofodStages, AnObjectThatTakesOffIsFoundAndItsPlaceIsCleared) {
+TEST(VofodStages, DetectsTakeoffAndClearsItsPlace) {
   Flight flight(small_config());
   flight.look_around(all_of({ground(), sphere({5.0, 1.0, 0.3}, 0.3)}), 12);
   std::size_t found = 0;
@@ -195,7 +195,7 @@ TEST(VofodStages, TheGroundBecomesBackground) {
   EXPECT_LT(flight.stages.map().state_at({5.0, 2.0, 2.0}), VoxelState::kTentative);
 }
 
-TEST(VofodStages, WithoutASeedAnUnknownWorldHasNoBackground) {
+TEST(VofodStages, FindsNoBackgroundWithoutASeed) {
   VofodConfig config = small_config();
   config.seed = VofodSeed::kNone;
   config.ray_weight = 0.003;
@@ -223,7 +223,7 @@ TEST(VofodStages, AKnownMapSeedsTheBackground) {
 class VofodStagesByDistance : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(ClusterDistance, VofodStagesByDistance, ::testing::Values(kPapers_m, 0.7));
 
-TEST_P(VofodStagesByDistance, MapAndDetectionsAreThoseOfThePaperWrittenOut) {
+TEST_P(VofodStagesByDistance, MatchesReferenceImplementationOfThePaper) {
   const Random random(1, "flight");
   VofodConfig config = small_config();
   config.cluster_distance_m = GetParam();
@@ -291,7 +291,7 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
   EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = VofodChoices::SeparateReach::kSphere; }), 6u);
 }
 
-TEST(VofodStages, PoseNoiseWidensTheCovarianceAcrossTheRay) {
+TEST(VofodStages, WidensLateralCovarianceByPoseNoise) {
   VofodConfig config = small_config();
   config.covariance = DetectionCovariance::kPoseNoise;
   config.sigma_m = 0.01;
@@ -396,7 +396,7 @@ TEST(VofodStages, TenMillionPointsAreMany) {
   EXPECT_EQ(stages.num_clusters(), 1);
 }
 
-TEST(VofodStages, RaysThatAreNotFiniteAreLeftOut) {
+TEST(VofodStages, IgnoresNonFiniteRays) {
   auto beams = std::make_shared<BeamTable>(*make_beams(4, 16));
   beams->directions_lidar[3] = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   beams->origins_lidar[5] = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());

@@ -78,7 +78,7 @@ TEST(VofodDetector, ResultsComeAfterTheirLatency) {
   EXPECT_EQ(finished, 9);  // ten scans, the last of which is not ready
 }
 
-TEST(VofodDetector, ASlowClassificationDropsOldScansNotNewOnes) {
+TEST(VofodDetector, SlowClassificationDropsOldScansFirst) {
   VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.25;
   Ticker ticker(config);
@@ -100,7 +100,7 @@ std::uint64_t count_of(const Detector& detector, const std::string& setting) {
   return 0;
 }
 
-TEST(VofodDetector, CountsTheSweepsThatWerePassedOver) {
+TEST(VofodDetector, CountsSkippedSweeps) {
   VofodConfig config = near_config();
   for (const double latency_s : {0.05, 0.25}) {
     config.timing.classification_latency_s = latency_s;
@@ -124,7 +124,7 @@ TEST(VofodDetector, CountsTheReturnsOutsideItsMap) {
   }
 }
 
-TEST(VofodDetector, TheMapChangesWhenAModuleIsDoneAndRaysCountClassifications) {
+TEST(VofodDetector, UpdatesMapWhenRaycastingCompletes) {
   VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.0;
   config.timing.raycasting_latency_s = 0.25;
@@ -202,7 +202,7 @@ TEST(VofodDetector, ListensToItsSensorOnly) {
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(ticker.tick(ground()).has_detections);
 }
 
-TEST(GroundTruthDetector, TellsWhatTheNeighborSensorSays) {
+TEST(GroundTruthDetector, ReportsNeighborSensorMeasurements) {
   Module module(detector_module_types(), "ground_truth");
   module.as<GroundTruthDetectorConfig>().latency_s = 0.01;
   module.as<GroundTruthDetectorConfig>().range_max_m = 50.0;

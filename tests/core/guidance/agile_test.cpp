@@ -51,7 +51,7 @@ TEST(Agile, HeadsAlongItsVelocity) {
   EXPECT_EQ(driver.out.mission, MissionStatus::kEndless);
 }
 
-TEST(Agile, FliesItsSplineInTheWorldFrame) {
+TEST(Agile, FliesItsSplineInWorldFrame) {
   AgileConfig config = within_usual_limits();
   config.yaw = AgileConfig::Yaw::kFixed;
   config.yaw_deg = 90.0;

@@ -47,7 +47,7 @@ TEST_P(BirdOf, KeepsItsBounds) {
   }
 }
 
-TEST_P(BirdOf, TellsTheDerivativesOfItsPath) {
+TEST_P(BirdOf, ReportsTrueDerivativesOfItsPath) {
   BirdConfig config = bird_of(GetParam());
   config.perches_m = {{5.0, 5.0, 5.0}, {-8.0, 3.0, 7.0}};
   config.flight_s = 4.0;
@@ -88,7 +88,7 @@ TEST(Bird, Bounds) {
   EXPECT_NEAR(*high - *low, 0.2, 0.02);
 }
 
-TEST(Bird, FliesAtTheSpeedOfABird) {
+TEST(Bird, FliesAtRealisticBirdSpeed) {
   std::vector<double> speeds_mps;
   BirdFlight flight({}, kStart_m, kRise_mps, kRise_mps2);
   for (int i = 0; i < 20'000; ++i) {
@@ -120,7 +120,7 @@ TEST(Bird, TurnsOfASudden) {
   EXPECT_GT(turned_rad(1.0), 1.5 * turned_rad(100.0));
 }
 
-TEST(Bird, PerchesForAsLongAsTold) {
+TEST(Bird, PerchesForConfiguredDuration) {
   BirdConfig config;
   config.perches_m = {{5.0, 5.0, 12.0}, {-8.0, 3.0, 7.0}};
   config.flight_s = 6.0;

@@ -97,7 +97,7 @@ ExploreConfig explores(const Vector3& box_max_m) {
   return config;
 }
 
-TEST(Explore, BothRoomsAreKnownInTheEndAndTheClosedOneIsNot) {
+TEST(Explore, MapsBothOpenRoomsCompletely) {
   Explorer explorer(rooms(), explores({14, 6, 2.5}), {1.5, 1.5, 1.1});
   explorer.run(300.0);
   EXPECT_EQ(explorer.out.mission, MissionStatus::kDone);
@@ -128,7 +128,7 @@ TEST(Explore, ItStaysInItsBox) {
   EXPECT_LT(explorer.known_share(36, 48), 0.8) << "the second room is only seen through the opening";
 }
 
-TEST(Explore, WithoutRoomToFlyTheMissionFailsWithItsReason) {
+TEST(Explore, FailsWithReasonWithoutFlightSpace) {
   ExploreConfig config = explores({14, 6, 2.5});
   config.view.path.clearance_m = 3.0;
   Explorer explorer(rooms(), config, {1.5, 1.5, 1.1});
@@ -137,7 +137,7 @@ TEST(Explore, WithoutRoomToFlyTheMissionFailsWithItsReason) {
   EXPECT_STREQ(explorer.out.note, "no clear space around the start");
 }
 
-TEST(Explore, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
+TEST(Explore, CountsAbandonedSearchesAndNamesBudget) {
   const BoxMap truth = rooms();
   ExploreConfig config = explores({14, 6, 2.5});
   config.view.max_expansions = 1;
@@ -164,7 +164,7 @@ TEST(Explore, ShowsItsPathAndItsView) {
   EXPECT_NEAR(overlays[1].size_m, 0.3, 0.12) << "larger than the path";
 }
 
-TEST(Explore, LooksAroundForItsTimeWhereItHoversAndFailsWhereItNeverDoes) {
+TEST(Explore, LooksAroundOnlyWhileHovering) {
   ExploreConfig config = explores({14, 6, 2.5});
   config.look_s = 0.65;
   config.stage_timeout_s = 2.0;

@@ -51,7 +51,7 @@ TEST(PacnavFlight, WithoutAnyoneToFollowItStays) {
   EXPECT_EQ(wanted_mps(follower(), {straight({9.0, 0.0, 2.0}, {1.0, 0.0, 0.0})}, 0.4), Vector3::Zero());
 }
 
-TEST(PacnavFlight, FollowsWhoGoesStraightUpToItsDistance) {
+TEST(PacnavFlight, FollowsStraightPathsToItsDistance) {
   const Vector3 v_mps = wanted_mps(follower(), {straight({9.0, 4.0, 2.0}, {0.0, 0.5, 0.0})}, 4.0);
   EXPECT_NEAR(v_mps.norm(), 1.0, 1e-9) << "as fast as it may";
   EXPECT_NEAR(std::atan2(v_mps.y(), v_mps.x()), std::atan2(6.0, 9.0), 0.05);
@@ -78,7 +78,7 @@ TEST(PacnavFlight, TheMorePersistentPathLeads) {
   EXPECT_GT(wanted_mps(follower(), {straight_on, wavy}, 6.0).y(), 0.5) << "whatever the order";
 }
 
-TEST(PacnavFlight, ThePathThatIsLikeTheOthersLeads) {
+TEST(PacnavFlight, FollowsThePathMostLikeOthers) {
   const Vector3 east(0.5, 0.0, 0.0), west(-0.5, 0.0, 0.0);
   // All are straight. One goes against two that agree; the one that lies apart from the agreeing ones is not followed.
   const std::vector<Way> ways = {straight({0.0, 9.0, 2.0}, west), straight({0.0, -9.0, 2.0}, east),
@@ -86,7 +86,7 @@ TEST(PacnavFlight, ThePathThatIsLikeTheOthersLeads) {
   EXPECT_LT(wanted_mps(follower(), ways, 6.0).y(), -0.5);
 }
 
-TEST(PacnavFlight, ASlackPathIsNotWorthFollowing) {
+TEST(PacnavFlight, IgnoresPathsOfLowPersistence) {
   PacnavConfig config = follower();
   const Way there_and_back = [](double t_s) { return Vector3(9.0, std::abs(std::remainder(t_s, 5.0)), 2.0); };
   config.least_persistence = 0.0;
@@ -95,7 +95,7 @@ TEST(PacnavFlight, ASlackPathIsNotWorthFollowing) {
   EXPECT_EQ(wanted_mps(config, {there_and_back}, 4.0), Vector3::Zero());
 }
 
-TEST(PacnavFlight, RemembersAsLongAsItIsToldTo) {
+TEST(PacnavFlight, ForgetsPathsOlderThanItsMemory) {
   // The neighbor turned around 4 s ago: with a memory of 3 s its path is straight, with one of 8 s it makes no
   // progress.
   const Way turned = [](double t_s) { return Vector3(9.0, t_s < 4.0 ? t_s : 8.0 - t_s, 2.0); };
@@ -107,7 +107,7 @@ TEST(PacnavFlight, RemembersAsLongAsItIsToldTo) {
 }
 
 // Points at 4.1, 4.6 and 5.1 s span the second that it remembers; with one more the turn would be among them.
-TEST(PacnavFlight, PathIsNoLongerThanTheMemory) {
+TEST(PacnavFlight, LimitsPathsToItsMemory) {
   const Way turned = [](double t_s) { return Vector3(9.0, t_s < 4.1 ? t_s : 8.2 - t_s, 2.0); };
   PacnavConfig config = follower();
   config.memory_s = 1.0;
@@ -116,7 +116,7 @@ TEST(PacnavFlight, PathIsNoLongerThanTheMemory) {
   EXPECT_EQ(wanted_mps(config, {turned}, 4.6), Vector3::Zero());
 }
 
-TEST(PacnavFlight, ALeaderThatIsGoneIsForgottenAfterTheMemory) {
+TEST(PacnavFlight, ForgetsLostLeadersAfterTheMemory) {
   PacnavConfig config = follower();
   config.memory_s = 2.0;
   GuidanceDriver driver("pacnav", config, {0.0, 0.0, 2.0});
@@ -132,7 +132,7 @@ TEST(PacnavFlight, ALeaderThatIsGoneIsForgottenAfterTheMemory) {
   EXPECT_NEAR(wanted, 0.0, 1e-12);
 }
 
-TEST(PacnavFlight, InformedOnesFlyToTheGoalAndSlowDownBeforeIt) {
+TEST(PacnavFlight, SlowsInformedMembersBeforeTheGoal) {
   PacnavConfig config;
   config.goal_m = {10.0, 0.0, 7.0};
   config.speed_mps = 1.5;
@@ -150,7 +150,7 @@ TEST(PacnavFlight, InformedOnesFlyToTheGoalAndSlowDownBeforeIt) {
   EXPECT_EQ(driver.step().mission, MissionStatus::kDone) << "once arrived is arrived";
 }
 
-TEST(PacnavFlight, UninformedOnesHaveArrivedWithinTwiceTheirDistanceOfTheGoal) {
+TEST(PacnavFlight, StopsUninformedMembersNearTheGoal) {
   PacnavConfig config = follower();
   config.goal_m = {0.0, 0.0, 2.0};
   config.follow_radius_m = 2.0;
@@ -158,7 +158,7 @@ TEST(PacnavFlight, UninformedOnesHaveArrivedWithinTwiceTheirDistanceOfTheGoal) {
   EXPECT_EQ(GuidanceDriver("pacnav", config, {3.9, 0.0, 2.0}).step().mission, MissionStatus::kDone);
 }
 
-TEST(PacnavFlight, PushIsTheGainAtHalfOfTheDistanceAndNoneBeyondIt) {
+TEST(PacnavFlight, PushesByGainAtHalfDistance) {
   PacnavConfig config = follower();
   config.avoid_gain_mps = 0.4;
   config.avoid_distance_m = 3.0;
@@ -172,7 +172,7 @@ TEST(PacnavFlight, PushIsTheGainAtHalfOfTheDistanceAndNoneBeyondIt) {
   EXPECT_NEAR(push({0.01, 0.0, 2.0}).norm(), 1.0, 1e-9) << "never faster than it may";
 }
 
-TEST(PacnavFlight, KeepsOffWhatTheMapShowsAtItsHeight) {
+TEST(PacnavFlight, AvoidsMappedObstaclesAtItsHeight) {
   PacnavConfig config = follower();
   config.lidar.enabled = true;
   config.lidar.avoid_distance_m = 2.0;
@@ -194,7 +194,7 @@ TEST(PacnavFlight, KeepsOffWhatTheMapShowsAtItsHeight) {
   EXPECT_EQ(push({{2.2, 0.0, 2.0}}), Vector3::Zero());
 }
 
-TEST(PacnavFlight, LooksAtTheMapTenTimesASecond) {
+TEST(PacnavFlight, ChecksTheMapAtTenHertz) {
   PacnavConfig config = follower();
   config.lidar.enabled = true;
   GuidanceDriver driver("pacnav", config, {0.0, 0.0, 2.0});
@@ -215,7 +215,7 @@ MezeyConfig alone(double goal_weight_radps) {
   return config;
 }
 
-TEST(MezeyFlight, AloneItsSpeedReturnsToTheCruiseAsAnExponential) {
+TEST(MezeyFlight, ReturnsToCruiseExponentiallyWhenAlone) {
   MezeyConfig config = alone(0.0);
   config.cruise_speed_mps = 2.0;
   GuidanceDriver driver("mezey", config, {0.0, 0.0, 2.0}, 0.3);
@@ -231,7 +231,7 @@ TEST(MezeyFlight, AloneItsSpeedReturnsToTheCruiseAsAnExponential) {
 }
 
 // psi' = w sin(psi_goal - psi): tan(e / 2) of the error e falls as exp(-w t).
-TEST(MezeyFlight, TurnsTowardsTheGoalByTheClosedForm) {
+TEST(MezeyFlight, TurnsToGoalsInClosedForm) {
   GuidanceDriver driver("mezey", alone(0.8), {0.0, 0.0, 2.0}, -0.5);
   driver.dt_s = 0.001;
   const double before = std::tan(0.5 * (0.5 * M_PI + 0.5));
@@ -269,7 +269,7 @@ TEST(MezeyFlight, WhoHasArrivedRests) {
   EXPECT_EQ(published.step().mission, MissionStatus::kEndless);
 }
 
-TEST(MezeyFlight, SpeedStaysBetweenNoneAndTwiceTheCruise) {
+TEST(MezeyFlight, BoundsSpeedByTwiceTheCruise) {
   for (const double side : {1.0, -1.0}) {  // a wall of others ahead brakes, one behind drives
     MezeyConfig config = alone(0.0);
     config.alpha0 = 20.0;
@@ -305,7 +305,7 @@ VisualResponse response_to(const MezeyConfig& config, const std::vector<Vector3>
 }
 
 // A disc of half-angle a at the bearing b: int cos = 2 sin a cos b, int sin = 2 sin a sin b, and the two edges alike.
-TEST(MezeyFlight, ResponseIsTheIntegralOfTheDiscAtAnyBearing) {
+TEST(MezeyFlight, IntegratesTheDiscAtAnyBearing) {
   MezeyConfig config;
   config.retina_pixels = 36000;
   config.alpha1 = 0.3;
@@ -323,7 +323,7 @@ TEST(MezeyFlight, ResponseIsTheIntegralOfTheDiscAtAnyBearing) {
   }
 }
 
-TEST(MezeyFlight, WhoIsHiddenBehindAnotherChangesNothing) {
+TEST(MezeyFlight, IgnoresFullyOccludedNeighbors) {
   MezeyConfig config;
   config.retina_pixels = 3600;
   const VisualResponse one = response_to(config, {{3.0, 3.0, 3.0}}, 0.2);
@@ -333,7 +333,7 @@ TEST(MezeyFlight, WhoIsHiddenBehindAnotherChangesNothing) {
 }
 
 // Within the own body radius it fills half of the view.
-TEST(MezeyFlight, WhoTouchesFillsHalfOfTheView) {
+TEST(MezeyFlight, SeesTouchingNeighborsInHalfView) {
   MezeyConfig config;
   config.retina_pixels = 36000;
   config.alpha1 = config.beta1 = 0.0;

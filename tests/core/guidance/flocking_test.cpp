@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(Pacnav, PersistenceIsOneForAStraightPathAndZeroForALoop) {
+TEST(Pacnav, RatesLinesOneAndLoopsZero) {
   EXPECT_NEAR(path_persistence(std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}), 1.0, 1e-12);
   EXPECT_NEAR(path_persistence(std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}}), 0.0,
               1e-12);
@@ -26,14 +26,14 @@ VisualResponse seen(const std::vector<Vector3>& others_m) {
   return visual_response(config, Vector3::Zero(), 0.0, neighbors, retina);
 }
 
-TEST(Mezey, NearNeighborsRepelAndFarOnesAttract) {
+TEST(Mezey, RepelsNearAndAttractsFarNeighbors) {
   EXPECT_LT(seen({{1.0, 0, 0}}).acceleration_mps2, 0.0);   // ahead and near: slow down
   EXPECT_GT(seen({{20.0, 0, 0}}).acceleration_mps2, 0.0);  // ahead and far: catch up
   EXPECT_LT(seen({{0, 1.0, 0}}).turn_radps, 0.0);          // near on the left: turn right
   EXPECT_GT(seen({{0, 20.0, 0}}).turn_radps, 0.0);         // far on the left: turn left
 }
 
-TEST(Mezey, MirroredScenesTurnTheOtherWayAndNobodyMeansNothing) {
+TEST(Mezey, MirrorsTurnsAndIgnoresEmptyScenes) {
   const VisualResponse left = seen({{2.0, 1.0, 0}}), right = seen({{2.0, -1.0, 0}});
   EXPECT_NEAR(left.turn_radps, -right.turn_radps, 0.01);
   EXPECT_NEAR(left.acceleration_mps2, right.acceleration_mps2, 0.01);
@@ -41,7 +41,7 @@ TEST(Mezey, MirroredScenesTurnTheOtherWayAndNobodyMeansNothing) {
   EXPECT_EQ(seen({}).acceleration_mps2, 0.0);
 }
 
-TEST(Mezey, ResponseIsTheIntegralOfTheDisc) {
+TEST(Mezey, RespondsByTheDiscIntegral) {
   // One disc ahead of half-angle a: -int cos = -2 sin a, edges: 2 alpha1 cos a.
   const double a = std::asin(0.5 / 3.0);
   EXPECT_NEAR(seen({{3.0, 0, 0}}).acceleration_mps2, -2.0 * std::sin(a) + 2.0 * 0.12 * std::cos(a), 0.01);

@@ -63,7 +63,7 @@ struct Guided : GuidanceDriver {
   std::uint32_t path_ = 0;
 };
 
-TEST(FollowGuide, AWaypointAheadOfTheBodyLiesWhereItsHeadingPoints) {
+TEST(FollowGuide, MapsForwardWaypointAlongItsHeading) {
   Guided guided;
   guided.step();
   guided.hears({{{2.0F, 1.0F, 0.5F}, 0.3F}});
@@ -74,7 +74,7 @@ TEST(FollowGuide, AWaypointAheadOfTheBodyLiesWhereItsHeadingPoints) {
   EXPECT_EQ(out.mission, MissionStatus::kEndless);
 }
 
-TEST(FollowGuide, ThePathIsLevelWhateverTheTiltOfTheBody) {
+TEST(FollowGuide, KeepsPathLevelDespiteBodyTilt) {
   Guided guided;
   guided.estimate.T_local_body.linear() =
       (Eigen::AngleAxisd(0.5 * Guided::kPi, Vector3::UnitZ()) * Eigen::AngleAxisd(0.3, Vector3::UnitY()))
@@ -84,7 +84,7 @@ TEST(FollowGuide, ThePathIsLevelWhateverTheTiltOfTheBody) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, APathToldForAnInstantCountsFromWhereTheVehicleWasThen) {
+TEST(FollowGuide, AnchorsPathAtItsReferenceTime) {
   Guided guided;
   guided.step();
   guided.step();
@@ -112,14 +112,14 @@ TEST(FollowGuide, InstantsAreByItsOwnClock) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, AnInstantThatItDoesNotRememberIsNotFollowed) {
+TEST(FollowGuide, IgnoresPathsWithUnknownReferenceTime) {
   Guided guided;
   guided.step();
   guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, from_seconds(1e5));
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, VisitedWaypointsAreDroppedAndTold) {
+TEST(FollowGuide, DropsAndReportsVisitedWaypoints) {
   Guided guided;
   guided.step();
   guided.hears({{{1.0F, 0.0F, 0.0F}, 0.0F}, {{2.0F, 0.0F, 0.0F}, 0.0F}, {{2.0F, 2.0F, 0.0F}, 0.0F}});
@@ -143,7 +143,7 @@ TEST(FollowGuide, OnlyItsGuideIsListenedTo) {
   EXPECT_STREQ(guided.step().note, "waits for its guide");
 }
 
-TEST(FollowGuide, APathThatIsOvertakenByALaterOneIsNotFollowed) {
+TEST(FollowGuide, IgnoresPathsSupersededByLaterOnes) {
   Guided guided;
   guided.step();
   guided.path_ = 5;
@@ -177,7 +177,7 @@ TEST(FollowGuide, HoversUntilTheLinkIsBack) {
   EXPECT_LT((guided.out.goal.position_m - Vector3(10, 22.2, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, AGuideThatBeganAnewIsFollowedAfterTheLinkWasLost) {
+TEST(FollowGuide, AcceptsRestartedGuideAfterLinkLoss) {
   Guided guided;
   guided.path_ = 1000;
   guided.step();
@@ -199,7 +199,7 @@ TEST(FollowGuide, AnEmptyPathStopsIt) {
   EXPECT_STREQ(guided.out.note, "hovers as its guide says");
 }
 
-TEST(FollowGuide, TellsItsOdometryTwiceASecond) {
+TEST(FollowGuide, SendsOdometryTwiceASecond) {
   Guided guided;
   guided.estimate.v_local_mps = {0.1, 0.2, 0.3};
   guided.rest(10.0);
@@ -210,7 +210,7 @@ TEST(FollowGuide, TellsItsOdometryTwiceASecond) {
   EXPECT_EQ(told.back().path, 0U);
 }
 
-TEST(FollowGuide, ItMovesToAndFroUntilItsGuideSpeaks) {
+TEST(FollowGuide, OscillatesUntilItsGuideResponds) {
   FollowGuideConfig config = guided_by_uav2();
   config.excitation = {1.0, 0.7};
   Guided guided(config);
@@ -230,7 +230,7 @@ TEST(FollowGuide, ItMovesToAndFroUntilItsGuideSpeaks) {
   }
 }
 
-TEST(FollowGuide, AGuideThatDoesNotExistIsNamed) {
+TEST(FollowGuide, RefusesUnknownGuideByName) {
   for (const char* name : {"uav1", "uav99"}) {
     FollowGuideConfig config;
     config.primary = name;
@@ -258,7 +258,7 @@ Message saying(GuidingPath::Word word, double radius_m = 0.0) {
   return message;
 }
 
-TEST(FollowGuide, AnAnswerToAReportIsUnderstoodSecondsLater) {
+TEST(FollowGuide, ResolvesReportTimeSecondsLater) {
   Guided guided;
   guided.step();
   const OdometryReport report = guided.told().front();
@@ -270,7 +270,7 @@ TEST(FollowGuide, AnAnswerToAReportIsUnderstoodSecondsLater) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, AWaypointThatItHasPassedMeanwhileIsNotFlownBackTo) {
+TEST(FollowGuide, SkipsWaypointsAlreadyPassed) {
   Guided guided(guided_by_uav2(), {10, 20, 3}, 0.0);
   guided.step();
   const OdometryReport report = guided.told().front();
@@ -283,7 +283,7 @@ TEST(FollowGuide, AWaypointThatItHasPassedMeanwhileIsNotFlownBackTo) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(10.5, 20, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, ItsMissionEndsAsThatOfItsGuide) {
+TEST(FollowGuide, FinishesMissionTogetherWithItsGuide) {
   for (const auto& [word, mission] : {std::pair(GuidingPath::Word::kDone, MissionStatus::kDone),
                                       std::pair(GuidingPath::Word::kFailed, MissionStatus::kFailed)}) {
     Guided guided;
@@ -293,7 +293,7 @@ TEST(FollowGuide, ItsMissionEndsAsThatOfItsGuide) {
   }
 }
 
-TEST(FollowGuide, MovesWithinTheRadiusThatItsGuideTellsUntilItIsFound) {
+TEST(FollowGuide, MovesWithinCommandedRadiusUntilLocalized) {
   Guided guided;
   guided.hears({});
   guided.step();
@@ -322,7 +322,7 @@ Vector3 on_eight(const Vector3& middle_m, double radius_m, double speed_mps, dou
   return middle_m + radius_m * Vector3(std::sin(phase), 0.5 * std::sin(2.0 * phase), 0.0);
 }
 
-TEST(FollowGuide, ItWaitsOnALyingEightFlownAtItsSpeedInTheMiddle) {
+TEST(FollowGuide, WaitsOnAHorizontalFigureEight) {
   FollowGuideConfig config = guided_by_uav2();
   config.excitation = {0.8, 0.6};
   Guided guided(config);
@@ -333,7 +333,7 @@ TEST(FollowGuide, ItWaitsOnALyingEightFlownAtItsSpeedInTheMiddle) {
   }
 }
 
-TEST(FollowGuide, AskedToMoveItFliesAnEightThatIsNoLongerThanAMeterToEachSide) {
+TEST(FollowGuide, LimitsFigureEightToOneMeter) {
   for (const double radius_m : {0.4, 0.9, 1.1, 5.0}) {
     Guided guided;
     guided.step();
@@ -349,7 +349,7 @@ TEST(FollowGuide, AskedToMoveItFliesAnEightThatIsNoLongerThanAMeterToEachSide) {
   }
 }
 
-TEST(FollowGuide, StampsAreThoseOfAClockThatIsAheadAndTooFast) {
+TEST(FollowGuide, StampsReportsWithOffsetDriftingClock) {
   FollowGuideConfig config = guided_by_uav2();
   config.clock = {100.0, 8000.0};
   Guided guided(config);
@@ -362,7 +362,7 @@ TEST(FollowGuide, StampsAreThoseOfAClockThatIsAheadAndTooFast) {
   }
 }
 
-TEST(FollowGuide, AnInstantByItsOwnClockMeansThePlaceOfThen) {
+TEST(FollowGuide, InterpolatesPoseAtOwnClockTime) {
   FollowGuideConfig config = guided_by_uav2();
   config.clock = {-7.0, 9000.0};
   Guided guided(config, {0, 0, 3}, 0.0);
@@ -375,7 +375,7 @@ TEST(FollowGuide, AnInstantByItsOwnClockMeansThePlaceOfThen) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(5.0 * then_s, 9, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, APathWithTheNumberOfTheNewestIsTheNewest) {
+TEST(FollowGuide, IgnoresDuplicatesOfTheNewestPath) {
   Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
   guided.step();
   guided.hears({{{5.0F, 0.0F, 0.0F}, 0.0F}});
@@ -385,7 +385,7 @@ TEST(FollowGuide, APathWithTheNumberOfTheNewestIsTheNewest) {
   EXPECT_GT(guided.step().goal.position_m.x(), 0.0) << "a message that came twice";
 }
 
-TEST(FollowGuide, ComesToRestBeyondWhereItIsByWhatItNeedsToBrake) {
+TEST(FollowGuide, StopsWithinItsBrakingDistanceAhead) {
   Guided guided;
   guided.step();
   guided.hears({{{90.0F, 0.0F, 0.0F}, 0.0F}});
@@ -405,14 +405,14 @@ TEST(FollowGuide, ComesToRestBeyondWhereItIsByWhatItNeedsToBrake) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(11, 18, 4)).norm(), 1e-9) << "upward, too";
 }
 
-TEST(FollowGuide, HeadingsOfAPathStayWithinAHalfTurn) {
+TEST(FollowGuide, WrapsPathHeadingsToHalfTurn) {
   Guided guided(guided_by_uav2(), {0, 0, 3}, 2.5);
   guided.step();
   guided.hears({{{9.0F, 0.0F, 0.0F}, 1.5F}});
   EXPECT_NEAR(guided.step().goal.yaw_rad, 4.0 - 2.0 * Guided::kPi, 1e-6);
 }
 
-TEST(FollowGuide, ReportsAreAsOftenAsToldWhateverTheTickAndWithoutCatchingUp) {
+TEST(FollowGuide, ReportRateIsIndependentOfTick) {
   for (const double tick_s : {0.02, 0.2, 0.7}) {
     Guided guided;
     guided.dt_s = tick_s;
@@ -422,7 +422,7 @@ TEST(FollowGuide, ReportsAreAsOftenAsToldWhateverTheTickAndWithoutCatchingUp) {
   }
 }
 
-TEST(FollowGuide, ReportsTellTheRateOfTheHeadingWhateverTheTilt) {
+TEST(FollowGuide, ReportsHeadingRateRegardlessOfTilt) {
   Guided guided;
   guided.estimate.T_local_body.linear() = Eigen::AngleAxisd(0.5, Vector3::UnitX()).toRotationMatrix();
   guided.estimate.omega_body_radps = {0.3, 0.2, 0.7};
@@ -430,7 +430,7 @@ TEST(FollowGuide, ReportsTellTheRateOfTheHeadingWhateverTheTilt) {
   EXPECT_NEAR(guided.told().front().yaw_rate_radps, 0.2 * std::sin(0.5) + 0.7 * std::cos(0.5), 1e-12);
 }
 
-TEST(FollowGuide, ShowsWhatIsLeftOfItsPathAndThePlaceThatItHolds) {
+TEST(FollowGuide, ShowsRemainingPathAndHoldPosition) {
   Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
   guided.step();
   guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}, {{4.0F, 0.0F, 0.0F}, 0.0F}});
@@ -445,7 +445,7 @@ TEST(FollowGuide, ShowsWhatIsLeftOfItsPathAndThePlaceThatItHolds) {
 
 // ---- sizes [Pritzl 2024, Table IV]: odometry 725 bytes at 2 Hz, paths of 132 to 484 bytes at 5 Hz
 
-TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
+TEST(GuidingMessages, AreNoLargerThanPublishedOnes) {
   Message message;
   write_message(OdometryReport{}, message);
   EXPECT_LE(message.size_bytes(), 725U);
@@ -460,7 +460,7 @@ TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
   EXPECT_LE(message.size_bytes(), 484U) << "26 waypoints in the bytes of their largest path";
 }
 
-TEST(GuidingMessages, NameEveryFieldAndComeBackAsTheyWereSent) {
+TEST(GuidingMessages, NameEveryFieldAndRoundTrip) {
   EXPECT_TRUE(forgets<OdometryReport>(0));
   EXPECT_TRUE(forgets<GuidingPath>(0));
   EXPECT_TRUE(forgets<GuidingWaypoint>(0));

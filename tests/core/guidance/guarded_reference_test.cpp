@@ -54,7 +54,7 @@ double farthest_out_m(bool guarded, std::uint64_t seed) {
   return farthest_m;
 }
 
-TEST(GuardedReference, StaysBehindPlanesThoughItTurnsWhileItBrakes) {
+TEST(GuardedReference, StaysBehindPlanesDuringBrakingTurns) {
   double unguarded_m = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     EXPECT_LT(farthest_out_m(true, seed), 0.02) << seed;
@@ -63,7 +63,7 @@ TEST(GuardedReference, StaysBehindPlanesThoughItTurnsWhileItBrakes) {
   EXPECT_GT(unguarded_m, 0.1) << "goals in the corridor alone do not keep the vehicle there";
 }
 
-TEST(GuardedReference, WithoutPlanesInTheWayTheGoalIsWhatWasWanted) {
+TEST(GuardedReference, KeepsTheGoalWithoutObstructingPlanes) {
   GuardedReference reference{MotionLimits{}};
   reference.reset(at(Vector3::Zero()));
   const std::array<HalfSpace, 1> far_away{{{Vector3::UnitX(), 50.0}}};
@@ -90,7 +90,7 @@ TEST(GuardedReference, ComesToRestWhereItSaid) {
   EXPECT_NEAR(p_m.x(), rest_m.x(), 0.1);
 }
 
-TEST(GuardedReference, AVehicleAtAPlaneMayStayThere) {
+TEST(GuardedReference, PermitsRemainingAtAPlane) {
   // The vehicle stands on the plane, up to rounding and the residual of the governor.
   GuardedReference reference{MotionLimits{}};
   for (const double beyond_m : {0.0, 1e-4, -1e-4}) {

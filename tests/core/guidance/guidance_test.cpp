@@ -88,7 +88,7 @@ class IdealFlight {
   LocalPoses poses_;
 };
 
-TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
+TEST(Guidance, ConstructsEveryTypeFromItsDefaults) {
   const AgentSetup setup = starting_at({1, 2, 3});
   for (const GuidanceType& type : guidance_registry().rows()) {
     const auto guidance = make_guidance(Module(guidance_module_types(), type.module.name),
@@ -107,7 +107,7 @@ TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
   EXPECT_THROW(Module(guidance_module_types(), "teleport"), std::invalid_argument);
 }
 
-TEST(Waypoints, AreVisitedInOrderWithDwellAndThenTheMissionIsDone) {
+TEST(Waypoints, AreVisitedInOrderWithDwell) {
   WaypointsConfig config;
   config.waypoints_m = {{10, 0, 2}, {10, 8, 2}, {0, 8, 4}};
   config.dwell_s = 1.0;
@@ -146,14 +146,14 @@ TEST(Waypoints, LoopForEver) {
   EXPECT_EQ(flight.out.mission, MissionStatus::kEndless);
 }
 
-TEST(Waypoints, WithoutAnyTheMissionIsDoneWhereItStands) {
+TEST(Waypoints, CompleteTheMissionImmediatelyIfEmpty) {
   IdealFlight flight("waypoints", WaypointsConfig{}, MotionLimitsConfig::Set::kMedium, {1, 2, 3});
   flight.step();
   EXPECT_EQ(flight.out.mission, MissionStatus::kDone);
   EXPECT_EQ(flight.out.goal.position_m, Vector3(1, 2, 3));
 }
 
-TEST(Waypoints, FacesAlongTheLegOrAsTold) {
+TEST(Waypoints, FaceAlongLegOrAsConfigured) {
   WaypointsConfig config;
   config.waypoints_m = {{0, 10, 0}};
   IdealFlight along("waypoints", config);
@@ -166,7 +166,7 @@ TEST(Waypoints, FacesAlongTheLegOrAsTold) {
   EXPECT_NEAR(fixed.yaw(), -std::numbers::pi / 4, 0.01);
 }
 
-TEST(Waypoints, OfTheStartFrameTurnWithTheStart) {
+TEST(Waypoints, RotateWithTheStartFrame) {
   WaypointsConfig config;
   config.waypoints_m = {{2, 0, 1}};
   config.frame = WaypointsConfig::Frame::kStart;
@@ -175,7 +175,7 @@ TEST(Waypoints, OfTheStartFrameTurnWithTheStart) {
   EXPECT_LT((flight.out.goal.position_m - Vector3(5, 7, 6)).norm(), 1e-12);
 }
 
-TEST(Waypoints, LandsAtTheEndAndStopsTheMotors) {
+TEST(Waypoints, LandAtEndAndStopMotors) {
   WaypointsConfig config;
   config.waypoints_m = {{3, 0, 2}};
   config.land_at_end = true;
@@ -222,7 +222,7 @@ TEST(TakeoffLand, ClimbsHoversLandsAndIsDone) {
 
 using Shape = TrajectoryConfig::Shape;
 
-TEST(Trajectory, GoalsAreConsistentDerivativesOfEachOther) {
+TEST(Trajectory, HasConsistentGoalDerivatives) {
   for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
@@ -267,7 +267,7 @@ TEST(Trajectory, IsTrackedExactlyOnceUnderWay) {
   }
 }
 
-TEST(Trajectory, LapsEndWhereTheyBeganAtRest) {
+TEST(Trajectory, EndsLapsAtRestAtStart) {
   for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
@@ -294,7 +294,7 @@ TEST(Trajectory, RefusesWhatTheLimitsForbid) {
   EXPECT_THROW(IdealFlight("trajectory", config), std::invalid_argument);
 }
 
-TEST(Trajectory, ShortTravelNeverGoesBeyondItsLength) {
+TEST(Trajectory, NeverOvershootsShortTravelLengths) {
   const RampedTravel travel(1.0, 5.0, 2.0);  // too short for 5 m/s
   EXPECT_NEAR(travel.speed, 0.5, 1e-12);
   double last = 0.0;
@@ -308,7 +308,7 @@ TEST(Trajectory, ShortTravelNeverGoesBeyondItsLength) {
   EXPECT_NEAR(last, 1.0, 1e-12);
 }
 
-TEST(AgileSpline, KeepsItsLimitsAndItsBoxForTenMinutesAndComesNearThem) {
+TEST(AgileSpline, KeepsLimitsAndComesNearThem) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
     AgileConfig config;
     config.seed = seed;
@@ -375,7 +375,7 @@ TEST(AgileSpline, SeedsDifferAndRepeat) {
   EXPECT_GT((at_20s(1, 0.0625) - at_20s(2, 0.0625)).norm(), 1.0);
 }
 
-TEST(AgileSpline, APaceByLegMakesFlightsSlowerButNotTheirLimits) {
+TEST(AgileSpline, LegPaceSlowsWithinLimits) {
   // Vrba 2025, Table IV: 1331 m in 355 s, though 8.2 m/s are reached.
   double length_m = 0.0, fastest_mps = 0.0;
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {

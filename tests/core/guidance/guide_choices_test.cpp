@@ -47,13 +47,13 @@ void discover_around(GuidePair& pair, const Vector3& p_local_m) {
   pair.discover(p_local_m - Vector3(0.25, 0.25, 0.75), p_local_m + Vector3(0.25, 0.25, 0.75));
 }
 
-TEST(GuideChoices, ItNeedsAMapAndThePlacesOfTheOthers) {
+TEST(GuideChoices, RequiresAMapAndRelativeLocalizer) {
   const GuidePair pair(guides_uav2({{4, 0, 0.7}}));
   EXPECT_TRUE(pair.guidance->needs().map);
   EXPECT_TRUE(pair.guidance->needs().relatives);
 }
 
-TEST(GuideChoices, WithoutAnyGoalItWaitsForEverAndTheOtherHovers) {
+TEST(GuideChoices, IdlesForeverWithoutAnyGoal) {
   for (const bool localized : {true, false}) {
     GuideConfig config = guides_uav2({});
     config.stage_timeout_s = 1.0;
@@ -68,7 +68,7 @@ TEST(GuideChoices, WithoutAnyGoalItWaitsForEverAndTheOtherHovers) {
   }
 }
 
-TEST(GuideChoices, AMissionThatIsDoneStaysDone) {
+TEST(GuideChoices, KeepsACompletedMissionCompleted) {
   GuideConfig config = guides_uav2({{1, 0, 0.7}});
   config.stage_timeout_s = 3.0;
   GuidePair pair(config);
@@ -80,7 +80,7 @@ TEST(GuideChoices, AMissionThatIsDoneStaysDone) {
   EXPECT_EQ(newest(pair).word, GuidingPath::Word::kDone);
 }
 
-TEST(GuideChoices, WhoIsLostIsAskedToMoveAtTheEndOfTheTime) {
+TEST(GuideChoices, RequestsMotionWhenLossTimesOut) {
   GuidePair pair(guides_uav2({{6, 0, 0.7}}));
   hold_for(pair, 0.5);
   pair.localized = false;
@@ -92,7 +92,7 @@ TEST(GuideChoices, WhoIsLostIsAskedToMoveAtTheEndOfTheTime) {
 
 // ---- goals
 
-TEST(GuideChoices, ARetryGoesForTheSameGoal) {
+TEST(GuideChoices, RetriesTheSameGoal) {
   GuideConfig config = guides_uav2({});
   config.advance.step_m = {4, 0, 0};
   config.stage_timeout_s = 3.0;
@@ -108,7 +108,7 @@ TEST(GuideChoices, ARetryGoesForTheSameGoal) {
   EXPECT_LT((path_local_m.back() - Vector3(4, 0, 0.7)).norm(), 1e-5);
 }
 
-TEST(GuideChoices, AdvancingCountsFromWhereItBeganAndClimbsOnce) {
+TEST(GuideChoices, AdvancesFromStartAndClimbsOnce) {
   for (const Motion motion : {Motion::kAlternate, Motion::kAhead}) {
     GuideConfig config = moves(motion, {});
     config.advance.step_m = {2, 0, 0.1};
@@ -132,7 +132,7 @@ TEST(GuideChoices, AheadEachLegIsPlannedOnce) {
   EXPECT_LT(pair.notes["planning"], 3.0) << "only before the first one both hover";
 }
 
-TEST(GuideChoices, InALoopTheFirstLegIsPlannedAheadOnTheLast) {
+TEST(GuideChoices, PlansFirstLegOfLoopAhead) {
   GuideConfig config = moves(Motion::kAhead, {{2, 0, 0.7}, {0, 0, 0.7}});
   config.loop = true;
   GuidePair pair(config);
@@ -141,7 +141,7 @@ TEST(GuideChoices, InALoopTheFirstLegIsPlannedAheadOnTheLast) {
   EXPECT_LT(pair.notes["planning"], 3.0);
 }
 
-TEST(GuideChoices, APlanAheadIsWaitedForAtTheGoal) {
+TEST(GuideChoices, WaitsAtGoalForPlanAhead) {
   GuideConfig config = moves(Motion::kAhead, {{4, 0, 0.7}, {4, 3, 0.7}});
   config.planning_latency_s = 4.0;
   GuidePair pair(config);
@@ -154,7 +154,7 @@ TEST(GuideChoices, APlanAheadIsWaitedForAtTheGoal) {
   EXPECT_STRNE(pair.out.note, "planning");
 }
 
-TEST(GuideChoices, WhatCannotBePlannedAheadIsTriedOnceAndTellsItsReasonAtTheGoal) {
+TEST(GuideChoices, ReportsFailedPlanAheadAtGoal) {
   testing::CellListMap world(0.25);
   world.occupy_box({3.25, 3.25, 0}, {4.75, 4.75, 1.5});
   GuideConfig config = moves(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}});
@@ -186,7 +186,7 @@ struct BehindAWall : GuidePair {
   std::vector<Vector3> corners_local_m;
 };
 
-TEST(GuideChoices, OfItsOwnWayWhatIsLeftMustBeClear) {
+TEST(GuideChoices, ReplansWhenRemainingPathIsBlocked) {
   for (const bool at_the_end : {false, true}) {
     BehindAWall pair;
     ASSERT_GE(pair.corners_local_m.size(), 3U);
@@ -209,7 +209,7 @@ TEST(GuideChoices, OfItsOwnWayWhatIsLeftMustBeClear) {
 
 // ---- waypoints
 
-TEST(GuideChoices, TheLastWaypointIsToldUntilTheGuidedVehicleHovers) {
+TEST(GuideChoices, SendsLastWaypointUntilGuidedHovers) {
   GuidePair pair(guides_uav2({{4, 0, 0.7}}));
   place_at_viewpoint(pair);
   fly_to(pair, 4.0);
@@ -218,7 +218,7 @@ TEST(GuideChoices, TheLastWaypointIsToldUntilTheGuidedVehicleHovers) {
   EXPECT_EQ(newest(pair).waypoints.size(), 1U);
 }
 
-TEST(GuideChoices, APathThatIsToldOnceIsToldAgainAfterItHadToHover) {
+TEST(GuideChoices, ResendsOneTimePathAfterHovering) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.periodic = false;
   GuidePair pair(config);

@@ -32,7 +32,7 @@ Ring rectangle(double x_m, double y_m, double width_m, double depth_m) {
   return {{x_m, y_m}, {x_m + width_m, y_m}, {x_m + width_m, y_m + depth_m}, {x_m, y_m + depth_m}};
 }
 
-TEST(GuideOverlays, PathsAreLinesFromPointToPoint) {
+TEST(GuideOverlays, DrawsPathsAsLinesBetweenPoints) {
   TeamPlan plan;
   plan.secondary_path = {{{0, 0, 1}, 0.0}, {{3, 0, 1}, 0.0}, {{3, 4, 1}, 0.0}};
   plan.primary_local_m = {{0, 0, 2}, {0, 0, 4}};
@@ -53,7 +53,7 @@ TEST(GuideOverlays, PathsAreLinesFromPointToPoint) {
   EXPECT_TRUE(overlays["guide.viewpoint"].positions.empty()) << "nothing is seen from nowhere";
 }
 
-TEST(GuideOverlays, RegionsAreTheirBordersAtTheWatchersHeight) {
+TEST(GuideOverlays, DrawsRegionBordersAtObserverHeight) {
   TeamPlan plan;
   // Two that overlap: their common border is that of the whole.
   plan.visible = {inside_of(rectangle(0, 0, 2, 2)), inside_of(rectangle(1, 0, 3, 2))};
@@ -77,7 +77,7 @@ TEST(GuideOverlays, RegionsAreTheirBordersAtTheWatchersHeight) {
 }
 
 // Beside the map, the teammate and its track, as the scenario forest_guidance draws them.
-TEST(GuideOverlays, ColorsCanBeToldApart) {
+TEST(GuideOverlays, UsesDistinctColors) {
   AgentSetup setup;
   setup.num_vehicles = 2;
   setup.vehicle_names = {"primary", "secondary"};

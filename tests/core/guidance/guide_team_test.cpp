@@ -119,7 +119,7 @@ struct TeamOfSeveral : GuidanceDriver {
   CellListMap world_;
 };
 
-TEST(GuideOfSeveral, AllReachTheirGoalsOneAtATimeOutOfEachOthersAir) {
+TEST(GuideOfSeveral, ReachesGoalsInTurnWithoutConflict) {
   // The goal of the first one lies behind the second one.
   TeamOfSeveral team(guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}, {4, 2, 0.7}}},
                                      {.name = "uav3", .goals_m = {{0, 3, 0.7}}},
@@ -136,7 +136,7 @@ TEST(GuideOfSeveral, AllReachTheirGoalsOneAtATimeOutOfEachOthersAir) {
   for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_EQ(guided.word, GuidingPath::Word::kDone);
 }
 
-TEST(GuideOfSeveral, NobodyMovesBeforeEverybodyIsLocalized) {
+TEST(GuideOfSeveral, WaitsUntilAllVehiclesAreLocalized) {
   TeamOfSeveral team(
       guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}}}, {.name = "uav3", .goals_m = {{4, 2, 0.7}}}}),
       {{0, -2, 0.7}, {0, 2, 0.7}});
@@ -149,7 +149,7 @@ TEST(GuideOfSeveral, NobodyMovesBeforeEverybodyIsLocalized) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
-TEST(GuideOfSeveral, WhoCannotGoWaitsForTheOthersAndTriesAgain) {
+TEST(GuideOfSeveral, RetriesBlockedVehicleAfterTheOthers) {
   // A corridor in which the second vehicle blocks the first.
   CellListMap world(0.25);
   world.occupy_box({-2, 1.25, 0}, {8, 1.5, 1.5});
@@ -180,7 +180,7 @@ GuideConfig plans_quickly(GuideConfig config) {
   return config;
 }
 
-TEST(GuideOfSeveral, TheirTurnsHaveTheOrderOfTheList) {
+TEST(GuideOfSeveral, TakesTurnsInListOrder) {
   TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}}},
                                                    {.name = "uav3", .goals_m = {{1, 0, 0.7}, {2, 0, 0.7}}},
                                                    {.name = "uav4", .goals_m = {{1, 4, 0.7}, {2, 4, 0.7}}}})),
@@ -190,7 +190,7 @@ TEST(GuideOfSeveral, TheirTurnsHaveTheOrderOfTheList) {
   EXPECT_EQ(team.turns, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));
 }
 
-TEST(GuideOfSeveral, WhoHasNoGoalIsPassedOverFromTheBeginning) {
+TEST(GuideOfSeveral, SkipsVehiclesWithoutAGoal) {
   TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2"}, {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
                      {{0, -4, 0.7}, {0, 0, 0.7}});
   team.run(60.0);
@@ -198,7 +198,7 @@ TEST(GuideOfSeveral, WhoHasNoGoalIsPassedOverFromTheBeginning) {
   EXPECT_EQ(team.turns, (std::vector<std::size_t>{1}));
 }
 
-TEST(GuideOfSeveral, WhoIsLostIsPassedOverUntilItIsFound) {
+TEST(GuideOfSeveral, SkipsLostVehiclesUntilRelocalized) {
   TeamOfSeveral team(
       plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}, {3, -4, 0.7}}},
                                     {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
@@ -215,7 +215,7 @@ TEST(GuideOfSeveral, WhoIsLostIsPassedOverUntilItIsFound) {
 }
 
 // Bodies need 0.6 m each, and a figure 0.3 m at least.
-TEST(GuideOfSeveral, TheLostOneMovesClearOfThoseWhoHoverBesideIt) {
+TEST(GuideOfSeveral, MovesLostVehicleClearOfNeighbors) {
   for (const double beside_m : {1.49, 1.51, 2.2}) {
     TeamOfSeveral team(
         guides_several({{.name = "uav2", .goals_m = {{6, 1, 0.7}}}, {.name = "uav3", .goals_m = {{6, 5, 0.7}}}}),
@@ -230,7 +230,7 @@ TEST(GuideOfSeveral, TheLostOneMovesClearOfThoseWhoHoverBesideIt) {
   }
 }
 
-TEST(GuideOfSeveral, AVehicleThatStandsTwiceIsRefused) {
+TEST(GuideOfSeveral, RefusesAVehicleListedTwice) {
   const GuideConfig config = guides_several({{.name = "uav2"}, {.name = "uav2"}});
   EXPECT_THROW(TeamOfSeveral(config, {{0, 0, 0.7}}), std::invalid_argument);
 }

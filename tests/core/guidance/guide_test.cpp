@@ -23,7 +23,7 @@ using Team = testing::GuideAndGuided;
 
 constexpr double kPi = 3.14159265358979323846;
 
-TEST(Guide, GoesThroughItsStatesToTheGoal) {
+TEST(Guide, PassesThroughItsStatesToGoal) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.run(60.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
@@ -33,7 +33,7 @@ TEST(Guide, GoesThroughItsStatesToTheGoal) {
   EXPECT_LT((team.guided.position_m - Vector3(4, 0, 0.7)).norm(), 0.3);
 }
 
-TEST(Guide, TakesItsGoalsOneAfterTheOther) {
+TEST(Guide, VisitsItsGoalsInOrder) {
   Team team(guides_uav2({{4, 0, 0.7}, {4, 3, 0.7}, {0, 3, 0.7}}));
   team.run(150.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
@@ -43,7 +43,7 @@ TEST(Guide, TakesItsGoalsOneAfterTheOther) {
   }
 }
 
-TEST(Guide, AdvancesStepByStepUntilTheDistanceIsFlown) {
+TEST(Guide, AdvancesStepwiseUntilDistanceIsFlown) {
   GuideConfig config = guides_uav2({});
   config.advance.step_m = {4, 0, 0};
   config.advance.distance_m = 11.0;
@@ -54,7 +54,7 @@ TEST(Guide, AdvancesStepByStepUntilTheDistanceIsFlown) {
   EXPECT_LT(team.guided.position_m.x(), 13.0);
 }
 
-TEST(Guide, SpeaksFiveTimesASecondAndKeepsThePublishedSize) {
+TEST(Guide, SendsPublishedSizeAtFiveHertz) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.run(60.0);
   const double seconds = to_seconds(team.observation.t);
@@ -62,7 +62,7 @@ TEST(Guide, SpeaksFiveTimesASecondAndKeepsThePublishedSize) {
   for (const std::size_t bytes : team.told_sizes) EXPECT_LE(bytes, 484U) << "[Pritzl 2024, tab. IV]";
 }
 
-TEST(Guide, WithoutPeriodicGuidingThePathIsToldOnce) {
+TEST(Guide, SendsPathOnceWithoutPeriodicGuiding) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.periodic = false;
   Team team(config);
@@ -71,7 +71,7 @@ TEST(Guide, WithoutPeriodicGuidingThePathIsToldOnce) {
   EXPECT_EQ(std::count_if(team.told_sizes.begin(), team.told_sizes.end(), with_waypoints), 1);
 }
 
-TEST(Guide, WaitsUntilItKnowsWhereTheOtherIs) {
+TEST(Guide, WaitsUntilPartnerPositionIsKnown) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.localized = false;
   team.run(20.0);
@@ -86,7 +86,7 @@ TEST(Guide, WaitsUntilItKnowsWhereTheOtherIs) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
-TEST(Guide, HoversWhileTheLinkIsLostAndGoesOn) {
+TEST(Guide, HoversDuringLinkLossAndResumes) {
   Team team(guides_uav2({{6, 0, 0.7}}));
   while (!team.said("secondary moving") || team.guided.position_m.x() < 1.0) team.tick();
   team.hears = false;
@@ -101,7 +101,7 @@ TEST(Guide, HoversWhileTheLinkIsLostAndGoesOn) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
-TEST(Guide, HoversWhileThePlaceOfTheOtherIsUnsureAndGoesOn) {
+TEST(Guide, HoversUntilPartnerIsCertainAgain) {
   Team team(guides_uav2({{6, 0, 0.7}}));
   while (!team.said("secondary moving") || team.guided.position_m.x() < 1.0) team.tick();
   team.guided.covariance(1, 1) = 0.5;
@@ -113,7 +113,7 @@ TEST(Guide, HoversWhileThePlaceOfTheOtherIsUnsureAndGoesOn) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
-TEST(Guide, AVehicleThatIsNeverFoundEndsTheMissionWithItsReason) {
+TEST(Guide, ReportsFailureForVehicleNeverFound) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.localized = false;
   team.run(100.0);
@@ -122,7 +122,7 @@ TEST(Guide, AVehicleThatIsNeverFoundEndsTheMissionWithItsReason) {
   EXPECT_NEAR(to_seconds(team.observation.t), 30.0, 0.2) << "stage_timeout_s";
 }
 
-TEST(Guide, AVehicleOfWhichNothingIsKnownAnyMoreIsAskedToMoveWhereItIsClear) {
+TEST(Guide, AsksLostVehicleToMoveSafely) {
   CellListMap world(0.25);
   world.occupy_box({1.25, -1, 0}, {1.5, 1, 1.5});
   for (const bool cramped : {false, true}) {
@@ -142,7 +142,7 @@ TEST(Guide, AVehicleOfWhichNothingIsKnownAnyMoreIsAskedToMoveWhereItIsClear) {
   }
 }
 
-TEST(Guide, AVehicleThatCrashedEndsTheMissionWithItsReason) {
+TEST(Guide, ReportsFailureWhenVehicleHasCrashed) {
   GuideConfig config = guides_uav2({{6, 0, 0.7}});
   config.retries = 1;
   config.stage_timeout_s = 10.0;
@@ -155,7 +155,7 @@ TEST(Guide, AVehicleThatCrashedEndsTheMissionWithItsReason) {
   EXPECT_TRUE(team.said("the guided vehicle was lost on its way"));
 }
 
-TEST(Guide, AVehicleThatDoesNotMoveEndsTheMissionWithItsReason) {
+TEST(Guide, ReportsFailureWhenVehicleStaysPut) {
   GuideConfig config = guides_uav2({{6, 0, 0.7}});
   config.retries = 0;
   config.stage_timeout_s = 8.0;
@@ -169,7 +169,7 @@ TEST(Guide, AVehicleThatDoesNotMoveEndsTheMissionWithItsReason) {
   EXPECT_EQ(team.word, GuidingPath::Word::kFailed);
 }
 
-TEST(Guide, AGoalInAnObstacleEndsTheMissionWithItsReason) {
+TEST(Guide, ReportsFailureForGoalInsideObstacle) {
   CellListMap world(0.25);
   world.occupy_box({3, -1, 0}, {5, 1, 1.5});
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
@@ -221,7 +221,7 @@ double seconds_to_the_end(GuideConfig::Motion motion, double& least_m, int& stop
   return to_seconds(team.observation.t);
 }
 
-TEST(Guide, PlanningAheadArrivesSoonerAndFlyingTogetherSoonestWithFewerStops) {
+TEST(Guide, FinishesSoonestTogetherThenPlanningAhead) {
   double least_m = 0.0;
   int stops = 0;
   const double alternate_s = seconds_to_the_end(GuideConfig::Motion::kAlternate, least_m, stops);
@@ -235,7 +235,7 @@ TEST(Guide, PlanningAheadArrivesSoonerAndFlyingTogetherSoonestWithFewerStops) {
   EXPECT_GT(least_m, 1.5) << "they keep out of each other's air";
 }
 
-TEST(Guide, AWallThatComesIntoSightOnTheWayIsFlownAround) {
+TEST(Guide, FliesAroundWallSightedOnRoute) {
   for (const bool in_the_guides_way : {false, true}) {
     Team team(guides_uav2({{4, 0, 0.7}}));
     team.run_until(in_the_guides_way ? "primary moving" : "secondary moving", 20.0);
@@ -254,7 +254,7 @@ TEST(Guide, AWallThatComesIntoSightOnTheWayIsFlownAround) {
   }
 }
 
-TEST(Guide, FlyingAlongItHoldsItsOwnPathAgainstTheMapToo) {
+TEST(Guide, ChecksOwnPathWhenFlyingTogether) {
   GuideConfig config = guides_uav2({});
   config.advance.step_m = {4, 0, 0};
   config.advance.distance_m = 11.0;
@@ -274,7 +274,7 @@ TEST(Guide, FlyingAlongItHoldsItsOwnPathAgainstTheMapToo) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
-TEST(Guide, WhatAppearsBehindTheGuidedVehicleDisturbsNobody) {
+TEST(Guide, IgnoresObstaclesBehindGuidedVehicle) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.run_until("secondary moving", 20.0);
   while (team.guided.position_m.x() < 2.5) team.tick();
@@ -284,13 +284,13 @@ TEST(Guide, WhatAppearsBehindTheGuidedVehicleDisturbsNobody) {
   EXPECT_FALSE(team.said("planning anew: the guided vehicle's path is not clear any more"));
 }
 
-TEST(Guide, AVehicleThatIsNotThereIsRefused) {
+TEST(Guide, RefusesUnknownVehicle) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.secondary = "uav99";
   EXPECT_THROW(Team{config}, std::invalid_argument);
 }
 
-TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
+TEST(Guide, CountsAbandonedSearchesPerVehicle) {
   GuideConfig config = guides_uav2({{6, 0, 0.7}});
   config.planner.secondary.max_expansions = 5;
   config.retries = 1;
@@ -304,7 +304,7 @@ TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
 
 // ---- bounds of each decision, for vehicles that stay in place and report a speed
 
-TEST(GuideDecisions, WhoNeverRestsFailsAsOftenAsItMayBeTriedAgain) {
+TEST(GuideDecisions, FailsAfterAllRetriesWithoutRest) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.stage_timeout_s = 4.0;
   config.retries = 2;
@@ -328,7 +328,7 @@ TEST(GuideDecisions, WhoNeverRestsFailsAsOftenAsItMayBeTriedAgain) {
   }
 }
 
-TEST(GuideDecisions, ItGuidesWhoIsSureEnoughAlongEveryAxisAndWasHeardLately) {
+TEST(GuideDecisions, GuidesOnlyWellLocalizedConnectedVehicle) {
   for (const int axis : {0, 1, 2}) {
     for (const bool sure : {true, false}) {  // 0.4 m is the bound
       Team team(guides_uav2({{4, 0, 0.7}}));
@@ -347,7 +347,7 @@ TEST(GuideDecisions, ItGuidesWhoIsSureEnoughAlongEveryAxisAndWasHeardLately) {
   EXPECT_STREQ(team.out.note, "hovers: the guided vehicle is lost");
 }
 
-TEST(GuideDecisions, WaypointsAreDroppedOnceTheyWereVisitedAndNoneIsToldTwice) {
+TEST(GuideDecisions, DropsVisitedWaypointsAndRepeatsNone) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   place_at_viewpoint(team);
   hold_for(team, 1.0);
@@ -373,7 +373,7 @@ TEST(GuideDecisions, WaypointsAreDroppedOnceTheyWereVisitedAndNoneIsToldTwice) {
   EXPECT_NEAR(rest.waypoints[0].yaw_rad, 0.0, 1e-5) << "it keeps its heading";
 }
 
-TEST(GuideDecisions, TheHeadingTurnsToThatOfTheGoalTheShortWay) {
+TEST(GuideDecisions, TakesShorterTurnToGoalHeading) {
   for (const double yaw_deg : {90.0, -170.0}) {
     GuideConfig config = guides_uav2({{4, 0, 0.7}});
     config.goal_yaws_deg = {yaw_deg};
@@ -388,7 +388,7 @@ TEST(GuideDecisions, TheHeadingTurnsToThatOfTheGoalTheShortWay) {
   }
 }
 
-TEST(GuideDecisions, GoalsInALoopAreTakenAgainAndAgain) {
+TEST(GuideDecisions, RepeatsLoopedGoalsIndefinitely) {
   GuideConfig config = guides_uav2({{1, 0, 0.7}, {0, 0, 0.7}});
   config.loop = true;
   config.planning_latency_s = config.settle_s = 0.1;
@@ -404,7 +404,7 @@ TEST(GuideDecisions, GoalsInALoopAreTakenAgainAndAgain) {
   EXPECT_GT(visits.size(), 6U);
 }
 
-TEST(GuideDecisions, WhoIsLostAtItsGoalWithMoreToDoIsWaitedForAndThenGivenUp) {
+TEST(GuideDecisions, TimesOutVehicleLostAtGoal) {
   GuideConfig config = guides_uav2({{1, 0, 0.7}, {4, 0, 0.7}});
   config.stage_timeout_s = 6.0;
   Team lost(config);
@@ -420,7 +420,7 @@ TEST(GuideDecisions, WhoIsLostAtItsGoalWithMoreToDoIsWaitedForAndThenGivenUp) {
   EXPECT_EQ(lost.out.mission, MissionStatus::kRunning) << "it may come back";
 }
 
-TEST(GuideDecisions, AGuideWhosePathIsTooHardToFindCountsThat) {
+TEST(GuideDecisions, CountsItsOwnAbandonedSearches) {
   CellListMap world(0.25);
   world.occupy_box({-3.0, -6.0, 0.0}, {-2.75, 6.0, 1.5});  // between the guide and the path
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
@@ -435,7 +435,7 @@ TEST(GuideDecisions, AGuideWhosePathIsTooHardToFindCountsThat) {
   EXPECT_EQ(team.counter("planner.secondary.max_expansions").count, 0U);
 }
 
-TEST(GuideDecisions, FlyingAlongItTellsWhatItSeesFromWhereItIsAndStopsWhereTheOtherIsLost) {
+TEST(GuideDecisions, SharesViewAndStopsWithoutLink) {
   GuideConfig config = guides_uav2({{8, 0, 0.7}, {8, 8, 0.7}});
   config.motion = GuideConfig::Motion::kTogether;
   config.planner.viewpoint.ray_max_m = 3.0;

@@ -17,7 +17,7 @@ TEST(Hover, StaysWhereAndAsItStood) {
   EXPECT_EQ(driver.out.mission, MissionStatus::kEndless);
 }
 
-TEST(Hover, APointIsInTheWorldAndItsHeadingInDegrees) {
+TEST(Hover, TakesWorldPointAndDegreeHeading) {
   HoverConfig config;
   config.at = HoverConfig::At::kPoint;
   config.point_m = {7.0, 8.0, 9.0};

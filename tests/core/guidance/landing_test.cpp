@@ -16,7 +16,7 @@ StateEstimate standing_at(double z_m, double vz_mps = 0.0) {
   return estimate;
 }
 
-TEST(Landing, GoalSinksStraightDownAtTheSpeedAndSaysSo) {
+TEST(Landing, SinksVerticallyAtItsSpeed) {
   Landing landing(0.5);
   EXPECT_FALSE(landing.started());
   landing.start({1.0, 2.0, 3.0}, 0.7);
@@ -33,7 +33,7 @@ TEST(Landing, GoalSinksStraightDownAtTheSpeedAndSaysSo) {
   }
 }
 
-TEST(Landing, GoalPushesHalfAMeterIntoTheGroundAndNoFurther) {
+TEST(Landing, PushesGoalHalfMeterBelowGround) {
   Landing landing(0.5);
   landing.start({1.0, 2.0, 0.2}, 0.0);
   Reference goal;
@@ -57,12 +57,12 @@ double touch_down_s(double speed_mps, double vz_mps, double longest_s = 10.0) {
 }
 
 // The goal is 0.3 m ahead after 0.3 m / speed; then the vehicle must be still for half a second.
-TEST(Landing, TouchDownIsHalfASecondOfStandingStillOnTheGround) {
+TEST(Landing, DetectsTouchdownAfterHalfASecond) {
   EXPECT_NEAR(touch_down_s(0.5, 0.0), 0.6 + 0.5, 2.1 * kLandingTick_s);
   EXPECT_NEAR(touch_down_s(1.0, 0.0), 0.3 + 0.5, 2.1 * kLandingTick_s);
 }
 
-TEST(Landing, WhatStillMovesHasNotTouchedDown) {
+TEST(Landing, RefusesTouchdownWhileStillMoving) {
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_GT(touch_down_s(0.5, 0.09 * sign), 0.0) << "0.1 m/s counts as still";
     EXPECT_LT(touch_down_s(0.5, 0.11 * sign), 0.0);
@@ -72,7 +72,7 @@ TEST(Landing, WhatStillMovesHasNotTouchedDown) {
   }
 }
 
-TEST(Landing, ABounceStartsTheHalfSecondAnew) {
+TEST(Landing, RestartsTouchdownTimerAfterABounce) {
   Landing landing(0.5);
   landing.start({0.0, 0.0, 0.2}, 0.0);
   Reference goal;
@@ -85,7 +85,7 @@ TEST(Landing, ABounceStartsTheHalfSecondAnew) {
   EXPECT_TRUE(landed);
 }
 
-TEST(Landing, StartedAgainItBeginsFromTheStart) {
+TEST(Landing, RestartsTouchdownTimerWhenStartedAgain) {
   Landing landing(0.5);
   Reference goal;
   landing.start({0.0, 0.0, 0.2}, 0.0);

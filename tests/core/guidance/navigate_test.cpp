@@ -54,7 +54,7 @@ struct Pilot : GuidanceDriver {
   double least_m = 10.0;
 };
 
-TEST(Navigate, GoesAroundAWallFromGoalToGoal) {
+TEST(Navigate, FliesAroundAWallBetweenGoals) {
   Pilot pilot(flies_to({{4, 0, 0.7}, {0, 0, 0.7}}));
   pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
   pilot.run(60.0);
@@ -64,7 +64,7 @@ TEST(Navigate, GoesAroundAWallFromGoalToGoal) {
   EXPECT_GT(pilot.least_m, 0.3);
 }
 
-TEST(Navigate, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
+TEST(Navigate, ReplansWhenItsPathIsBlocked) {
   Pilot pilot(flies_to({{6, 0, 0.7}}));
   while (pilot.p_m().x() < 1.0) pilot.tick();
   pilot.world.occupy_box({4.0, -2.0, 0.0}, {4.25, 2.0, 1.5});
@@ -74,7 +74,7 @@ TEST(Navigate, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
   EXPECT_GT(pilot.least_m, 0.3);
 }
 
-TEST(Navigate, AGoalInAnObstacleEndsTheMissionWithItsReason) {
+TEST(Navigate, FailsForGoalInsideAnObstacle) {
   Pilot pilot(flies_to({{4, 0, 0.7}}));
   pilot.world.occupy_box({3, -1, 0}, {5, 1, 1.5});
   pilot.run(60.0);
@@ -82,7 +82,7 @@ TEST(Navigate, AGoalInAnObstacleEndsTheMissionWithItsReason) {
   EXPECT_STREQ(pilot.out.note, "the goal is too near to an obstacle");
 }
 
-TEST(Navigate, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
+TEST(Navigate, CountsAbandonedSearchesAndNamesBudget) {
   NavigateConfig config = flies_to({{6, 0, 0.7}});
   const auto counted = [](const NavigateConfig& flown) {
     Pilot pilot(flown);
@@ -98,7 +98,7 @@ TEST(Navigate, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
   EXPECT_EQ(given_up.setting, "planner.max_expansions");
 }
 
-TEST(Navigate, EverySearchAndEveryWayToFollowGoesAroundTheWall) {
+TEST(Navigate, EverySearchAndFollowerAvoidsWall) {
   using Search = NavigateConfig::Search;
   using Follow = NavigateConfig::Follow;
   for (const Search search : {Search::kAStar, Search::kRrt, Search::kInformedRrtStar}) {
@@ -115,7 +115,7 @@ TEST(Navigate, EverySearchAndEveryWayToFollowGoesAroundTheWall) {
   }
 }
 
-TEST(Navigate, ATimedPathIsFlownWithinTheLimitsAndWithoutAStopAtItsCorners) {
+TEST(Navigate, FliesTimedPathWithoutCornerStops) {
   NavigateConfig config = flies_to({{5, 0, 0.7}});
   Pilot pilot(config);
   pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
@@ -132,7 +132,7 @@ TEST(Navigate, ATimedPathIsFlownWithinTheLimitsAndWithoutAStopAtItsCorners) {
   EXPECT_GT(slowest_between_mps, 0.3);
 }
 
-TEST(Navigate, TheClockOfATimedPathWaitsForAVehicleThatStaysBehind) {
+TEST(Navigate, PathClockWaitsForDelayedVehicle) {
   Pilot pilot(flies_to({{6, 0, 0.7}}));
   while (pilot.p_m().x() < 1.0) pilot.tick();
   const Vector3 held_m = pilot.p_m();
@@ -143,7 +143,7 @@ TEST(Navigate, TheClockOfATimedPathWaitsForAVehicleThatStaysBehind) {
   EXPECT_LT((pilot.out.goal.position_m - held_m).norm(), 0.8);
 }
 
-TEST(Navigate, ASampledSearchThatIsGivenUpNamesItsOwnBudget) {
+TEST(Navigate, AbandonedSampledSearchNamesItsBudget) {
   NavigateConfig config = flies_to({{6, 0, 0.7}});
   config.search = NavigateConfig::Search::kRrt;
   config.sampling.max_samples = 1;
@@ -154,7 +154,7 @@ TEST(Navigate, ASampledSearchThatIsGivenUpNamesItsOwnBudget) {
   EXPECT_EQ(pilot.counter().setting, "sampling.max_samples");
 }
 
-TEST(Navigate, ATourIsFlownAsOftenAsToldAndForEverWithoutANumber) {
+TEST(Navigate, RepeatsToursAsConfiguredOrForever) {
   const auto visits_in = [](int rounds, double seconds) {
     NavigateConfig config = flies_to({{2, 0, 0.7}, {0, 0, 0.7}});
     config.rounds = rounds;
@@ -183,7 +183,7 @@ TEST(Navigate, WithoutGoalsItHovers) {
   EXPECT_LT(pilot.p_m().x(), 1e-9);
 }
 
-TEST(Navigate, ShowsItsPathAsALineOnceThereIsOne) {
+TEST(Navigate, DrawsItsPathOnceOneExists) {
   Pilot pilot(flies_to({{4, 0, 0.7}}));
   std::vector<Overlay> overlays;
   pilot.guidance->append_overlays(overlays);
@@ -196,7 +196,7 @@ TEST(Navigate, ShowsItsPathAsALineOnceThereIsOne) {
   EXPECT_LT((overlays[0].positions.back() - Eigen::Vector3f(4, 0, 0.7F)).norm(), 0.3F);
 }
 
-TEST(Navigate, PlansWhereItHoversAndFailsWhereItNeverDoesOrNeverArrives) {
+TEST(Navigate, FailsWithoutReachingHoverOrGoal) {
   NavigateConfig config = flies_to({{4, 0, 0.7}});
   config.stage_timeout_s = 2.0;
   config.retry_after_s = 1.0;
@@ -226,7 +226,7 @@ TEST(Navigate, PlansWhereItHoversAndFailsWhereItNeverDoesOrNeverArrives) {
 }
 
 // The rest of the acceleration, a fifth, brings back a vehicle that is off its path.
-TEST(Navigate, ATimedPathTakesFourFifthsOfTheAccelerationAndNoMoreThanItsSpeed) {
+TEST(Navigate, TimedPathKeepsAccelerationInReserve) {
   NavigateConfig config = flies_to({{12, 0, 0.7}});
   config.speed_mps = 3.0;
   Pilot pilot(config);

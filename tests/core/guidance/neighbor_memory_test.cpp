@@ -55,7 +55,7 @@ NeighborSourceConfig from(Source source) {
   return config;
 }
 
-TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
+TEST(NeighborMemory, MatchesConstantVelocityKalmanFilter) {
   // The filter of one axis written out: position and speed, acceleration constant over a step.
   double p = 3.0, v = 0.0;
   double pp = 0.04, pv = 0.0, vv = 4.0;  // a vehicle that was seen once may have any speed, 2 m/s is usual
@@ -90,7 +90,7 @@ TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
   }
 }
 
-TEST(NeighborMemory, TellsWhereBothWereWhenItWasSeenLast) {
+TEST(NeighborMemory, ReportsBothPositionsAtLastSighting) {
   Listener listener(from(Source::kSensor));
   listener.at(make_pose({1.0, 0.0, 0.0}, Eigen::Quaterniond::Identity()));
   listener.sees(2, {5.0, 0.0, 0.0}, 0.1, 0.04 * Matrix3::Identity());
@@ -103,7 +103,7 @@ TEST(NeighborMemory, TellsWhereBothWereWhenItWasSeenLast) {
   EXPECT_GT(neighbor.covariance_local_m2(0, 0), 0.5) << "now it may be elsewhere";
 }
 
-TEST(NeighborMemory, LearnsHowLateAndHowOftenSamplesCome) {
+TEST(NeighborMemory, EstimatesSampleLatencyAndPeriod) {
   Listener listener(from(Source::kSensor));
   EXPECT_EQ(listener.memory.shortest_s(), 0.0);
   for (int i = 1; i <= 40; ++i) {  // every half second, 0.2 s late; one is lost
@@ -120,7 +120,7 @@ TEST(NeighborMemory, LearnsHowLateAndHowOftenSamplesCome) {
   EXPECT_NEAR(listener.memory.longest_s(), 0.5, 0.11) << "what was long ago is forgotten";
 }
 
-TEST(NeighborMemory, DirectionsThatAreMeasuredBetterCountMore) {
+TEST(NeighborMemory, WeightsDirectionsByMeasurementAccuracy) {
   Listener listener(from(Source::kSensor));
   listener.sees(1, Vector3::Zero(), 0.0, Matrix3::Identity());
   listener.update(0.0);
@@ -144,7 +144,7 @@ TEST(NeighborMemory, CovarianceTurnsWithTheBody) {
   EXPECT_NEAR(p_m.y(), 3.0, 1e-3);
 }
 
-TEST(NeighborMemory, IsCarriedForwardToNowOrNot) {
+TEST(NeighborMemory, PredictsToNowOnlyIfConfigured) {
   for (const bool predict : {true, false}) {
     NeighborSourceConfig config = from(Source::kSensor);
     config.predict = predict;
@@ -158,7 +158,7 @@ TEST(NeighborMemory, IsCarriedForwardToNowOrNot) {
   }
 }
 
-TEST(NeighborMemory, IsForgottenAfterTheTimeoutAndNotBefore) {
+TEST(NeighborMemory, ForgetsNeighborsExactlyAfterTheTimeout) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 0.5;
   Listener listener(config);
@@ -174,7 +174,7 @@ NeighborView ahead_only() {
   return view;
 }
 
-TEST(NeighborMemory, OneInTheBlindSectorIsNotForgotten) {
+TEST(NeighborMemory, RemembersNeighborsInTheBlindSector) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 0.5;
   for (const bool remember : {true, false}) {
@@ -192,7 +192,7 @@ TEST(NeighborMemory, OneInTheBlindSectorIsNotForgotten) {
   }
 }
 
-TEST(NeighborMemory, OneBeyondTheRangeIsForgottenButIsNoLostSample) {
+TEST(NeighborMemory, ForgetsDistantNeighborsWithoutLostSamples) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 0.5;
   NeighborView near_ahead = ahead_only();
@@ -207,7 +207,7 @@ TEST(NeighborMemory, OneBeyondTheRangeIsForgottenButIsNoLostSample) {
   EXPECT_EQ(listener.memory.longest_s(), 0.0);
 }
 
-TEST(NeighborMemory, ThePlaceOfOneUnseenGrowsUncertainButStaysNear) {
+TEST(NeighborMemory, GrowsUncertaintyOfUnseenNeighbors) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 100.0;
   Listener listener(config);
@@ -226,7 +226,7 @@ TEST(NeighborMemory, ThePlaceOfOneUnseenGrowsUncertainButStaysNear) {
   EXPECT_NEAR(listener.update(8.0)[0].velocity_local_mps.norm(), 0.0, 1e-12);
 }
 
-TEST(NeighborMemory, OneUnseenMayHaveFlownOnForAWhileAndNotForEver) {
+TEST(NeighborMemory, BoundsUnpredictedMotionOfUnseenNeighbors) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 100.0;
   Listener listener(config);
@@ -242,7 +242,7 @@ TEST(NeighborMemory, OneUnseenMayHaveFlownOnForAWhileAndNotForEver) {
   EXPECT_EQ(later.velocity_local_mps.norm(), 0.0);
 }
 
-TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {
+TEST(NeighborMemory, IgnoresOutdatedSamples) {
   Listener listener(from(Source::kSensor));
   listener.sees(1, {1.0, 0.0, 0.0}, 1.0);
   listener.sees(1, {9.0, 0.0, 0.0}, 0.9);
@@ -251,7 +251,7 @@ TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {
   EXPECT_EQ(known[0].seen, from_seconds(1.0));
 }
 
-TEST(NeighborMemory, EachIsKeptApartAndTheyComeInOrder) {
+TEST(NeighborMemory, KeepsNeighborsSeparateAndOrdered) {
   Listener listener(from(Source::kSensor));
   for (const VehicleId id : {7, 2, 5}) listener.sees(id, {1.0 * id, 0.0, 0.0}, 0.0);
   const auto known = listener.update(0.0);
@@ -262,7 +262,7 @@ TEST(NeighborMemory, EachIsKeptApartAndTheyComeInOrder) {
   }
 }
 
-TEST(NeighborMemory, MessagesAreCarriedIntoTheLocalFrame) {
+TEST(NeighborMemory, TransformsMessagesIntoTheLocalFrame) {
   Listener listener(from(Source::kRadio));
   listener.estimate.correct(make_pose({10.0, 0.0, 1.0}, Eigen::Quaterniond::Identity()));
   listener.hears(3, {12.0, 1.0, 4.0}, 0.0);
@@ -274,7 +274,7 @@ TEST(NeighborMemory, MessagesAreCarriedIntoTheLocalFrame) {
   EXPECT_EQ(listener.update(0.0).size(), 1U) << "a place that is not finite";
 }
 
-TEST(NeighborMemory, AnnouncesItsPlaceInTheWorldByRadioOnly) {
+TEST(NeighborMemory, BroadcastsWorldPositionByRadioOnly) {
   for (const Source source : {Source::kRadio, Source::kSensor, Source::kTracks, Source::kNone}) {
     Listener listener(from(source));
     listener.at(make_pose({1.0, 2.0, 3.0}, Eigen::Quaterniond::Identity()));
@@ -291,7 +291,7 @@ TEST(NeighborMemory, AnnouncesItsPlaceInTheWorldByRadioOnly) {
   }
 }
 
-TEST(NeighborMemory, TracksAreTakenAsTheyAreCarriedForward) {
+TEST(NeighborMemory, PredictsTracksOnlyIfConfigured) {
   for (const bool predict : {true, false}) {
     NeighborSourceConfig config = from(Source::kTracks);
     config.predict = predict;
@@ -310,7 +310,7 @@ TEST(NeighborMemory, TracksAreTakenAsTheyAreCarriedForward) {
   }
 }
 
-TEST(NeighborMemory, NobodyIsKnownFromNoSource) {
+TEST(NeighborMemory, StaysEmptyWithoutASource) {
   Listener listener(from(Source::kNone));
   listener.sees(1, Vector3::UnitX(), 0.0);
   listener.hears(2, Vector3::UnitX(), 0.0);

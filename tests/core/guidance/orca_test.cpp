@@ -28,7 +28,7 @@ double least_m(const Vector3& to_other_m, const Vector3& v_mps) {
 }
 
 // Both take half of the change: just so far that they pass at the distance, by brute force over many pairs.
-TEST(Orca, WhenBothDoWhatTheyOweTheyPassAtTheDistanceAndNoFarther) {
+TEST(Orca, PassesAtExactlyTheSafetyDistance) {
   const Random random(5, "orca");
   int num_changed = 0;
   for (std::uint32_t i = 0; i < 5000; ++i) {
@@ -47,14 +47,14 @@ TEST(Orca, WhenBothDoWhatTheyOweTheyPassAtTheDistanceAndNoFarther) {
   EXPECT_GT(num_changed, 20);
 }
 
-TEST(Orca, WhoIsTooNearGoesApartWithinTheStep) {
+TEST(Orca, SeparatesOverlappingVehiclesWithinOneStep) {
   const Vector3 to_m(0.6, 0.0, 0.0);
   const OrcaPlane own = orca_plane(to_m, Vector3::Zero(), Vector3::Zero(), kDistance_m, kHorizon_s, 0.2);
   const OrcaPlane theirs = orca_plane(-to_m, Vector3::Zero(), Vector3::Zero(), kDistance_m, kHorizon_s, 0.2);
   EXPECT_NEAR((to_m - 0.2 * (own.point_local_mps - theirs.point_local_mps)).norm(), kDistance_m, 1e-9);
 }
 
-TEST(Orca, TheVelocityIsTheNearestOfThoseThatKeepEveryPlaneAndTheSpeed) {
+TEST(Orca, FindsNearestVelocityWithinAllConstraints) {
   const std::vector<OrcaPlane> planes = {{{0.5, 0.0, 0.0}, -Vector3::UnitX()},
                                          {{0.0, 0.2, 0.0}, Vector3(0.3, 1.0, 0.2).normalized()}};
   std::vector<Vector3> scratch;
@@ -73,7 +73,7 @@ TEST(Orca, TheVelocityIsTheNearestOfThoseThatKeepEveryPlaneAndTheSpeed) {
   }
 }
 
-TEST(Orca, WhereAPlaneAndTheSpeedMeetItIsTheNearestToo) {
+TEST(Orca, FindsNearestVelocityOnConstraintIntersection) {
   const Random random(3, "orca");
   std::vector<Vector3> scratch;
   for (std::uint32_t k = 0; k < 30; ++k) {
@@ -90,13 +90,13 @@ TEST(Orca, WhereAPlaneAndTheSpeedMeetItIsTheNearestToo) {
   }
 }
 
-TEST(Orca, WhereNoVelocityKeepsAllPlanesTheyGiveWayAlike) {
+TEST(Orca, RelaxesInfeasiblePlanesEqually) {
   const std::vector<OrcaPlane> planes = {{{1.0, 0.0, 0.0}, Vector3::UnitX()}, {{-1.0, 0.0, 0.0}, -Vector3::UnitX()}};
   std::vector<Vector3> scratch;
   EXPECT_NEAR(orca_velocity(planes, {0.0, 0.5, 0.0}, 2.0, scratch).x(), 0.0, 0.4);
 }
 
-TEST(Orca, FliesToTheGoalPastOneThatStandsInTheWay) {
+TEST(Orca, ReachesGoalPastAStationaryVehicle) {
   OrcaConfig config;
   config.goal_m = {12.0, 0.0, 5.0};
   GuidanceDriver driver("orca", config, {0.0, 0.0, 5.0});

@@ -34,7 +34,7 @@ struct FollowedFlight {
 
 const std::vector<Vector3> kCorners = {{0, 0, 1}, {4, 0, 1}, {4, 4, 1}, {0, 4, 1}};
 
-TEST(PathFollower, GoesOnToTheNextCornerOnceOneWasVisited) {
+TEST(PathFollower, AdvancesOnceACornerIsReached) {
   FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start(kCorners);
@@ -48,7 +48,7 @@ TEST(PathFollower, GoesOnToTheNextCornerOnceOneWasVisited) {
   EXPECT_EQ(follower.target_local().velocity_mps, Vector3(0, 0, 0));
 }
 
-TEST(PathFollower, HasArrivedWhereItHoversNearTheLastCorner) {
+TEST(PathFollower, ArrivesWhenHoveringNearLastCorner) {
   FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start({{0, 0, 1}, {4, 0, 1}});
@@ -60,7 +60,7 @@ TEST(PathFollower, HasArrivedWhereItHoversNearTheLastCorner) {
   EXPECT_EQ(flight.step(follower, kCorners[1]), Outcome::kFlying);
 }
 
-TEST(PathFollower, WhatAppearsOnTheRestOfThePathBlocksItAndWhatIsBehindDoesNot) {
+TEST(PathFollower, IsBlockedOnlyByObstaclesAhead) {
   FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start(kCorners);
@@ -84,7 +84,7 @@ SplineTrajectory along_x() {
   return path;
 }
 
-TEST(PathFollower, ByTimeItsTargetIsTheSplineWithItsVelocityAndAcceleration) {
+TEST(PathFollower, TimedTargetFollowsSplineAndDerivatives) {
   FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   const UniformSpline spline = along_x().spline();
@@ -101,7 +101,7 @@ TEST(PathFollower, ByTimeItsTargetIsTheSplineWithItsVelocityAndAcceleration) {
   EXPECT_EQ(flight.step(follower, spline.at(spline.duration_s()).p_m + Vector3(0, 0.29, 0), 0.24), Outcome::kArrived);
 }
 
-TEST(PathFollower, ByTimeItWaitsForWhoIsHalfAMeterBehind) {
+TEST(PathFollower, TimedTargetWaitsForDelayedVehicle) {
   FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start({{0, 0, 1}, {4, 0, 1}}, along_x());
@@ -118,7 +118,7 @@ TEST(PathFollower, ByTimeItWaitsForWhoIsHalfAMeterBehind) {
   EXPECT_LT(follower.target_local_m().x(), 0.1);
 }
 
-TEST(PathFollower, ByTimeOnlyTheRestOfThePathIsLookedAt) {
+TEST(PathFollower, TimedCheckCoversOnlyRemainingPath) {
   const auto blocked_at = [](double t_s, double x_m) {
     FollowedFlight flight;
     PathFollower follower(flight.rules, 0.4);

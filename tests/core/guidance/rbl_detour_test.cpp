@@ -73,7 +73,7 @@ void add_u(CellListMap& world) {
   world.occupy_box({1.0, 2.5, 0.0}, {4.25, 2.75, 2.0});
 }
 
-TEST(RblDetour, WhoGetsNearerFliesToTheGoalItself) {
+TEST(RblDetour, FliesDirectlyWhileApproachingTheGoal) {
   Flight flight(quick());
   flight.world.occupy_box({4.0, 3.0, 0.0}, {4.25, 6.0, 2.0});
   while (flight.left_m() > 0.1) {
@@ -84,7 +84,7 @@ TEST(RblDetour, WhoGetsNearerFliesToTheGoalItself) {
   EXPECT_STREQ(flight.detour.note(), "");
 }
 
-TEST(RblDetour, OutOfAUItFliesBackwardsAndArrives) {
+TEST(RblDetour, BacksOutOfUAndArrives) {
   Flight flight(quick());
   add_u(flight.world);
   flight.run(60.0);
@@ -99,7 +99,7 @@ TEST(RblDetour, OutOfAUItFliesBackwardsAndArrives) {
   EXPECT_GT(caught.left_m(), 4.0);
 }
 
-TEST(RblDetour, ItWaitsForItsPatienceAndForThePlannersLatency) {
+TEST(RblDetour, WaitsForPatienceAndPlannerLatency) {
   Flight flight(quick());
   flight.held = true;
   flight.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 2.0, 2.0});
@@ -110,7 +110,7 @@ TEST(RblDetour, ItWaitsForItsPatienceAndForThePlannersLatency) {
   EXPECT_NE(std::string(flight.detour.note()).find("path"), std::string::npos);
 }
 
-TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
+TEST(RblDetour, FliesStraightWhereClearWhenHeld) {
   Flight flight(quick());
   flight.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 2.0, 2.0});
   while (!flight.detour.on_path()) flight.tick();
@@ -145,7 +145,7 @@ TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
   EXPECT_FALSE(flight.detour.straight_local_m());
 }
 
-TEST(RblDetour, OneThatWasHeldFliesAPartOfItsPathStraight) {
+TEST(RblDetour, FliesStraightBrieflyAfterBeingHeld) {
   Flight flight(quick());
   flight.world.occupy_box({2.0, -4.0, 0.0}, {2.25, 4.0, 2.0});
   while (!flight.detour.on_path()) flight.tick();
@@ -157,7 +157,7 @@ TEST(RblDetour, OneThatWasHeldFliesAPartOfItsPathStraight) {
   EXPECT_NEAR((flight.now.p_local_m - from_m).norm(), 2.0, 0.3) << "not only until it moves again";
 }
 
-TEST(RblDetour, WhatComesIntoSightOnThePathMakesAnotherOne) {
+TEST(RblDetour, ReplansWhenAnObstacleAppearsAhead) {
   Flight flight(quick());
   flight.world.occupy_box({3.0, -1.5, 0.0}, {3.25, 4.0, 2.0});
   for (int i = 0; i < 300 && !flight.detour.on_path(); ++i) flight.tick();
@@ -170,7 +170,7 @@ TEST(RblDetour, WhatComesIntoSightOnThePathMakesAnotherOne) {
   EXPECT_GT(flight.detour.num_plans(), plans);
 }
 
-TEST(RblDetour, ThePathKeepsTheHeightOfAPlaneAndElseStaysNearItsHeights) {
+TEST(RblDetour, KeepsTheHeightOfPlanarFlight) {
   RblDetourConfig config = quick();
   config.climb_m = 5.0;
   Flight over(config);
@@ -196,7 +196,7 @@ TEST(RblDetour, ThePathKeepsTheHeightOfAPlaneAndElseStaysNearItsHeights) {
   EXPECT_NEAR(highest(planar), 1.0, 0.3);
 }
 
-TEST(RblDetour, ThePathIsTheSameFarFromTheOrigin) {
+TEST(RblDetour, IsSameFarFromOrigin) {
   RblDetourConfig config = quick();
   config.climb_m = 5.0;
   const auto corners_at = [&](double x_m) {
@@ -219,7 +219,7 @@ TEST(RblDetour, ThePathIsTheSameFarFromTheOrigin) {
   EXPECT_NEAR(here_m.back().z(), 4.0, 0.3);
 }
 
-TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) {
+TEST(RblDetour, AvoidsAStandingVehicleWherePossible) {
   Neighbor other;
   other.position_local_m = {4.0, 0.0, 1.0};
   Flight flight(quick());
@@ -246,7 +246,7 @@ TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) 
   EXPECT_EQ(only.detour.corners_local_m().size(), 2U);
 }
 
-TEST(RblDetour, WhereNoWideWayLeadsOnItTakesOneThatItsCellsCanFly) {
+TEST(RblDetour, FallsBackToNarrowFlyablePassages) {
   RblDetourConfig config = quick();
   config.planner.clearance_m = 1.2;
   Flight flight(config);
@@ -257,7 +257,7 @@ TEST(RblDetour, WhereNoWideWayLeadsOnItTakesOneThatItsCellsCanFly) {
   EXPECT_TRUE(flight.detour.on_path()) << flight.detour.note();
 }
 
-TEST(RblDetour, WithoutAWayItSaysWhyFailsAndGoesOnWhenThereIsOne) {
+TEST(RblDetour, FailsWithoutPathAndRecoversLater) {
   Flight flight(quick());
   flight.held = true;
   CellListMap closed(0.25);
@@ -279,7 +279,7 @@ TEST(RblDetour, WithoutAWayItSaysWhyFailsAndGoesOnWhenThereIsOne) {
   EXPECT_TRUE(flight.detour.on_path());
 }
 
-TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
+TEST(RblDetour, ViewsBlockedGoalFromBesideIt) {
   RblDetourConfig config = quick();
   config.climb_m = 2.0;
   config.retries = 3;
@@ -315,7 +315,7 @@ TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
   EXPECT_TRUE(never.detour.gave_up());
 }
 
-TEST(RblDetour, WhoIsHeldRightAboveItsGoalFliesToWhereItSeesIt) {
+TEST(RblDetour, ViewsGoalWhenHeldAboveIt) {
   RblDetourConfig config = quick();
   config.climb_m = 2.0;
   for (const bool above : {true, false}) {
@@ -332,7 +332,7 @@ TEST(RblDetour, WhoIsHeldRightAboveItsGoalFliesToWhereItSeesIt) {
   }
 }
 
-TEST(RblDetour, ASearchThatIsGivenUpIsCountedAndIsNoFailure) {
+TEST(RblDetour, CountsAbandonedSearchesWithoutFailing) {
   RblDetourConfig config = quick();
   config.planner.max_expansions = 3;
   Flight flight(config);
@@ -376,7 +376,7 @@ double left_by_rbl_m(const RblConfig& config, const Vector3& start_m, const Cell
   return left_by_rbl_m(config, driver, world, least_m);
 }
 
-TEST(RblDetour, AVehicleByRblLeavesTheUThatHoldsItWithout) {
+TEST(RblDetour, FreesAnRblVehicleFromU) {
   CellListMap world(0.25);
   add_u(world);
   double least_m = 5.0;
@@ -398,7 +398,7 @@ CellListMap shaft() {
   return world;
 }
 
-TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAsItCameAlthoughItSeesAheadOnly) {
+TEST(RblDetour, DescendsShaftItCameUpThrough) {
   CellListMap world = shaft();
   RblConfig config = by_lidar(5.0);
   config.detour.climb_m = 3.0;
@@ -413,7 +413,7 @@ TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAsItCameAlthoughItSeesAheadOnl
   EXPECT_GT(least_m, 0.4);
 }
 
-TEST(RblDetour, AVehicleByRblDoesNotFlyDownBlindlyToWhereItNeverWasNorLooked) {
+TEST(RblDetour, RefusesBlindDescentIntoUnseenSpace) {
   CellListMap world = shaft();
   RblConfig config = by_lidar(5.0);
   config.detour.climb_m = 3.0;
@@ -425,7 +425,7 @@ TEST(RblDetour, AVehicleByRblDoesNotFlyDownBlindlyToWhereItNeverWasNorLooked) {
   EXPECT_GT(least_m, 0.4);
 }
 
-TEST(RblDetour, StraightOnlyWhereBothHaveRoomBesideWhoStands) {
+TEST(RblDetour, FliesStraightWithRoomForBoth) {
   Flight flight(quick());
   flight.held = true;
   flight.world.occupy_box({6.0, -2.0, 0.0}, {6.25, 2.0, 2.0});

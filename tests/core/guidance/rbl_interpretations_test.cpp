@@ -32,7 +32,7 @@ RblState at_right_angle() {
   return state;
 }
 
-TEST(RblInterpretations, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
+TEST(RblInterpretations, ResetsAzimuthIfDirectWaySuffices) {
   RblRules rules;
   rules.azimuth_reset = RblRules::AzimuthReset::kNear;
   const auto theta_rad = [&](double direct_m, double reach_m) {
@@ -50,7 +50,7 @@ TEST(RblInterpretations, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) 
   EXPECT_NEAR(theta_rad(5.0, 0.2), kPi / 2.0, 1e-9);
 }
 
-TEST(RblInterpretations, AzimuthIsResetOnlyFromTheRightAngle) {
+TEST(RblInterpretations, ResetsAzimuthOnlyFromRightAngle) {
   RblState state;
   state.theta_rad = 1.0;
   RblSituation now = held_up();
@@ -58,7 +58,7 @@ TEST(RblInterpretations, AzimuthIsResetOnlyFromTheRightAngle) {
   EXPECT_NEAR(apply_rules({}, now, state, 0.1, false).theta_rad, 1.1, 1e-9);
 }
 
-TEST(RblInterpretations, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
+TEST(RblInterpretations, TurnsAzimuthOnlyWithinBothBounds) {
   const RblRules rules;
   const auto turns = [&](double gap_m, double reach_m) {
     RblSituation now = held_up();
@@ -71,7 +71,7 @@ TEST(RblInterpretations, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
   EXPECT_FALSE(turns(1.01, 0.51)) << "d_3";
 }
 
-TEST(RblInterpretations, BetaFallsWhereBothBoundsOfTheConditionHold) {
+TEST(RblInterpretations, LowersBetaOnlyWithinBothBounds) {
   const RblRules rules;
   const auto falls = [&](double gap_m, double reach_m, double goal_m) {
     RblSituation now = held_up();
@@ -88,7 +88,7 @@ TEST(RblInterpretations, BetaFallsWhereBothBoundsOfTheConditionHold) {
   EXPECT_FALSE(falls(0.2, 0.49, 3.6));
 }
 
-TEST(RblInterpretations, BetaComesBackInOneStepOfASecondAndNoFurther) {
+TEST(RblInterpretations, RestoresBetaWithoutOvershoot) {
   RblSituation free = held_up();
   free.partitioned_agent_m = free.sensing_agent_m;
   RblState state;
@@ -97,7 +97,7 @@ TEST(RblInterpretations, BetaComesBackInOneStepOfASecondAndNoFurther) {
   EXPECT_NEAR(apply_rules({}, free, state, 5.0, false).beta_m, 1.5, 1e-12);
 }
 
-TEST(RblInterpretations, RulesThatAreOffKeepTheirAnglesAtZero) {
+TEST(RblInterpretations, ZeroesAnglesOfDisabledRules) {
   RblRules rules;
   rules.azimuth_rule = false;
   EXPECT_EQ(apply_rules(rules, held_up(), at_right_angle(), 0.1, false).theta_rad, 0.0);
@@ -108,7 +108,7 @@ TEST(RblInterpretations, RulesThatAreOffKeepTheirAnglesAtZero) {
   EXPECT_EQ(apply_rules(rules, held_up(), state, 0.1, false).phi_rad, 0.0);
 }
 
-TEST(RblInterpretations, ElevationIsWantedForAVerticalGapOrALostWay) {
+TEST(RblInterpretations, RequestsElevationForGapOrLoss) {
   RblRules rules;
   RblSituation now;
   now.sensing_agent_m = {1.0, 0, 1.2};
@@ -126,7 +126,7 @@ TEST(RblInterpretations, ElevationIsWantedForAVerticalGapOrALostWay) {
   EXPECT_FALSE(wants_elevation(rules, now));
 }
 
-TEST(RblInterpretations, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
+TEST(RblInterpretations, RequestsElevationForShrinkOrChange) {
   RblRules rules;
   RblSituation now;
   now.sensing_agent_m = {0.6, 0.8, 0.0};
@@ -142,7 +142,7 @@ TEST(RblInterpretations, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
 
 // c_S lies towards the turned destination: at the height reach * sin(goal + phi), which the rule has to take away
 // twice, once for the destination's own height and once more for the turn.
-TEST(RblInterpretations, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
+TEST(RblInterpretations, SubtractsTurnedHeightForOwnTurn) {
   RblRules rules;
   rules.direction_weight = 0.0;
   rules.centering_weight = 1.0;
@@ -169,7 +169,7 @@ TEST(RblInterpretations, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination
   EXPECT_NEAR(vertical_influence(rules, now, -1.2), -2.0 + 2.0 * 2.0 - 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
 }
 
-TEST(RblInterpretations, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
+TEST(RblInterpretations, IgnoresTurnedHeightForUpSense) {
   RblRules rules;
   rules.direction_weight = 0.0;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
@@ -197,7 +197,7 @@ TEST(RblInterpretations, DirectionsInfluenceByTheirInterpretations) {
   EXPECT_NEAR(influence(0.0, -1.0), 0.0, 1e-12);
 }
 
-TEST(RblInterpretations, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
+TEST(RblInterpretations, PhiFollowsInfluenceUntilUseless) {
   RblRules rules;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = held_up();
@@ -217,7 +217,7 @@ TEST(RblInterpretations, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.15, 1e-12) << "returns from below, too";
 }
 
-TEST(RblRules, AtTheGoalThereIsNoDirection) {
+TEST(RblRules, HasNoDirectionAtTheGoal) {
   EXPECT_EQ(rbl_destination({}, Vector3::Zero(), {1.5, 0.3, 0.2}), Vector3(0, 0, 0));
   RblSituation now;
   now.goal_agent_m = {0, 0, 5};
@@ -250,7 +250,7 @@ Vector3 first_goal_m(const RblConfig& config, const Vector3& from_m, const std::
   return driver.step().goal.position_m;
 }
 
-TEST(RblFlight, HeightsLimitTheClippedVariantsAndOnlyThese) {
+TEST(RblFlight, LimitsHeightOfClippedVariantsOnly) {
   for (const Variant variant : {Variant::k3d, Variant::k3dClipped, Variant::k3dZ}) {
     RblConfig config = flying(variant);
     config.goal_m = {0.0, 0.0, 30.0};
@@ -264,7 +264,7 @@ TEST(RblFlight, HeightsLimitTheClippedVariantsAndOnlyThese) {
   }
 }
 
-TEST(RblFlight, GoesOnWhenEveryTickBringsAnUpdate) {
+TEST(RblFlight, ProgressesWithAnUpdateEveryTick) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {30.0, 0.0, 10.0};
   for (const double dt_s : {0.05, 0.1, 0.2}) {  // an update takes 0.1 s
@@ -275,7 +275,7 @@ TEST(RblFlight, GoesOnWhenEveryTickBringsAnUpdate) {
   }
 }
 
-TEST(RblFlight, WithoutLimitsTheGroundKeepsTheEncumbranceFree) {
+TEST(RblFlight, KeepsEncumbranceAboveGroundWithoutLimits) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {0.0, 0.0, -30.0};
   config.ground_m = 5.0;
@@ -285,7 +285,7 @@ TEST(RblFlight, WithoutLimitsTheGroundKeepsTheEncumbranceFree) {
   EXPECT_LT(down_m, 6.0);
 }
 
-TEST(RblFlight, TurnsToSeeWhoSlippedIntoItsBlindSector) {
+TEST(RblFlight, TurnsToNeighborsInBlindSector) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {20.0, 0.0, 5.0};
   for (const bool separation : {true, false}) {
@@ -306,7 +306,7 @@ TEST(RblFlight, TurnsToSeeWhoSlippedIntoItsBlindSector) {
   }
 }
 
-TEST(RblFlight, PassesOneThatStandsInTheWayWithoutComingTooNear) {
+TEST(RblFlight, PassesStandingVehicleAtSafeDistance) {
   RblConfig config = flying(Variant::k3d);
   config.separation.enabled = true;
   config.goal_m = {20.0, 0.0, 5.0};
@@ -328,7 +328,7 @@ TEST(RblFlight, PassesOneThatStandsInTheWayWithoutComingTooNear) {
   }
 }
 
-TEST(RblFlight, InTheDiscHeightIsThatOfTheGoal) {
+TEST(RblFlight, TakesGoalHeightInTheDisc) {
   RblConfig config = flying(Variant::k2d);
   config.goal_m = {10.0, 0.0, 7.0};
   GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
@@ -351,7 +351,7 @@ TEST(RblFlight, OnceArrivedIsArrived) {
   EXPECT_EQ(driver.out.speed_limit_mps, config.speed_mps);
 }
 
-TEST(RblFlight, GoalGlidesFromOneCentroidToTheNextWithinAPeriod) {
+TEST(RblFlight, GlidesBetweenCentroidsWithinAPeriod) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {20.0, 0.0, 2.0};
   config.update_rate_hz = 4.0;
@@ -367,7 +367,7 @@ TEST(RblFlight, GoalGlidesFromOneCentroidToTheNextWithinAPeriod) {
   EXPECT_GT(centroid_m, 1.0);
 }
 
-TEST(RblFlight, KeepsClearOfANeighborThatItsSensorSees) {
+TEST(RblFlight, KeepsClearOfSensedNeighbors) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {20.0, 0.0, 2.0};
   const double alone_m = first_goal_m(config, {0.0, 0.0, 2.0}).x();
@@ -420,7 +420,7 @@ TEST(RblFlight, AnObstacleAheadShortensTheWay) {
   EXPECT_LT(before_m, free_m - 0.3);
 }
 
-TEST(RblFlight, GroundFarBelowTheLowestLevelIsNoObstacle) {
+TEST(RblFlight, IgnoresGroundFarBelowLowestLevel) {
   RblConfig config = with_lidar();
   config.z_min_m = 1.5;
   std::vector<Vector3> ground_m, higher_m;
@@ -436,7 +436,7 @@ TEST(RblFlight, GroundFarBelowTheLowestLevelIsNoObstacle) {
   EXPECT_NE(goal_in_sight_m(config, higher_m), goal_in_sight_m(config, {}));
 }
 
-TEST(RblFlight, TurnsToTheCentroidBeforeItGoesThere) {
+TEST(RblFlight, TurnsToTheCentroidBeforeMoving) {
   RblConfig config = with_lidar();
   const ToldMap map({});
   GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0}, 1.5);
@@ -451,7 +451,7 @@ TEST(RblFlight, TurnsToTheCentroidBeforeItGoesThere) {
 }
 
 // The centroid lies above what the sensor sees. The nearest place in view takes it nearer to a neighbor's plane.
-TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
+TEST(RblFlight, CutsWholeLegalCellByNeighbors) {
   const Vector3 other_m(1.8, 0.0, 3.0), from_m(0.0, 0.0, 2.0);
   const auto beyond_m = [&](RblLidarConfig::Legal legal) {
     RblConfig config = with_lidar();
@@ -475,13 +475,13 @@ TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
   EXPECT_GT(beyond_m(RblLidarConfig::Legal::kSensed), beyond_m(RblLidarConfig::Legal::kCell) + 0.01);
 }
 
-TEST(RblFlight, AGoalWithinTheEncumbranceIsFlownToUnseen) {
+TEST(RblFlight, FliesUnseenToGoalsWithinEncumbrance) {
   RblConfig config = with_lidar();
   config.goal_m = {0.0, 0.0, 2.45};  // right above, where the sensor never looks
   EXPECT_GT(goal_in_sight_m(config, {}).z(), 2.1);
 }
 
-TEST(RblFlight, LimitsOfHeightAreThoseOfTheWorld) {
+TEST(RblFlight, LimitsHeightInTheWorldFrame) {
   RblConfig config = flying(Variant::k3dClipped);
   config.goal_m = {0.0, 0.0, 90.0};
   config.z_max_m = 10.0;
@@ -502,7 +502,7 @@ const Overlay* named(const std::vector<Overlay>& overlays, const std::string& na
 }
 
 // One neighbor ahead cuts a straight side off the circle: every corner lies on the circle or on the plane.
-TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
+TEST(RblFlight, OutlinesTheCircleCutByPlanes) {
   RblConfig config = flying(Variant::k3d);
   config.separation.enabled = false;
   const Vector3 p_m(1.0, 2.0, 5.0);
@@ -579,7 +579,7 @@ double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2, double 
 }
 
 // Two that rest share the room between them, less both encumbrances and the margin.
-TEST(RblFlight, TheMarginIsKeptBesideTheEncumbrances) {
+TEST(RblFlight, KeepsTheMarginBesideTheEncumbrances) {
   RblConfig config = flying(Variant::k3d);
   config.separation.sigmas = 0.0;
   for (const double margin_m : {0.0, 0.1, 0.6}) {
@@ -589,7 +589,7 @@ TEST(RblFlight, TheMarginIsKeptBesideTheEncumbrances) {
   }
 }
 
-TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
+TEST(RblFlight, ShrinksOnlyForUncertaintyTowardsNeighbors) {
   const RblConfig config = flying(Variant::k3d);
   const double sure_m = reach_to_neighbor_m(config, Vector3::Constant(1e-6), 4.5);
   EXPECT_NEAR(reach_to_neighbor_m(config, {1e-6, 0.09, 0.09}, 4.5), sure_m, 1e-3);
@@ -597,7 +597,7 @@ TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
 }
 
 // With nine of ten samples lost, a hovering neighbor may not have been seen yet.
-TEST(RblFlight, WhoSeesSeldomLooksAroundBeforeItStarts) {
+TEST(RblFlight, LooksAroundFirstWithRareSightings) {
   const auto two_meters_s = [](int every) {
     RblConfig config;
     config.variant = Variant::k3d;
@@ -617,7 +617,7 @@ TEST(RblFlight, WhoSeesSeldomLooksAroundBeforeItStarts) {
   EXPECT_LT(two_meters_s(20), 7.0);
 }
 
-TEST(RblInterpretations, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
+TEST(RblInterpretations, AlignsWorldLatticeToStepMultiples) {
   RblCellConfig config;
   config.lattice = RblCellConfig::Lattice::kWorld;
   RblPlanner planner(config, RblRules{}, false);
@@ -631,7 +631,7 @@ TEST(RblInterpretations, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
   }
 }
 
-TEST(RblInterpretations, LeastViolatingIsNoWorseThanAnySample) {
+TEST(RblInterpretations, LeastViolatingPointBeatsEverySample) {
   RblCell cell(2.0, 0.2, false);
   const std::vector<HalfSpace> cuts = {{Vector3(1, 0.2, 0).normalized(), -0.7},
                                        {Vector3(-1, 0.3, 0.1).normalized(), -0.4},

@@ -36,14 +36,14 @@ double distance_to_voxel(const Vector3& q, const Vector3& center) {
   return (q - nearest_in_voxel(q, center, kEdge)).norm();
 }
 
-TEST(NearestInVoxel, ClampsToTheFacesEdgesAndCorners) {
+TEST(NearestInVoxel, ClampsToFacesEdgesAndCorners) {
   const Vector3 center(1, 2, 3);
   EXPECT_EQ(nearest_in_voxel({0, 2.05, 3}, center, 0.2), Vector3(0.9, 2.05, 3));
   EXPECT_EQ(nearest_in_voxel({0, 0, 0}, center, 0.2), Vector3(0.9, 1.9, 2.9));
   EXPECT_EQ(nearest_in_voxel({1.02, 1.95, 3.05}, center, 0.2), Vector3(1.02, 1.95, 3.05));
 }
 
-TEST(ObstacleCutter, ConvexCellKeepsItsDistanceFromEveryVoxel) {
+TEST(ObstacleCutter, KeepsItsDistanceFromEveryVoxel) {
   std::vector<Vector3> voxels;
   const Vector3 p(0.3, -0.2, 2.0);
   add_trunk(voxels, 2.0, 0.5, 0.5, 0.0, 6.0);
@@ -63,7 +63,7 @@ TEST(ObstacleCutter, ConvexCellKeepsItsDistanceFromEveryVoxel) {
   EXPECT_LT(cell.point(cell.nearest_partitioned(Vector3::Zero())).norm(), 1e-6);  // the agent is inside
 }
 
-TEST(ObstacleCutter, AgentInsideAVoxelsSpaceIsSentAway) {
+TEST(ObstacleCutter, PushesAgentOutOfAVoxel) {
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;
@@ -72,7 +72,7 @@ TEST(ObstacleCutter, AgentInsideAVoxelsSpaceIsSentAway) {
   EXPECT_LT(cell.partitioned_centroid({20, 0, 0}, 0.5).x(), 0.0);
 }
 
-TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
+TEST(FieldOfView, SpansWedgeFromGammaToAlpha) {
   const auto planes = field_of_view(Matrix3::Identity(), 20.0, 59.0);
   const auto sees = [&](double elevation_deg, double azimuth_deg) {
     const double e = elevation_deg * std::numbers::pi / 180.0, a = azimuth_deg * std::numbers::pi / 180.0;
@@ -92,7 +92,7 @@ TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
   EXPECT_GT(turned[0].normal_local.dot(Vector3(0, -1, 0)), 0.0);
 }
 
-TEST(FieldOfView, ItsPlanesGoThroughTheLidarWhereverItIsMounted) {
+TEST(FieldOfView, PlanesPassThroughTheMountedLidar) {
   const Vector3 lidar_body_m(0.1, 0.0, 0.3);
   const Matrix3 left = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3::UnitZ()).toRotationMatrix();
   for (const HalfSpace& plane : field_of_view(left, 20.0, 59.0, lidar_body_m)) {
@@ -130,7 +130,7 @@ double progress_after_leaves(double miss_log_odds) {
   return cell.is_empty() ? 0.0 : cell.partitioned_centroid({20, 0, 0}, 0.5).x();
 }
 
-TEST(Ghosts, LockTheVehicleInWithTheConservativeMapOnly) {
+TEST(Ghosts, LockInOnlyWithConservativeMap) {
   EXPECT_LT(progress_after_leaves(0.0), 0.4);
   EXPECT_GT(progress_after_leaves(0.4), 2.0);
 }

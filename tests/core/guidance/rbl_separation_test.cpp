@@ -43,7 +43,7 @@ double beyond_m(const HalfSpace& cut, const Braking& self, const Vector3& q_m) {
   return cut.normal_local.dot(q_m - self.p_local_m) - cut.offset_m;
 }
 
-TEST(RblSeparation, AVehicleStopsAsFarAheadAsItsLimitsSay) {
+TEST(RblSeparation, PredictsBrakingDistanceFromTheLimits) {
   const MotionLimits limits;  // 2 m/s^2 level, 1 m/s^2 vertical
   const Braking level = braking_of({1.0, 2.0, 3.0}, {4.0, 0.0, 0.0}, 0.3, limits);
   EXPECT_NEAR((level.stop_local_m - Vector3(1.0 + 0.3 * 4.0 + 16.0 / 4.0, 2.0, 3.0)).norm(), 0.0, 1e-12);
@@ -67,7 +67,7 @@ TEST(RblSeparation, BrakesWithinBothAccelerationLimits) {
   }
 }
 
-TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
+TEST(RblSeparation, KeepsTheDistanceBetweenBothPlanes) {
   Draws draws("rbl-separation", 7);
   for (int i = 0; i < 2000; ++i) {
     const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
@@ -85,7 +85,7 @@ TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
   }
 }
 
-TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
+TEST(RblSeparation, KeepsHalfTheRoomWhileBraking) {
   Draws draws("rbl-separation", 7);
   int num_with_room = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -101,7 +101,7 @@ TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
   EXPECT_GT(num_with_room, 1000);
 }
 
-TEST(RblSeparation, DoubtTakesRoomToAdvanceButNeverPushesBack) {
+TEST(RblSeparation, ReservesRoomForUncertaintyWithoutRetreating) {
   const Braking self{Vector3::Zero(), {0.5, 0.0, 0.0}};
   const Braking other{{4.0, 0.0, 0.0}, {4.0, 0.0, 0.0}};
   const auto offset_m = [&](double unsure_m) {
@@ -114,7 +114,7 @@ TEST(RblSeparation, DoubtTakesRoomToAdvanceButNeverPushesBack) {
   EXPECT_LT(braking_cut(self, too_near, kApart_m, kApart_m, 0.0).offset_m, 0.5);
 }
 
-TEST(RblSeparation, MoreRoomIsKeptAboveAndBelow) {
+TEST(RblSeparation, KeepsMoreRoomAboveAndBelow) {
   const Braking self{Vector3::Zero(), Vector3::Zero()};
   const auto offset_m = [&](const Vector3& other_m) {
     return braking_cut(self, {other_m, other_m}, 1.0, 2.0, 0.0).offset_m;
@@ -124,7 +124,7 @@ TEST(RblSeparation, MoreRoomIsKeptAboveAndBelow) {
   EXPECT_NEAR(offset_m({0.0, 0.0, 2.0}), 0.0, 1e-12);
 }
 
-TEST(RblSeparation, TwoInOnePlaceStillGetADirection) {
+TEST(RblSeparation, HandlesCoincidentPositions) {
   const Braking self{{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
   const HalfSpace cut = braking_cut(self, self, 1.0, 1.5, 0.0);
   EXPECT_NEAR(cut.normal_local.norm(), 1.0, 1e-12);
@@ -160,7 +160,7 @@ double least_room_m(double period_s, double latency_s, double share, double nois
   return least_m;
 }
 
-TEST(RblSeparation, TwoWhoUseWhatTheyPledgedNeverComeTooNearHoweverSeldomTheySeeEachOther) {
+TEST(RblSeparation, KeepsPledgedDistanceDespiteRareObservations) {
   for (const double period_s : {0.1, 0.5, 2.0}) {
     for (const double latency_s : {0.0, 0.05, 0.4}) {
       for (const double noise_m : {0.0, 0.5}) {
@@ -173,7 +173,7 @@ TEST(RblSeparation, TwoWhoUseWhatTheyPledgedNeverComeTooNearHoweverSeldomTheySee
   EXPECT_LT(least_room_m(2.0, 0.4, 0.9, 0.0), 0.0) << "with more than half they meet";
 }
 
-TEST(RblSeparation, HeightsCountLessInAPledgeToo) {
+TEST(RblSeparation, ScalesHeightsInPledgesToo) {
   const HalfSpace level = pledged_cut(Vector3::Zero(), {3.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, 1.0, 2.0, 0.0, 0.4);
   EXPECT_NEAR(level.offset_m, 0.4 * 2.0 - 0.5, 1e-12);
   const HalfSpace above = pledged_cut(Vector3::Zero(), {0.0, 0.0, 4.0}, Vector3::Zero(), 1.0, 2.0, 0.0, 0.4);
@@ -181,7 +181,7 @@ TEST(RblSeparation, HeightsCountLessInAPledgeToo) {
   EXPECT_NEAR(above.offset_m, 0.4 * 2.0, 1e-12);
 }
 
-TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
+TEST(RblSeparation, DodgesToExactlyTheSafetyDistance) {
   const MotionLimits limits;
   Draws draws("rbl-separation", 7);
   int num_dodged = 0, num_level = 0;
@@ -213,7 +213,7 @@ TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
   EXPECT_GT(num_level, 50);
 }
 
-TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOnItsSide) {
+TEST(RblSeparation, DodgesRightOnCollisionCourse) {
   const MotionLimits limits;
   const auto out = [&](double y_m) {
     const Vector3 p_m(0.0, y_m, 5.0);
@@ -224,7 +224,7 @@ TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOn
   EXPECT_NEAR(out(-0.2).y(), -1.0, 1e-12);
 }
 
-TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther) {
+TEST(RblSeparation, ContinuesDodgeUnlessOtherSideNearer) {
   const MotionLimits limits;
   const Vector3 begun_local(0.0, 1.0, 0.0);  // a dodge to the south
   const auto out_y = [&](double y_m, const Vector3* begun) {
@@ -241,7 +241,7 @@ TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther)
   EXPECT_NEAR(cut->offset_m, -(kApart_m + 0.2), 1e-12);
 }
 
-TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
+TEST(RblSeparation, DodgesLevelUnlessVerticallyFaster) {
   const auto height_of = [&](double above_m, double climb_mps2) {
     MotionLimits limits;
     limits.vertical_acceleration_mps2 = climb_mps2;
@@ -254,7 +254,7 @@ TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
   EXPECT_LT(height_of(-1.4, 1.0), -0.5);
 }
 
-TEST(RblSeparation, WhoFallsOntoSomebodyIsDodgedToo) {
+TEST(RblSeparation, DodgesVehiclesFallingFromAbove) {
   const Vector3 p_m(0.0, 0.0, 5.0);
   const auto cut = dodging_cut({p_m, p_m}, {0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, kApart_m, 1.5, MotionLimits{});
   ASSERT_TRUE(cut.has_value());
@@ -263,7 +263,7 @@ TEST(RblSeparation, WhoFallsOntoSomebodyIsDodgedToo) {
 }
 
 // A vehicle backing straight off would be caught.
-TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
+TEST(RblSeparation, LetsFastStraightIntrudersPass) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};
   for (const double speed_mps : {1.0, 2.0, 3.0, 4.0}) {
@@ -338,7 +338,7 @@ struct ByLidar {
 };
 
 // Turning towards the flight direction and waiting for a view of it would take too long to evade.
-TEST(RblSeparation, ByLidarAVehicleStepsAsideAtOnceWhereverItLooks) {
+TEST(RblSeparation, SidestepsByLidarAtAnyHeading) {
   for (const double from_deg : {0.0, 70.0, 180.0, 250.0}) {
     ByLidar flight;
     flight.config.goal_m = {0.0, 0.0, 5.0};
@@ -350,7 +350,7 @@ TEST(RblSeparation, ByLidarAVehicleStepsAsideAtOnceWhereverItLooks) {
 }
 
 // The evasion is urgent: three times as far as its centroid.
-TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
+TEST(RblSeparation, AvoidsWallsWhileEvadingByLidar) {
   for (const double from_deg : {60.0, 90.0, 120.0, 180.0}) {
     ByLidar flight;
     flight.config.goal_m = {0.0, 0.0, 5.0};
@@ -365,7 +365,7 @@ TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
 }
 
 // A goal straight below never comes into view. The vehicle descends slowly through space that it saw before.
-TEST(RblSeparation, ByLidarAVehicleAboveItsGoalGoesDownWhereItHasLooked) {
+TEST(RblSeparation, DescendsByLidarThroughObservedSpace) {
   for (const bool looked : {true, false}) {
     RblConfig config;
     config.goal_m = {8.0, 0.0, 4.0};
@@ -413,7 +413,7 @@ double highest_m(const RblConfig& config, const OccupancyView* map, bool flies_i
   return highest_m;
 }
 
-TEST(RblSeparation, AVehicleInAPlaneLeavesItNoHigherThanItMay) {
+TEST(RblSeparation, LimitsClimbWhenLeavingThePlane) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -425,7 +425,7 @@ TEST(RblSeparation, AVehicleInAPlaneLeavesItNoHigherThanItMay) {
   EXPECT_LE(highest_m(config, nullptr, false), 5.01);
 }
 
-TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyAsFarAsThereIsRoom) {
+TEST(RblSeparation, LeavesPlaneByLidarWhereFree) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -437,7 +437,7 @@ TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyAsFarAsThereIsRoom) {
   EXPECT_LE(highest_m(config, &roofed, true), 5.51);
 }
 
-TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyToWhereItHasLooked) {
+TEST(RblSeparation, LeavesPlaneByLidarWhereObserved) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -448,7 +448,7 @@ TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyToWhereItHasLooked) {
 }
 
 // There is no room to step aside, so the plane is left.
-TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
+TEST(RblSeparation, ReturnsToPlaneAfterVerticalEvasion) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -478,7 +478,7 @@ TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
 
 // The position of the neighbor is unknown by now. A cell that ended at the vehicle itself would drive it away
 // indefinitely.
-TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSensor) {
+TEST(RblSeparation, StaysAtGoalAfterLosingNeighbor) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};
   testing::GuidanceDriver driver("rbl", config, config.goal_m);
@@ -500,7 +500,7 @@ TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSe
   EXPECT_LT(farthest_m, 0.5);
 }
 
-TEST(RblSeparation, LimitsAboveWhatIsFollowedCloselyAreCutWithTheVerticalOnesInProportion) {
+TEST(RblSeparation, CapsLimitsKeepingVerticalProportions) {
   MotionLimits limits;
   limits.horizontal_acceleration_mps2 = 6.0;
   limits.vertical_acceleration_mps2 = 3.0;
@@ -520,7 +520,7 @@ TEST(RblSeparation, LimitsAboveWhatIsFollowedCloselyAreCutWithTheVerticalOnesInP
   EXPECT_EQ(separation.within(slow).vertical_jerk_mps3, 10.0);
 }
 
-TEST(RblSeparation, IntoTheUnknownTwoFlyAsFastAsBothCanStop) {
+TEST(RblSeparation, LimitsSpeedInUnknownByBraking) {
   const double v_mps = speed_into_unknown_mps(15.0, 2.7, kApart_m, 2.0);
   const double way_m = v_mps * 2.7 + v_mps * v_mps / (2.0 * 2.0);
   EXPECT_NEAR(2.0 * way_m + kApart_m, 15.0, 1e-9);

@@ -44,7 +44,7 @@ RblStatus after_waiting(const RblGoal& goal, const Vector3& p_m, const std::vect
   return status;
 }
 
-TEST(RblSettling, BesideAGoalWhereAnotherVehicleIsItIsDoneAndSaysSo) {
+TEST(RblSettling, FinishesBesideGoalOccupiedByNeighbor) {
   const RblGoal goal = goal_at({0.0, 0.0, 5.0});
   const RblStatus status = after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({0.1, 0.0, 5.0})});
   EXPECT_EQ(status.mission, MissionStatus::kDone);
@@ -61,7 +61,7 @@ TEST(RblSettling, BesideAGoalWhereAnotherVehicleIsItIsDoneAndSaysSo) {
   EXPECT_EQ(after_waiting(goal, {9.0, 0.0, 5.0}, {neighbor_at({7.5, 0.0, 5.0})}).mission, MissionStatus::kRunning);
 }
 
-TEST(RblSettling, WhatItSaidStandsUntilItGetsNearer) {
+TEST(RblSettling, KeepsVerdictUntilItGetsNearer) {
   RblSettling settling(kPatience_s);
   const RblGoal goal = goal_at({0.0, 0.0, 5.0});
   const std::vector<Neighbor> there{neighbor_at({0.1, 0.0, 5.0})}, gone{neighbor_at({-3.0, 0.0, 5.0})};
@@ -78,7 +78,7 @@ TEST(RblSettling, WhatItSaidStandsUntilItGetsNearer) {
   while (i <= 100) EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning) << i;
 }
 
-TEST(RblSettling, WithoutAReasonItSaysThatItGetsNoNearerAfterTwiceItsPatience) {
+TEST(RblSettling, ReportsStallAfterTwiceItsPatience) {
   RblSettling settling(kPatience_s);
   const RblGoal goal = goal_at({0.0, 0.0, 5.0});
   for (int i = 0; i <= 120; ++i) {
@@ -88,7 +88,7 @@ TEST(RblSettling, WithoutAReasonItSaysThatItGetsNoNearerAfterTwiceItsPatience) {
   }
 }
 
-TEST(RblSettling, AGoalOutOfTheLimitsOrInAnObstacleFails) {
+TEST(RblSettling, FailsForUnreachableGoals) {
   EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, -2.0}), {0.0, 0.0, 1.2}).mission, MissionStatus::kFailed);
   EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, 12.0}), {0.0, 0.0, 9.0}).mission, MissionStatus::kFailed);
   const testing::ToldMap map({{0.0, 0.0, 5.0}});
@@ -97,13 +97,13 @@ TEST(RblSettling, AGoalOutOfTheLimitsOrInAnObstacleFails) {
   EXPECT_NE(std::string(status.note).find("obstacle"), std::string::npos);
 }
 
-TEST(RblSettling, InThePlaneHeightsDoNotCount) {
+TEST(RblSettling, IgnoresHeightsInThePlane) {
   RblGoal goal = goal_at({0.0, 0.0, -2.0});
   goal.planar = true;
   EXPECT_EQ(after_waiting(goal, {2.0, 0.0, 5.0}).mission, MissionStatus::kRunning);
 }
 
-TEST(RblSettling, WhoStillComesNearerIsOnItsWay) {
+TEST(RblSettling, KeepsRunningWhileApproachingGoal) {
   RblSettling settling(kPatience_s);
   const RblGoal goal = goal_at({0.0, 0.0, 5.0});
   const std::vector<Neighbor> others{neighbor_at({0.1, 0.0, 5.0})};

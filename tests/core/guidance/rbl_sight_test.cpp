@@ -27,7 +27,7 @@ Neighbor neighbor_at_azimuth(double azimuth_deg, double distance_m) {
   return neighbor;
 }
 
-TEST(RblSight, TurnsToANeighborTheShortWayAndNoFurtherThanItMust) {
+TEST(RblSight, TurnsToNeighborTheShortWay) {
   for (const double azimuth_deg : {-100.0, 100.0, -160.0, 160.0}) {
     RblSight sight = with_camera_ahead();
     const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(azimuth_deg, 5.0)};
@@ -40,7 +40,7 @@ TEST(RblSight, TurnsToANeighborTheShortWayAndNoFurtherThanItMust) {
 }
 
 // Half of all directions ahead: the plane through the vehicle is the edge.
-TEST(RblSight, ALittleBesideTheViewIsNearEnoughWhereItIsLevelButNotRightAboveAndBelow) {
+TEST(RblSight, SightMarginAppliesOnlyNearLevel) {
   NeighborView view;
   view.cones.push_back({Vector3::UnitX(), 0.0});
   const RblSight sight({view});
@@ -53,13 +53,13 @@ TEST(RblSight, ALittleBesideTheViewIsNearEnoughWhereItIsLevelButNotRightAboveAnd
   }
 }
 
-TEST(RblSight, KeepsItsHeadingWhileItSeesEverybody) {
+TEST(RblSight, KeepsHeadingWhileSeeingAllNeighbors) {
   RblSight sight = with_camera_ahead();
   const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(20.0, 5.0), neighbor_at_azimuth(-30.0, 2.0)};
   EXPECT_EQ(sight.heading(Pose::Identity(), {3.0, 0.0, 0.0}, neighbors, {}, 0.0, 0), 0.0);
 }
 
-TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneUnseenForLonger) {
+TEST(RblSight, LooksAtTheLongestUnseenNeighbor) {
   for (const double longer_deg : {90.0, -90.0}) {
     RblSight sight = with_camera_ahead();
     std::vector<Neighbor> neighbors = {neighbor_at_azimuth(longer_deg, 5.0), neighbor_at_azimuth(-longer_deg, 5.0)};
@@ -94,7 +94,7 @@ TEST(RblSight, LooksAtTheFasterApproach) {
   }
 }
 
-TEST(RblSight, WhoMayHaveToBeSteppedAsideForIsKeptInViewBeforeManyOthers) {
+TEST(RblSight, KeepsApproachingVehicleInViewFirst) {
   RblSight sight = with_camera_ahead();
   std::vector<Neighbor> neighbors;
   for (int i = 0; i < 8; ++i) neighbors.push_back(neighbor_at_azimuth(-20.0 + 5.0 * i, 3.0));
@@ -133,7 +133,7 @@ Looking look_around(double half_angle_deg, const Vector3& to_local_m, double dur
   return looking;
 }
 
-TEST(RblSight, WhoFliesGlancesIntoTheBlindSectorAsFarAsItSeesWhereItFlies) {
+TEST(RblSight, GlancesIntoBlindSectorInFlight) {
   const Looking half = look_around(90.0, {5.0, 0.0, 0.0}, 12.0, 1.0);
   EXPECT_LE(half.num_unseen, 30);  // right behind, headings are 15 degrees apart
   EXPECT_EQ(half.num_ticks_blind_ahead, 0);
@@ -147,7 +147,7 @@ TEST(RblSight, WhoStandsLooksAllAround) {
   }
 }
 
-TEST(RblSight, NeverTurnsWithAnAllRoundView) {
+TEST(RblSight, NeverTurnsWithAllRoundView) {
   RblSight sight({});
   const std::vector<Neighbor> behind = {neighbor_at_azimuth(180.0, 5.0)};
   EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, behind, {}, 0.7, 5 * kNsPerSecond), 0.7);

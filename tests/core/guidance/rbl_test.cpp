@@ -24,7 +24,7 @@ BallPart below_plane(double r, double h) {
   return {volume, moment / volume};
 }
 
-TEST(RblCell, SamplesFillTheBallAndTheDisc) {
+TEST(RblCell, SamplesFillBallAndDisc) {
   const double r = 3.5;
   for (const double step : {0.1, 0.2}) {
     const RblCell ball(r, step, false);
@@ -34,7 +34,7 @@ TEST(RblCell, SamplesFillTheBallAndTheDisc) {
   }
 }
 
-TEST(RblCell, HalfSpaceLeavesVolumeAndCentroidOfTheSphericalCap) {
+TEST(RblCell, HalfSpaceLeavesTheSphericalCap) {
   const double r = 3.5, step = 0.1;
   RblCell cell(r, step, false);
   for (const Vector3& n : {Vector3(1, 0, 0), Vector3(0, 0, -1), Vector3(1, -2, 0.5), Vector3(-0.3, 0.2, 1)}) {
@@ -51,7 +51,7 @@ TEST(RblCell, HalfSpaceLeavesVolumeAndCentroidOfTheSphericalCap) {
   }
 }
 
-TEST(RblCell, IntervalsOfRowsAgreeWithTestingEverySample) {
+TEST(RblCell, RowIntervalsMatchTestingEverySample) {
   RblCell cell(2.0, 0.17, false);
   cell.reset({0.05, -0.03, 0.08}, -1.2, 1.6);
   const std::vector<HalfSpace> cuts = {{Vector3(1, 2, 3).normalized(), 0.7},
@@ -74,7 +74,7 @@ TEST(RblCell, IntervalsOfRowsAgreeWithTestingEverySample) {
   EXPECT_GT(inside, 100);
 }
 
-TEST(RblCell, CentroidsAgreeWithTheSumsOfTheDefinition) {
+TEST(RblCell, CentroidsMatchTheDefiningSums) {
   RblCell cell(3.5, 0.2, false);
   cell.cut({Vector3(1, 0.4, -0.2).normalized(), 0.9});
   const Vector3 destination(20.0, 3.0, -1.0);
@@ -98,7 +98,7 @@ TEST(RblCell, CentroidsAgreeWithTheSumsOfTheDefinition) {
 
 // A far destination weighs a ball with exp(x / beta): the centroid is r (coth k - 3 (k coth k - 1) / k^2 ...) in closed
 // form, with k = r / beta: the derivative of the logarithm of (k cosh k - sinh k) / k^3.
-TEST(RblCell, FarDestinationGivesTheClosedFormOfTheExponentialBall) {
+TEST(RblCell, FarDestinationMatchesTheExponentialBall) {
   const double r = 3.5, beta = 1.5, k = r / beta;
   const double exact =
       r * (k * k * std::sinh(k) - 3.0 * (k * std::cosh(k) - std::sinh(k))) / (k * (k * std::cosh(k) - std::sinh(k)));
@@ -107,7 +107,7 @@ TEST(RblCell, FarDestinationGivesTheClosedFormOfTheExponentialBall) {
   EXPECT_NEAR((cell.partitioned_centroid(1e4 * direction, beta) - exact * direction).norm(), 0.0, 0.02);
 }
 
-TEST(RblCell, VanishingBetaTendsToTheSampleNearestTheDestination) {
+TEST(RblCell, VanishingBetaSelectsTheNearestSample) {
   RblCell cell(3.5, 0.2, false);
   cell.cut({Vector3(1, 0, 0), -2.0});
   const Vector3 c = cell.partitioned_centroid({50.0, 0.0, 0.0}, 0.005);
@@ -115,7 +115,7 @@ TEST(RblCell, VanishingBetaTendsToTheSampleNearestTheDestination) {
   EXPECT_TRUE(c.allFinite());
 }
 
-TEST(RblCell, MirroredAndTurnedSituationsGiveMirroredAndTurnedCentroids) {
+TEST(RblCell, CentroidsFollowMirroringAndRotation) {
   RblCell cell(3.5, 0.2, false);
   const auto centroid = [&](const Matrix3& R) {
     cell.reset(Vector3::Zero(), -3.5, 3.5);
@@ -137,7 +137,7 @@ TEST(RblCell, MirroredAndTurnedSituationsGiveMirroredAndTurnedCentroids) {
 
 using Cut = RblCellConfig::Cut;
 
-TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
+TEST(NeighborCut, IsContinuousAndKeepsEncumbrancesFree) {
   const double Delta = 1.0;
   for (const double d : {2.0, 2.5, 3.0, 5.0}) {
     const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, Cut::kProgram);
@@ -151,7 +151,7 @@ TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
   EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProgram).offset_m, 2.0, 1e-12);
 }
 
-TEST(NeighborCut, TheFarPlaneContinuedLeavesTheEncumbrancesFreeOnlyWhenFar) {
+TEST(NeighborCut, ContinuedPlaneFreesOnlyDistantEncumbrances) {
   for (const double d : {0.7, 1.5, 2.0, 4.0}) {
     const double offset_m = neighbor_cut({d, 0, 0}, 1.0, 0.9, Cut::kContinued).offset_m;
     EXPECT_NEAR(offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
@@ -159,13 +159,13 @@ TEST(NeighborCut, TheFarPlaneContinuedLeavesTheEncumbrancesFreeOnlyWhenFar) {
   }
 }
 
-TEST(NeighborCut, NeighborThatIsTooNearPutsTheAgentOutsideOfItsOwnCell) {
+TEST(NeighborCut, ExcludesTheAgentFromCrowdedCells) {
   for (const Cut cut : {Cut::kProgram, Cut::kBuffered}) {
     EXPECT_LT(neighbor_cut({0.8, 0, 0}, 1.0, 0.9, cut).offset_m, 0.0) << static_cast<int>(cut);
   }
 }
 
-TEST(RblPlanner, OrderOfTheNeighborsDoesNotMatter) {
+TEST(RblPlanner, IsIndependentOfNeighborOrder) {
   std::vector<Vector3> others = {{2, 1, 0}, {-1, 2, 1}, {0.5, -2, -0.3}, {1.1, 1.9, -1.5}};
   RblPlanner a({}, {}, false), b({}, {}, false);
   a.partition(Vector3::Zero(), others, 1.0 - 5.0, 5.0);
@@ -175,7 +175,7 @@ TEST(RblPlanner, OrderOfTheNeighborsDoesNotMatter) {
   EXPECT_EQ(c_a, b.update({20, 0, 0}, 0.1).centroid_local_m);
 }
 
-TEST(RblPlanner, GoesToTheGoalAndStaysThere) {
+TEST(RblPlanner, ReachesTheGoalAndStaysThere) {
   RblPlanner planner({}, {}, false);
   const Vector3 goal(1, 2, 5);
   planner.partition(goal, {}, 1.0, 10.0);
@@ -198,7 +198,7 @@ TEST(RblPlanner, ClippedCellStaysBetweenTheHeights) {
   EXPECT_GT(planner.update({0, 0, 2}, 0.1).centroid_local_m.z(), -20.0);
 }
 
-TEST(RblPlanner, AgentInsideAnothersSpaceMovesOutOfIt) {
+TEST(RblPlanner, LeavesTheSpaceOfAnotherAgent) {
   RblPlanner planner({}, {}, false);
   planner.partition(Vector3::Zero(), std::vector<Vector3>{{0.5, 0.0, 0.0}}, -10.0, 10.0);
   EXPECT_LT(planner.update({20, 0, 0}, 0.1).centroid_local_m.x(), -0.4);
@@ -219,7 +219,7 @@ RblSituation stuck() {
   return now;
 }
 
-TEST(RblRules, BetaFallsWhileStuckAndComesBack) {
+TEST(RblRules, BetaFallsWhileStuckAndRecovers) {
   const RblRules rules;
   RblState state;
   for (int i = 0; i < 5; ++i) state = apply_rules(rules, stuck(), state, 0.1, false);
@@ -233,7 +233,7 @@ TEST(RblRules, BetaFallsWhileStuckAndComesBack) {
   EXPECT_NEAR(state.beta_m, before + 0.1 * (1.5 - before), 1e-9);  // third case of (2.7)
 }
 
-TEST(RblRules, AzimuthTurnsWhileStuckUpToARightAngleAndReturns) {
+TEST(RblRules, AzimuthTurnsWhileStuckAndReturns) {
   RblRules rules;
   rules.azimuth_reset = RblRules::AzimuthReset::kNone;
   RblState state;
@@ -247,7 +247,7 @@ TEST(RblRules, AzimuthTurnsWhileStuckUpToARightAngleAndReturns) {
   EXPECT_NEAR(state.theta_rad, kPi / 2.0 - 0.2, 1e-9);
 }
 
-TEST(RblRules, AzimuthIsResetWhenTheDirectWayIsTheLongerOne) {
+TEST(RblRules, AzimuthResetsIfDirectIsLonger) {
   RblRules rules;
   RblState state;
   state.theta_rad = kPi / 2.0;
@@ -257,7 +257,7 @@ TEST(RblRules, AzimuthIsResetWhenTheDirectWayIsTheLongerOne) {
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).theta_rad, 0.0);
 }
 
-TEST(RblRules, PrintedAzimuthConditionAsksForTheOpposite) {
+TEST(RblRules, PrintedAzimuthConditionIsTheOpposite) {
   RblRules rules;
   rules.azimuth_condition = RblRules::AzimuthCondition::kPrinted;
   EXPECT_EQ(apply_rules(rules, stuck(), {}, 0.1, false).theta_rad, 0.0);
@@ -266,7 +266,7 @@ TEST(RblRules, PrintedAzimuthConditionAsksForTheOpposite) {
   EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.1, 1e-9);
 }
 
-TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
+TEST(RblRules, GoesUpNorthwardsAndDownSouthwards) {
   const RblRules rules;
   RblSituation now = stuck();
   now.sensing_agent_m.z() = 0.0;
@@ -280,7 +280,7 @@ TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
   EXPECT_NEAR(vertical_influence(rules, now), 0.7, 1e-12);
 }
 
-TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
+TEST(RblRules, PhiRisesToAnEighthTurn) {
   RblRules rules;
   rules.elevation_reset = false;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
@@ -296,7 +296,7 @@ TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, true).phi_rad, 0.0);  // 2D
 }
 
-TEST(RblRules, OwnTurnCountsBackwardsSoThatPhiStaysSmall) {
+TEST(RblRules, OwnTurnCountsBackwardsLimitingPhi) {
   const RblRules rules;
   RblState state;
   for (int i = 0; i < 60; ++i) {  // c_S follows the destination
@@ -309,7 +309,7 @@ TEST(RblRules, OwnTurnCountsBackwardsSoThatPhiStaysSmall) {
   EXPECT_NEAR(state.phi_rad, std::asin(0.3 / 0.7 / 2.0), 0.11);
 }
 
-TEST(RblRules, BetaFallsAtTheGoalWhereNeighborsPullTheCentroidAway) {
+TEST(RblRules, BetaFallsWhenNeighborsCrowdGoal) {
   RblRules rules;
   RblSituation now;
   now.goal_agent_m = {0.25, 0, 0};
@@ -320,7 +320,7 @@ TEST(RblRules, BetaFallsAtTheGoalWhereNeighborsPullTheCentroidAway) {
   EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5, 1e-9);
 }
 
-TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
+TEST(RblRules, ElevationResetsWhereItIsUseless) {
   RblRules rules;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
@@ -331,7 +331,7 @@ TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).phi_rad, 0.0);
 }
 
-TEST(RblRules, DestinationTurnsRightAndUpAndKeepsItsDistance) {
+TEST(RblRules, TurnsTheDestinationKeepingItsDistance) {
   RblRules rules;
   const Vector3 goal(10, 0, 0);
   EXPECT_NEAR((rbl_destination(rules, goal, {}) - goal).norm(), 0.0, 1e-9);
@@ -345,7 +345,7 @@ TEST(RblRules, DestinationTurnsRightAndUpAndKeepsItsDistance) {
   EXPECT_NEAR(slanted.norm(), 13.0, 1e-9);
 }
 
-TEST(RblPlanner, LeftOutBesideTheGapBetweenTwoThatRestItStillComesIn) {
+TEST(RblPlanner, EntersTheGapBetweenRestingNeighbors) {
   const auto left_m = [](double weight_goal_m) {
     RblCellConfig cells;
     cells.step_m = 0.35;
@@ -432,7 +432,7 @@ Crossing circle(int n, double radius, double turn = 0.0) {
   return crossing;
 }
 
-TEST(RblCrossing, TenCrossACircleWithoutTouchingEachOthersSpace) {
+TEST(RblCrossing, TenVehiclesCrossACircleSafely) {
   for (const bool planar : {true, false}) {
     const CrossingResult result = cross(circle(10, 10.0), planar);
     EXPECT_EQ(result.arrived, 10) << planar;
@@ -440,7 +440,7 @@ TEST(RblCrossing, TenCrossACircleWithoutTouchingEachOthersSpace) {
   }
 }
 
-TEST(RblCrossing, TwoHeadOnPassEachOtherOnTheRight) {
+TEST(RblCrossing, HeadOnVehiclesPassOnRight) {
   Crossing crossing;
   crossing.start = {{-8, 0, 5}, {8, 0, 5}};
   crossing.goal = {{8, 0, 5}, {-8, 0, 5}};
@@ -449,7 +449,7 @@ TEST(RblCrossing, TwoHeadOnPassEachOtherOnTheRight) {
   EXPECT_GT(result.least_separation_m, 1.0);
 }
 
-TEST(RblCrossing, TurningTheWholeCircleTurnsTheFlight) {
+TEST(RblCrossing, RotatingTheCircleRotatesTheFlight) {
   Crossing crossing;
   crossing.start = {{-6, 0, 5}, {6, 1, 5}, {0, 7, 5}};
   crossing.goal = {{6, 0, 5}, {-6, -1, 5}, {0, -7, 5}};
@@ -464,7 +464,7 @@ TEST(RblCrossing, TurningTheWholeCircleTurnsTheFlight) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR((R * as_is.at_5_s[i] - turned.at_5_s[i]).norm(), 0.0, 0.02);
 }
 
-TEST(RblCrossing, VehiclesThatStartTooNearMoveApart) {
+TEST(RblCrossing, VehiclesStartingTooCloseMoveApart) {
   Crossing crossing;
   crossing.start = {{0, 0, 5}, {0.6, 0, 5}};
   crossing.goal = {{0, 8, 5}, {0.6, 8, 5}};

@@ -19,7 +19,7 @@ std::array<HalfSpace, 2> view_at(double yaw_rad) {
   return field_of_view(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()).toRotationMatrix(), 20.0, 59.0);
 }
 
-TEST(RblViewed, WhereItIsAndAheadBetweenThePlanesOfItsSensor) {
+TEST(RblViewed, ContainsItselfAndTheSensorWedge) {
   const testing::CellListMap empty(0.25);
   RblViewed viewed(kReach_m, kOwn_m);
   const Vector3 p_m(1.0, 2.0, 5.0);
@@ -36,7 +36,7 @@ TEST(RblViewed, WhereItIsAndAheadBetweenThePlanesOfItsSensor) {
   }
 }
 
-TEST(RblViewed, WhatLiesBelowWasSeenFromFartherAway) {
+TEST(RblViewed, RemembersSpaceBelowSeenFromAfar) {
   const testing::CellListMap empty(0.25);
   RblViewed viewed(kReach_m, kOwn_m);
   const Vector3 below_m(6.0, 0.0, 3.4);
@@ -46,7 +46,7 @@ TEST(RblViewed, WhatLiesBelowWasSeenFromFartherAway) {
   EXPECT_FALSE(viewed.contains({6.0, 0.0, 1.0}, empty));
 }
 
-TEST(RblViewed, WhatAnObstacleHidesWasNotSeen) {
+TEST(RblViewed, ExcludesSpaceHiddenByObstacles) {
   testing::CellListMap map(0.25);
   map.occupy_box({3.0, -1.0, 4.0}, {3.25, 1.0, 6.0});
   RblViewed viewed(kReach_m, kOwn_m);

@@ -24,7 +24,7 @@ PathInTime along_x(double from_m, double speed_mps, double y_m, int places) {
   return path;
 }
 
-TEST(PathInTime, RestsBeforeItsBeginningAndAfterItsEnd) {
+TEST(PathInTime, RestsBeforeStartAndAfterEnd) {
   PathInTime path = along_x(1.0, 2.0, 0.0, 11);
   path.t = from_seconds(3.0);
   EXPECT_NEAR(path.at_local_m(0).x(), 1.0, 1e-12);
@@ -33,7 +33,7 @@ TEST(PathInTime, RestsBeforeItsBeginningAndAfterItsEnd) {
   EXPECT_EQ(path.end(), from_seconds(4.0));
 }
 
-TEST(PathInTime, TheLeastDistanceIsThatAtTheSameTime) {
+TEST(PathInTime, ComparesDistancesAtTheSameTime) {
   const PathInTime a = along_x(0.0, 1.0, 0.0, 51), b = along_x(5.0, -1.0, 0.5, 51);
   EXPECT_NEAR(least_distance_m(a, b, 0, 1.0, 1.0), 0.5, 1e-9);
   EXPECT_NEAR(least_distance_m(a, b, from_seconds(4.5), 1.0, 1.0), std::hypot(4.0, 0.5), 1e-6) << "passed by then";
@@ -98,14 +98,14 @@ struct SharingTeam {
   double least_m = 1e9;
 };
 
-TEST(SharePaths, AloneItFliesStraightToItsGoal) {
+TEST(SharePaths, FliesStraightToGoalWhenAlone) {
   SharingTeam team({{0, 0, 5}}, {{12, 0, 5}}, 0.0, 0.1);
   team.run(20.0);
   EXPECT_TRUE(team.done());
   EXPECT_LT(to_seconds(team.now), 10.0);
 }
 
-TEST(SharePaths, FourThatCrossInOnePlaceKeepTheirDistanceAndArrive) {
+TEST(SharePaths, SeparatesFourCrossingVehicles) {
   const std::vector<Vector3> starts_m = {{-8, 0, 5}, {8, 0, 5}, {0, -8, 5}, {0, 8, 5}};
   const std::vector<Vector3> goals_m = {{8, 0, 5}, {-8, 0, 5}, {0, 8, 5}, {0, -8, 5}};
   SharingTeam team(starts_m, goals_m, 0.1, 0.2);
@@ -114,7 +114,7 @@ TEST(SharePaths, FourThatCrossInOnePlaceKeepTheirDistanceAndArrive) {
   EXPECT_GT(team.least_m, 1.0);
 }
 
-TEST(SharePaths, TheirTurnsToPlanAreSpreadOverAPeriod) {
+TEST(SharePaths, SpreadsPlanningTurnsOverThePeriod) {
   SharingTeam team({{0, 0, 5}, {0, 9, 5}, {0, 18, 5}, {0, 27, 5}}, {{20, 0, 5}, {20, 9, 5}, {20, 18, 5}, {20, 27, 5}},
                    0.0, 0.1);
   std::vector<double> first_s(4, 1e9);

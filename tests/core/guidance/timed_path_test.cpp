@@ -12,7 +12,7 @@ namespace {
 
 const std::vector<Vector3> kBend = {{0, 0, 2}, {1, 0, 2}, {2, 0, 2}, {2, 1, 2.5}, {2, 2, 3}, {2, 3, 3}};
 
-TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
+TEST(TimedPath, InterpolatesMotionAndEndsOnTime) {
   Module module(guidance_module_types(), "timed_path");
   module.as<TimedPathConfig>().points_m = kBend;
   module.as<TimedPathConfig>().interval_s = 0.5;
@@ -59,7 +59,7 @@ std::vector<Reference> goals_of_path(const TimedPathConfig& config, double tick_
   return goals;
 }
 
-TEST(TimedPath, YawRateIsTheDerivativeOfTheYaw) {
+TEST(TimedPath, DerivesYawRateFromYaw) {
   TimedPathConfig config;
   config.points_m = kBend;
   config.interval_s = 0.5;
@@ -91,7 +91,7 @@ TEST(TimedPath, WhatIsSlowKeepsItsHeading) {
   EXPECT_NEAR(goals_of_path(config, 0.01, start)[80].yaw_rad, 0.5 * M_PI, 1e-9);
 }
 
-TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
+TEST(TimedPath, UsesConfiguredFixedHeading) {
   TimedPathConfig config;
   config.points_m = kBend;
   config.yaw = TimedPathConfig::Yaw::kFixed;
@@ -102,7 +102,7 @@ TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
   }
 }
 
-TEST(TimedPath, WithoutPointsItStaysAtTheStart) {
+TEST(TimedPath, StaysAtStartWithoutPoints) {
   const Pose start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
   const std::vector<Reference> goals = goals_of_path({}, 0.01, start);
   ASSERT_FALSE(goals.empty());

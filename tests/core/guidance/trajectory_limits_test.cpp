@@ -48,7 +48,7 @@ TEST(TrajectoryLimits, CircleNeedsSpeedAndCentripetalAcceleration) {
                         {&MotionLimits::horizontal_speed_mps, &MotionLimits::horizontal_acceleration_mps2});
 }
 
-TEST(TrajectoryLimits, LissajousNeedsTheBoundsOfItsAxes) {
+TEST(TrajectoryLimits, CombineAxisBoundsForLissajous) {
   TrajectoryConfig config;
   config.shape = Shape::kLissajous;
   config.amplitude_m = {2.0, 1.5, 1.0};
@@ -66,7 +66,7 @@ TEST(TrajectoryLimits, LissajousNeedsTheBoundsOfItsAxes) {
 }
 
 // Along a line the ramp uses half of the horizontal acceleration, in any direction.
-TEST(TrajectoryLimits, LineNeedsTheSharesOfItsDirection) {
+TEST(TrajectoryLimits, ScaleWithDirectionForLine) {
   TrajectoryConfig config;
   config.shape = Shape::kLine;
   config.from_m = {1.0, 2.0, 3.0};

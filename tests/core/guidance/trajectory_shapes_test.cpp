@@ -26,7 +26,7 @@ std::vector<Reference> goals_along(const TrajectoryConfig& config, double durati
   return goals;
 }
 
-TEST(TrajectoryShapes, CircleBeginsAtItsPhaseAndTurnsAsTold) {
+TEST(TrajectoryShapes, CircleHonorsPhaseAndDirection) {
   TrajectoryConfig config;
   config.center_m = {1.0, -2.0, 3.0};
   config.phase_deg = 30.0;
@@ -48,7 +48,7 @@ TEST(TrajectoryShapes, CircleBeginsAtItsPhaseAndTurnsAsTold) {
   }
 }
 
-TEST(TrajectoryShapes, LissajousIsASineOfEachAxis) {
+TEST(TrajectoryShapes, LissajousIsSinusoidalInEachAxis) {
   TrajectoryConfig config;
   config.shape = Shape::kLissajous;
   config.center_m = {1.0, -2.0, 3.0};
@@ -99,7 +99,7 @@ TEST(TrajectoryShapes, FixedHeadingStays) {
   }
 }
 
-TEST(TrajectoryShapes, WaitsForTheVehicleAtTheBeginning) {
+TEST(TrajectoryShapes, WaitsForVehicleAtTheStart) {
   const TrajectoryConfig config;
   const Vector3 beginning_m(5.0, 0.0, 3.0);
   const auto starts = [&](const Vector3& p_m, double speed_mps) {
@@ -114,7 +114,7 @@ TEST(TrajectoryShapes, WaitsForTheVehicleAtTheBeginning) {
 }
 
 // The ramp takes as long as half of the limit of acceleration allows: 1.875 v / t is the greatest of a quintic step.
-TEST(TrajectoryShapes, SpeedsUpWithHalfOfTheAccelerationThatIsAllowed) {
+TEST(TrajectoryShapes, AcceleratesAtHalfTheLimit) {
   TrajectoryConfig config;
   config.shape = Shape::kLine;
   config.from_m = {-50.0, 0.0, 3.0};

@@ -21,7 +21,7 @@ WaypointsConfig over(std::vector<Eigen::Vector3d> waypoints_m) {
   return config;
 }
 
-TEST(WaypointsDecisions, OneIsReachedWithinTheArrivalRadius) {
+TEST(WaypointsDecisions, ReachesWaypointsWithinTheArrivalRadius) {
   WaypointsConfig config = over({{10, 0, 2}, {10, 9, 2}});
   config.arrival_radius_m = 0.4;
   GuidanceDriver driver("waypoints", config, {0, 0, 2});
@@ -36,7 +36,7 @@ TEST(WaypointsDecisions, OneIsReachedWithinTheArrivalRadius) {
   EXPECT_EQ(driver.out.goal.position_m, Vector3(10, 9, 2)) << "it stays at the last";
 }
 
-TEST(WaypointsDecisions, DwellIsCountedFromTheArrivalOnWhereverTheVehicleGoes) {
+TEST(WaypointsDecisions, CountsDwellFromTheArrival) {
   WaypointsConfig config = over({{1, 0, 2}, {9, 0, 2}});
   config.dwell_s = 0.75;
   GuidanceDriver driver("waypoints", config, {0, 0, 2});
@@ -52,7 +52,7 @@ TEST(WaypointsDecisions, DwellIsCountedFromTheArrivalOnWhereverTheVehicleGoes) {
   EXPECT_EQ(driver.step().mission, MissionStatus::kDone);
 }
 
-TEST(WaypointsDecisions, ALoopGoesOnWithTheFirst) {
+TEST(WaypointsDecisions, ContinuesLoopsWithTheFirstWaypoint) {
   WaypointsConfig config = over({{1, 0, 2}, {2, 0, 2}, {3, 0, 2}});
   config.loop = true;
   GuidanceDriver driver("waypoints", config, {0, 0, 2});
@@ -65,7 +65,7 @@ TEST(WaypointsDecisions, ALoopGoesOnWithTheFirst) {
   }
 }
 
-TEST(WaypointsDecisions, HeadsAlongTheLegOrAtTheNextUnlessThatIsTooNearToTell) {
+TEST(WaypointsDecisions, HeadsAlongLegsUnlessTooShort) {
   for (const bool at_next : {false, true}) {
     WaypointsConfig config = over({{3, 0.31, 2}, {3, 0.60, 2}, {3, -9, 2}});
     config.arrival_radius_m = 0.01;
@@ -84,7 +84,7 @@ TEST(WaypointsDecisions, HeadsAlongTheLegOrAtTheNextUnlessThatIsTooNearToTell) {
   }
 }
 
-TEST(WaypointsDecisions, WhileItDwellsItKeepsItsHeading) {
+TEST(WaypointsDecisions, KeepsItsHeadingWhileDwelling) {
   WaypointsConfig config = over({{3, 0, 2}});
   config.dwell_s = 5.0;
   config.yaw = WaypointsConfig::Yaw::kAtNext;
@@ -95,7 +95,7 @@ TEST(WaypointsDecisions, WhileItDwellsItKeepsItsHeading) {
   EXPECT_NEAR(driver.step().goal.yaw_rad, 0.0, 1e-12);
 }
 
-TEST(WaypointsDecisions, ThoseOfTheWorldStayThereAndThoseOfTheStartStayInTheLocalFrame) {
+TEST(WaypointsDecisions, KeepsWaypointsInTheirConfiguredFrame) {
   for (const auto frame : {WaypointsConfig::Frame::kWorld, WaypointsConfig::Frame::kStart}) {
     WaypointsConfig config = over({{7, 1, 2}});
     config.frame = frame;
@@ -122,7 +122,7 @@ TEST(WaypointsDecisions, ThoseOfTheWorldStayThereAndThoseOfTheStartStayInTheLoca
   }
 }
 
-TEST(WaypointsDecisions, WithoutALandingTheMotorsStayOnAndAfterOneNothingIsAskedForAnyMore) {
+TEST(WaypointsDecisions, StopsMotorsAndRequestsAfterLanding) {
   WaypointsConfig config = over({{0, 0, 2}});
   GuidanceDriver hovers("waypoints", config, {0, 0, 2});
   for (int i = 0; i < 50; ++i) hovers.step();
@@ -140,7 +140,7 @@ TEST(WaypointsDecisions, WithoutALandingTheMotorsStayOnAndAfterOneNothingIsAsked
   EXPECT_EQ(lands.step().goal.position_m, Vector3(0, 0, 0)) << "as it was handed in";
 }
 
-TEST(TakeoffLandDecisions, ClimbsToItsAltitudeAndHoversThereForItsTime) {
+TEST(TakeoffLandDecisions, ClimbsToItsAltitudeAndHovers) {
   TakeoffLandConfig config;
   config.altitude_m = 3.0;
   config.hover_s = 0.95;

@@ -106,21 +106,21 @@ ChaseMpcConfig until_converged() {
   return config;
 }
 
-TEST(ChaseMpc, FindsTheLeastCostOfADenseSolver) {
+TEST(ChaseMpc, MatchesCostOfADenseSolver) {
   const Comparison result = compare(until_converged(), 2000, 1, {1, 2, 3, 4});
   EXPECT_LT(result.cost_excess, 1e-4);
   EXPECT_LT(result.cost_short, 1e-4);
   EXPECT_LT(result.limit_excess, 1e-4);
 }
 
-TEST(ChaseMpc, FindsTheLeastCostOfLongPlans) {
+TEST(ChaseMpc, FindsTheOptimumOfLongPlans) {
   const Comparison result = compare(until_converged(), 20, 2, {20});
   EXPECT_LT(result.cost_excess, 1e-3);
   EXPECT_LT(result.cost_short, 1e-3);
   EXPECT_LT(result.limit_excess, 1e-3);
 }
 
-TEST(ChaseMpc, FindsTheLeastCostOfADenseSolverInFull) {
+TEST(ChaseMpc, MatchesTheDenseSolverInFull) {
   const Comparison result = compare(until_converged(), 100'000, 3, {1, 2, 3, 4});
   EXPECT_LT(result.cost_excess, 5e-4);
   EXPECT_LT(result.cost_short, 5e-4);
@@ -128,13 +128,13 @@ TEST(ChaseMpc, FindsTheLeastCostOfADenseSolverInFull) {
 }
 
 // The vehicle flies plans of as many iterations as there is time for.
-TEST(ChaseMpc, IsNearTheLeastCostAfterFewIterations) {
+TEST(ChaseMpc, NearsTheOptimumInFewIterations) {
   const Comparison result = compare({}, 60, 4, {20});
   EXPECT_LT(result.cost_excess, 0.03);
   EXPECT_LT(result.limit_excess, 0.05);
 }
 
-TEST(ChaseMpc, ComesToRestAtAnAimAtRest) {
+TEST(ChaseMpc, SettlesAtAnAimAtRest) {
   ChaseMpc mpc({}, kLimits, 20);
   std::vector<ChaseAim> aims(20);
   for (ChaseAim& aim : aims) aim.p_m = {3.0, -2.0, 1.0};
@@ -148,7 +148,7 @@ TEST(ChaseMpc, ComesToRestAtAnAimAtRest) {
 }
 
 // Full jerk, full acceleration, full speed, and back: the time of the closed form, to within a step.
-TEST(ChaseMpc, IsNearlyAsFastAsTheLimitsAllow) {
+TEST(ChaseMpc, IsNearlyTimeOptimal) {
   ChaseMpc mpc({}, kLimits, 20);
   const double way_m = 14.0, a = kLimits.horizontal_acceleration_mps2, v = kLimits.horizontal_speed_mps;
   std::vector<ChaseAim> aims(20);
@@ -185,7 +185,7 @@ TEST(ChaseMpc, StaysBeforeAWall) {
   EXPECT_LT(farthest_m, 4.25);
 }
 
-TEST(ChaseMpc, IsTheSameWheneverItIsAskedAndNeverAllocates) {
+TEST(ChaseMpc, IsDeterministicAndNeverAllocates) {
   const Problem problem = random_problem(Random(5, "test.chase"), 0, 20);
   ChaseMpc a({}, kLimits, 20), b({}, kLimits, 20);
   a.solve(problem.start, problem.aims, problem.step_s);

@@ -45,7 +45,7 @@ double time_to_go_s(const PointState& self, const Vector3& target_local_m,
   return planner.time_to_go_s();
 }
 
-TEST(ChasePlanner, TheTimeToGoIsTheLeastThatTheLimitsAllow) {
+TEST(ChasePlanner, FindsLeastFeasibleTimeToGo) {
   for (const double way_m : {2.0, 5.0, 12.0, 20.0, 60.0, 150.0}) {
     const double level_s = time_from_rest_s(way_m - kReach_m, 8.0, 4.0, 60.0);
     EXPECT_NEAR(time_to_go_s({}, {0.6 * way_m, -0.8 * way_m, 0.0}), level_s + 0.025, 0.026) << way_m;
@@ -56,7 +56,7 @@ TEST(ChasePlanner, TheTimeToGoIsTheLeastThatTheLimitsAllow) {
   }
 }
 
-TEST(ChasePlanner, WhoFliesTowardTheTargetMeetsItSoonerAndWhoFliesAwayLater) {
+TEST(ChasePlanner, AccountsForInitialVelocity) {
   PointState self;
   self.v_mps = {5.0, 0.0, 0.0};
   const double toward_s = time_to_go_s(self, {10.0, 0.0, 0.0}), away_s = time_to_go_s(self, {-10.0, 0.0, 0.0});
@@ -72,12 +72,12 @@ TEST(ChasePlanner, WhoFliesTowardTheTargetMeetsItSoonerAndWhoFliesAwayLater) {
   EXPECT_GT(time_to_go_s(self, {0.0, 0.0, -6.0}), time_to_go_s({}, {0.0, 0.0, -6.0}) + 0.1);
 }
 
-TEST(ChasePlanner, TheMeetingIsWhereTheNetIsNotTheVehicle) {
+TEST(ChasePlanner, MeetsTheTargetWithTheNet) {
   EXPECT_EQ(time_to_go_s({}, {20.0, 0.0, 0.0}, {8.0, 0.0, 0.0}), time_to_go_s({}, {12.0, 0.0, 0.0}));
   EXPECT_EQ(time_to_go_s({{3.0, 2.0, 1.0}, {}, {}}, {15.0, 2.0, 1.0}), time_to_go_s({}, {12.0, 0.0, 0.0}));
 }
 
-TEST(ChasePlanner, ThePlanIsAThirdLongerThanTheTimeToGoWithinItsBounds) {
+TEST(ChasePlanner, ExtendsHorizonBeyondTimeToGo) {
   ChasePlanConfig config;
   const auto horizon_s = [&](double way_m) {
     ChasePlanner planner(config, kChaser, kReach_m);
@@ -107,7 +107,7 @@ std::vector<double> heights_m(double side, double* meeting_s) {
   return heights;
 }
 
-TEST(ChasePlanner, ADiscStaysOnItsSideUntilTheyMeetAndThenGoesThrough) {
+TEST(ChasePlanner, KeepsDiscSideUntilMeeting) {
   double meeting_s = 0.0;
   const std::vector<double> above = heights_m(1.0, &meeting_s), below = heights_m(-1.0, &meeting_s),
                             level = heights_m(0.0, &meeting_s);
@@ -143,7 +143,7 @@ std::array<double, 2> heights_at_the_pass_m(double speed_mps, double side) {
   return heights;
 }
 
-TEST(ChasePlanner, ADiscGoesThroughTheHeightOfATargetWhileThatIsWithinReach) {
+TEST(ChasePlanner, SweepsDiscThroughReachableTargetHeight) {
   for (const double speed_mps : {2.0, 4.0, 6.0, 8.0, 9.0}) {
     for (const double side : {-1.0, 1.0}) {
       const auto [enters_m, leaves_m] = heights_at_the_pass_m(speed_mps, side);
@@ -153,7 +153,7 @@ TEST(ChasePlanner, ADiscGoesThroughTheHeightOfATargetWhileThatIsWithinReach) {
   }
 }
 
-TEST(ChasePlanner, ThePlanReachesAHoveringTargetAtTheTimeToGo) {
+TEST(ChasePlanner, ReachesHoveringTargetOnTime) {
   ChasePlanConfig config;
   ChasePlanner planner(config, kChaser, kReach_m);
   PointState self;
@@ -167,7 +167,7 @@ TEST(ChasePlanner, ThePlanReachesAHoveringTargetAtTheTimeToGo) {
   }
 }
 
-TEST(ChasePlanner, KeepsToAWallThatTheTargetIsBehind) {
+TEST(ChasePlanner, StopsAtWallBeforeTarget) {
   Surroundings around = nothing_around();
   GeofenceConfig config;
   config.min_m = {-1e4, -1e4, -1e4};

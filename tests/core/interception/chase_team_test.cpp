@@ -53,7 +53,7 @@ struct Team {
   ChaseTeam team{kSelf, 3};
 };
 
-TEST(PathAhead, GoesThroughItsPlacesAndOnAsItEnds) {
+TEST(PathAhead, FollowsItsWaypointsAndExtrapolatesBeyond) {
   PathAhead path;
   path.interval_s = 0.5;
   path.num_places = 3;
@@ -86,7 +86,7 @@ TEST(ChaseTeam, TheSoonestLeads) {
   EXPECT_FALSE(here.leads(1.5));
 }
 
-TEST(ChaseTeam, WhoLeadsIsOvertakenByWhoIsClearlySooner) {
+TEST(ChaseTeam, ChangesLeaderForClearlyEarlierArrival) {
   Team here;
   here.says(kOther, Word::kYields, 2.0);
   ASSERT_TRUE(here.leads(1.9));
@@ -97,7 +97,7 @@ TEST(ChaseTeam, WhoLeadsIsOvertakenByWhoIsClearlySooner) {
   EXPECT_TRUE(here.leads(1.6));
 }
 
-TEST(ChaseTeam, OfTwoAsSoonTheLowerNumberLeads) {
+TEST(ChaseTeam, BreaksArrivalTiesByLowerNumber) {
   Team here;
   here.says(kOther, Word::kLeads, 2.0);
   EXPECT_TRUE(here.leads(2.0)) << "it leads from the start, as the other one says of itself";
@@ -106,7 +106,7 @@ TEST(ChaseTeam, OfTwoAsSoonTheLowerNumberLeads) {
 }
 
 // Two vehicles with the same rule never both yield once each has received the other's report.
-TEST(ChaseTeam, OneOfTwoLeadsWhateverTheyTell) {
+TEST(ChaseTeam, HasOneLeaderForAnyReports) {
   for (const double first_s : {1.0, 1.2, 1.5, 3.0}) {
     for (const double second_s : {1.0, 1.2, 1.5, 3.0}) {
       for (const bool first_led : {false, true}) {
@@ -137,7 +137,7 @@ TEST(ChaseTeam, OneOfTwoLeadsWhateverTheyTell) {
   }
 }
 
-TEST(ChaseTeam, WhoHasAnotherTargetOrNoneDoesNotCount) {
+TEST(ChaseTeam, IgnoresVehiclesOnOtherTargets) {
   Team here;
   here.says(kOther, Word::kLeads, 1.0, {5, 0, 10}, {0, 2, 0}, {4, 0, 10});
   EXPECT_TRUE(here.leads(5.0));
@@ -170,7 +170,7 @@ TEST(ChaseTeam, IgnoresOldAndFutureReports) {
   EXPECT_FALSE(here.leads(5.0));
 }
 
-TEST(ChaseTeam, WhoLeadsComesNearerWhileNothingIsHeardAndWhoYieldsDoesNot) {
+TEST(ChaseTeam, ExtrapolatesArrivalOnlyOfSilentLeaders) {
   Team here;
   here.says(kOther, Word::kLeads, 2.3);
   here.wait(0.8);
@@ -180,7 +180,7 @@ TEST(ChaseTeam, WhoLeadsComesNearerWhileNothingIsHeardAndWhoYieldsDoesNot) {
   EXPECT_TRUE(here.leads(1.6));
 }
 
-TEST(ChaseTeam, ReportsWithoutSenseAndThoseOfStrangersAreNotHeard) {
+TEST(ChaseTeam, IgnoresInvalidReportsAndForeignVehicles) {
   Team here;
   here.wait(5.0);
   ChaseReport good;
@@ -228,7 +228,7 @@ TEST(ChaseTeam, MorePlacesThanFitAreCut) {
   EXPECT_NEAR(here.bystanders()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
 }
 
-TEST(ChaseTeam, ALeaderNeedsLittleRoomAndWhoYieldsPlansWithMore) {
+TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
   Team here;
   here.says(kOther, Word::kYields, 2.0);
   ASSERT_TRUE(here.leads(1.0));
@@ -245,7 +245,7 @@ TEST(ChaseTeam, ALeaderNeedsLittleRoomAndWhoYieldsPlansWithMore) {
   EXPECT_EQ(all[1].plan_room_m, 3.0);
 }
 
-TEST(ChaseTeam, WhoHasCaughtOrIsIdleIsKeptClearOfInFull) {
+TEST(ChaseTeam, KeepsFullClearanceFromInactiveVehicles) {
   Team here;
   for (const Word word : {Word::kIdle, Word::kCaught}) {
     here.says(kOther, word, 2.0);
@@ -254,7 +254,7 @@ TEST(ChaseTeam, WhoHasCaughtOrIsIdleIsKeptClearOfInFull) {
   }
 }
 
-TEST(ChaseTeam, AFellowIsWhereItsPathLeadsShiftedToWhereItIsSeen) {
+TEST(ChaseTeam, ShiftsReportedPathsToObservedPositions) {
   Team here;
   here.says(kOther, Word::kYields, 2.0);
   here.wait(0.5);
@@ -271,7 +271,7 @@ TEST(ChaseTeam, AFellowIsWhereItsPathLeadsShiftedToWhereItIsSeen) {
 }
 
 // A fellow that is about to catch the target hangs its net over it.
-TEST(ChaseTeam, TheTargetInAFellowsNetIsNotTheFellow) {
+TEST(ChaseTeam, DistinguishesPeersFromTheirNettedTargets) {
   Team here;
   here.says(kOther, Word::kLeads, 0.1);
   std::vector<Track> tracks(1);
@@ -299,14 +299,14 @@ TEST(ChaseTeam, HearsThatItsTargetIsCaught) {
   EXPECT_TRUE(here.team.has_caught());
 }
 
-TEST(ChaseTeam, WhoTakesOneselfForItsTargetTellsOfNone) {
+TEST(ChaseTeam, IgnoresReportsThatTargetItself) {
   Team here;
   here.says(kOther, Word::kLeads, 1.0);
   EXPECT_EQ(here.team.chasing({1, 0, 10}, here.observation.t), nullptr);
   EXPECT_NE(here.team.chasing({4, 0, 10}, here.observation.t), nullptr);
 }
 
-TEST(ChaseTeam, WhatItTellsIsWhatItIsTold) {
+TEST(ChaseTeam, ReportsSurviveTheRoundTrip) {
   ChaseTeam team(0, 2);
   PathAhead path;
   path.num_places = 2;

@@ -32,7 +32,7 @@ TEST(InterceptDecisions, TheNearestTrackIsTheTarget) {
   }
 }
 
-TEST(InterceptDecisions, AnotherTrackWhereTheTargetIsExpectedIsTheTarget) {
+TEST(InterceptDecisions, AcceptsNewTrackNearThePrediction) {
   Prey hunt({}, {-25.0, 0.0, 12.0});
   hunt.run(2.0, [](double t_s, Prey& h) {
     h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, t_s < 1.0 ? 7 : 8);
@@ -41,14 +41,14 @@ TEST(InterceptDecisions, AnotherTrackWhereTheTargetIsExpectedIsTheTarget) {
   EXPECT_FALSE(noted(hunt, kLost));
 }
 
-TEST(InterceptDecisions, AnotherTrackFarFromThereIsNot) {
+TEST(InterceptDecisions, RejectsNewTrackFarFromPrediction) {
   Prey hunt({}, {-25.0, 0.0, 12.0});
   hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero(), 7); });
   hunt.run(0.01, [](double, Prey& h) { h.sees({10.0, 3.5, 12.0}, Vector3::Zero(), 8); });
   EXPECT_TRUE(noted(hunt, kLost));
 }
 
-TEST(InterceptDecisions, ATrackIsLostOnceItIsOlderThanItsTimeout) {
+TEST(InterceptDecisions, LosesATrackAfterItsTimeout) {
   InterceptConfig config;
   config.track_timeout_s = 0.8;
   Prey hunt(config, {-25.0, 0.0, 12.0});
@@ -59,7 +59,7 @@ TEST(InterceptDecisions, ATrackIsLostOnceItIsOlderThanItsTimeout) {
   EXPECT_TRUE(noted(hunt, kLost));
 }
 
-TEST(InterceptDecisions, PatienceWithATargetOutsideBeginsAnewWhenItIsFoundAgain) {
+TEST(InterceptDecisions, ReacquiringTheTargetRestartsFencePatience) {
   InterceptConfig config;
   config.fence.max_m.x() = 20.0;
   config.fence.patience_s = 1.0;
@@ -76,7 +76,7 @@ TEST(InterceptDecisions, PatienceWithATargetOutsideBeginsAnewWhenItIsFoundAgain)
 }
 
 // A target drifts toward the fence from outside, so that the chase leads straight at it.
-TEST(InterceptDecisions, WhoThinksRarelyLooksAheadAllTheLonger) {
+TEST(InterceptDecisions, LooksFartherAheadWithLongerPeriod) {
   for (const double period_s : {0.02, 0.3, 1.0}) {
     InterceptConfig config;
     config.method = InterceptConfig::Method::kPurePursuit;
@@ -123,7 +123,7 @@ Approach approach(const InterceptConfig& config, const Vector3& start_by_target_
   return result;
 }
 
-TEST(InterceptDecisions, WhoComesFromBelowFliesAroundTheTargetNotThroughIt) {
+TEST(InterceptDecisions, ApproachesFromBelowAroundTheTarget) {
   for (const Vector3& start_m : {Vector3(-12, 0, -7), Vector3(0, 0, -9), Vector3(9, -9, 0), Vector3(3, 20, 10)}) {
     InterceptConfig config;
     const Approach result = approach(config, start_m);
@@ -132,7 +132,7 @@ TEST(InterceptDecisions, WhoComesFromBelowFliesAroundTheTargetNotThroughIt) {
   }
 }
 
-TEST(InterceptDecisions, TheNetIsMetWhateverItsOffset) {
+TEST(InterceptDecisions, CatchesTargetWithAnyNetOffset) {
   for (const Vector3& offset_m : {Vector3(0, 0, -1.2), Vector3(1.0, 0.5, -1.5), Vector3(-0.8, 0, -1.2)}) {
     InterceptConfig config;
     config.net.offset_m = offset_m;
@@ -140,7 +140,7 @@ TEST(InterceptDecisions, TheNetIsMetWhateverItsOffset) {
   }
 }
 
-TEST(InterceptDecisions, OnceDoneItRisesWithItsCatchToTheTopOfTheFence) {
+TEST(InterceptDecisions, ClimbsToFenceTopWhenDone) {
   InterceptConfig config;
   config.fence.max_m.z() = 30.0;
   Prey hunt(config, {-14.0, 0.0, 17.0});
@@ -153,7 +153,7 @@ TEST(InterceptDecisions, OnceDoneItRisesWithItsCatchToTheTopOfTheFence) {
   EXPECT_LT((hunt.p_m().head<2>() - Vector3(-14.0, 0.0, 0.0).head<2>()).norm(), 0.2) << "where it waited";
 }
 
-TEST(InterceptDecisions, WithoutANumberOfCapturesItLeavesTheTargetAndCatchesItAgain) {
+TEST(InterceptDecisions, RepeatsCapturesWithoutACaptureLimit) {
   InterceptConfig config;
   config.captures = 0;
   Prey hunt(config, {-14.0, 0.0, 17.0});

@@ -26,7 +26,7 @@ std::vector<Vector3> rim_points(const Overlay& lines, const Vector3& p_local_m, 
   return rim;
 }
 
-TEST(InterceptOverlays, ADiscHangsFromItsVehicleByFourRopes) {
+TEST(InterceptOverlays, DiscHangsFromFourRopes) {
   const Vector3 p_m(3, -2, 20), middle_m(3, -2, 18.8);
   std::vector<Overlay> overlays;
   append_net(net_of(2.0, 0.0), p_m, 0.4, overlays);
@@ -55,7 +55,7 @@ TEST(InterceptOverlays, ADiscHangsFromItsVehicleByFourRopes) {
   }
 }
 
-TEST(InterceptOverlays, AFenceIsTheTwelveEdgesOfItsBox) {
+TEST(InterceptOverlays, DrawsTwelveEdgesOfTheFence) {
   GeofenceConfig config;
   config.min_m = {-1.0, -2.0, 3.0};
   config.max_m = {4.0, 5.0, 6.0};

@@ -75,7 +75,7 @@ InterceptConfig for_ever() {
   return config;
 }
 
-TEST(InterceptTeam, TheSoonerOneCatchesAsIfItWereAlone) {
+TEST(InterceptTeam, SoonerVehicleCatchesAsIfAlone) {
   const Vector3 near_m(-12.0, 3.0, 16.0), far_m(20.0, -6.0, 16.0);
   const auto circling = [](int, Hunt& hunt) { testing::circling(hunt.now_s(), hunt); };
   Hunt alone({}, near_m);
@@ -96,7 +96,7 @@ TEST(InterceptTeam, TheSoonerOneCatchesAsIfItWereAlone) {
   }
 }
 
-TEST(InterceptTeam, TheyStayClearOfEachOtherForAMinute) {
+TEST(InterceptTeam, KeepsVehiclesClearForAMinute) {
   for (const double delay_s : {0.01, 0.3}) {
     Pair pair(for_ever(), {-12.0, 3.0, 16.0}, {11.0, -6.0, 16.0}, delay_s);
     pair.run(60.0, [](int, Hunt& hunt) { testing::circling(hunt.now_s(), hunt); });
@@ -105,7 +105,7 @@ TEST(InterceptTeam, TheyStayClearOfEachOtherForAMinute) {
   }
 }
 
-TEST(InterceptTeam, TheOtherOneIsNotTheTargetOnceItIsHeard) {
+TEST(InterceptTeam, ExcludesTeammateHeardByRadio) {
   Pair pair({}, {-10.0, 0.0, 12.0}, {10.0, 0.0, 12.0}, 0.2);
   pair.run(4.0, [](int, Hunt&) {});
   for (const int i : {0, 1}) EXPECT_EQ(pair.hunts[i].notes.back(), "waiting for a target");
@@ -128,7 +128,7 @@ TEST(InterceptTeam, OfTwoTargetsEachTakesOne) {
   EXPECT_LT(std::min(pair.hunts[0].p_m().x(), pair.hunts[1].p_m().x()), 5.0);
 }
 
-TEST(InterceptTeam, WhoSeesNothingGoesWhereTheOtherOneSeesIt) {
+TEST(InterceptTeam, BlindVehicleFollowsTeammateSighting) {
   Pair pair(for_ever(), {0.0, 0.0, 14.0}, {-30.0, 0.0, 14.0});
   const auto one_sees = [](int which, Hunt& hunt) {
     if (which == 0) hunt.sees({14.0, 0.0, 12.0}, Vector3::Zero());
@@ -144,7 +144,7 @@ TEST(InterceptTeam, WhoSeesNothingGoesWhereTheOtherOneSeesIt) {
   EXPECT_EQ(pair.words[1], ChaseReport::Word::kSearches);
 }
 
-TEST(InterceptTeam, WhenTheLeaderFallsSilentTheOtherOneTakesOver) {
+TEST(InterceptTeam, TakesOverFromSilentLeader) {
   Pair pair(for_ever(), {6.0, 0.0, 14.0}, {-14.0, 0.0, 14.0});
   const auto far_away = [](int, Hunt& hunt) { hunt.sees({40.0, 0.0, 12.0}, Vector3::Zero()); };
   pair.run(0.5, far_away);
@@ -156,7 +156,7 @@ TEST(InterceptTeam, WhenTheLeaderFallsSilentTheOtherOneTakesOver) {
 }
 
 /// Two of which the first has a wall of its fence between itself and the target.
-TEST(InterceptTeam, WhoseFenceKeepsItFromTheTargetDoesNotHoldUpTheOtherOne) {
+TEST(InterceptTeam, FencedVehicleDoesNotBlockTeammate) {
   InterceptConfig near_config, far_config;
   near_config.fence.max_m.x() = 5.0;
   near_config.fence.patience_s = 100.0;
@@ -167,7 +167,7 @@ TEST(InterceptTeam, WhoseFenceKeepsItFromTheTargetDoesNotHoldUpTheOtherOne) {
 }
 
 // The target hovers inside of its fence, so high that the net below cannot be brought there.
-TEST(InterceptTeam, WhoLeadsInVainLetsTheOtherOneTry) {
+TEST(InterceptTeam, UnsuccessfulLeaderYieldsToTeammate) {
   InterceptConfig low_config, polite_config;
   low_config.fence.max_m.z() = 15.0;
   polite_config.yield_clearance_m = 15.0;  // with this clearance it never arrives first

@@ -21,7 +21,7 @@ using testing::circling;
 using testing::Hunt;
 using testing::kFast;
 
-TEST(Intercept, CatchesATargetOnAKnownPath) {
+TEST(Intercept, CatchesTargetsOnKnownPaths) {
   for (const auto method : {InterceptConfig::Method::kMpc, InterceptConfig::Method::kFrpn,
                             InterceptConfig::Method::kProportionalNavigation}) {
     InterceptConfig config;
@@ -46,7 +46,7 @@ double time_to_capture_s(InterceptConfig::Method method) {
   return hunt.now_s();
 }
 
-TEST(Intercept, ThePlannerIsFasterThanPursuitAndProportionalNavigation) {
+TEST(Intercept, OutperformsPursuitAndProportionalNavigation) {
   const double mpc_s = time_to_capture_s(InterceptConfig::Method::kMpc);
   EXPECT_LT(mpc_s, time_to_capture_s(InterceptConfig::Method::kProportionalNavigation));
   EXPECT_LT(mpc_s, time_to_capture_s(InterceptConfig::Method::kPurePursuit));
@@ -59,7 +59,7 @@ TEST(Intercept, WaitsUntilThereIsATarget) {
   EXPECT_EQ(hunt.notes, std::vector<std::string>{"waiting for a target"});
 }
 
-TEST(Intercept, ItsPictureHasPredictionAndPlanWhileItChasesAndWhereItLooksWhileItSearches) {
+TEST(Intercept, DrawsPredictionPlanAndSearchViews) {
   const auto shown = [](const Hunt& hunt) {
     std::vector<Overlay> overlays;
     hunt.guidance->append_overlays(overlays);
@@ -81,7 +81,7 @@ TEST(Intercept, ItsPictureHasPredictionAndPlanWhileItChasesAndWhereItLooksWhileI
   EXPECT_EQ(searching.size(), waiting.size() + 1) << "where the target may be";
 }
 
-TEST(Intercept, GivesUpATargetThatLeavesTheFence) {
+TEST(Intercept, AbandonsATargetOutsideTheFence) {
   InterceptConfig config;
   config.fence.max_m.x() = 20.0;
   config.fence.patience_s = 1.0;
@@ -97,7 +97,7 @@ TEST(Intercept, GivesUpATargetThatLeavesTheFence) {
   EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 0.5) << "and went back to where it waited";
 }
 
-TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
+TEST(Intercept, SearchesForLostTargetAndResumes) {
   Hunt hunt({}, {-30.0, 0.0, 14.0});
   hunt.run(2.0, circling);
   hunt.tracks.clear();
@@ -112,7 +112,7 @@ TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
 }
 
 // An unseen track continues by its prediction, which does not count as a capture.
-TEST(Intercept, BelievesInNoCatchOfATargetThatItHasNotMeasuredForLong) {
+TEST(Intercept, RejectsCatchesOfLongUnmeasuredTargets) {
   InterceptConfig config;
   config.sure_share = 1.0;
   const auto blind = [](double t_s, Hunt& h) {
@@ -127,7 +127,7 @@ TEST(Intercept, BelievesInNoCatchOfATargetThatItHasNotMeasuredForLong) {
   EXPECT_EQ(sees.out.mission, MissionStatus::kDone);
 }
 
-TEST(Intercept, SearchesFromWhereItsNetWouldMeetTheTargetNotFromItsHeight) {
+TEST(Intercept, StartsSearchAtNetMeetingHeight) {
   InterceptConfig config;
   config.net.offset_m = {0.0, 0.0, -4.0};
   Hunt hunt(config, {-25.0, 0.0, 19.0});
@@ -140,7 +140,7 @@ TEST(Intercept, SearchesFromWhereItsNetWouldMeetTheTargetNotFromItsHeight) {
 }
 
 // A level LiDAR does not see a target right below, and the vehicle does not descend to look for it.
-TEST(Intercept, StaysAboveATargetThatMayBeBelowUnseen) {
+TEST(Intercept, StaysAboveATargetHiddenBelow) {
   InterceptConfig config;
   config.net = {.offset_m = {0.0, 0.0, -1.6}, .radius_m = 0.2, .height_m = 0.1};
   const auto target_m = [](double t_s) { return Vector3(-20.0 + 2.0 * t_s, 0.0, 12.0); };
@@ -156,7 +156,7 @@ TEST(Intercept, StaysAboveATargetThatMayBeBelowUnseen) {
   EXPECT_GT(least_m, 1.3);
 }
 
-TEST(Intercept, GivesUpATargetThatIsNotFoundAgain) {
+TEST(Intercept, AbandonsATargetNeverFoundAgain) {
   InterceptConfig config;
   config.search.timeout_s = 5.0;
   Hunt hunt(config, {-30.0, 0.0, 14.0});
@@ -171,7 +171,7 @@ TEST(Intercept, GivesUpATargetThatIsNotFoundAgain) {
 }
 
 // A wall of cells stands between interceptor and target; the ground is the fence's.
-TEST(Intercept, FliesIntoNothingThatTheMapKnows) {
+TEST(Intercept, AvoidsEverythingInTheMap) {
   std::vector<Vector3> cells_m;
   for (int y = -25; y <= 25; ++y) {
     for (int z = 0; z < 60; ++z) cells_m.emplace_back(-6.0, 0.2 * y, 0.2 * z);
@@ -212,7 +212,7 @@ TEST(Intercept, KeepsClearOfABystander) {
   EXPECT_GT(least_m, 2.7);
 }
 
-TEST(Intercept, ATargetByNameMustBeAVehicle) {
+TEST(Intercept, RequiresNamedTargetToBeVehicle) {
   InterceptConfig config;
   config.target = "nobody";
   try {
@@ -250,7 +250,7 @@ std::vector<Vector3> flight_of(const TargetConfig& config, double duration_s, Ve
   return places;
 }
 
-TEST(Target, KeepsItsSpeedAndBeginsWhereItStands) {
+TEST(Target, StartsInPlaceAndKeepsSpeed) {
   for (const auto motion :
        {TargetConfig::Motion::kHover, TargetConfig::Motion::kLine, TargetConfig::Motion::kCircle,
         TargetConfig::Motion::kFigureEight, TargetConfig::Motion::kRandom, TargetConfig::Motion::kEvasive}) {
@@ -286,7 +286,7 @@ TEST(Target, RefusesWhatItsLimitsForbid) {
   EXPECT_THROW(flight_of(config, 1.0), std::invalid_argument);
 }
 
-TEST(TargetSearch, LooksWhereTheTargetCanBeAndHasNotBeenLookedFor) {
+TEST(TargetSearch, LooksWhereTheTargetRemainsPossible) {
   GeofenceConfig fence_config;
   const Geofence fence(fence_config, FrameChange());
   TargetSearchConfig config;
@@ -300,7 +300,7 @@ TEST(TargetSearch, LooksWhereTheTargetCanBeAndHasNotBeenLookedFor) {
   EXPECT_LT(search.remaining(), 0.3 * before) << "nothing is there";
 }
 
-TEST(Intercept, NeedsAMapToKeepClearOfWalls) {
+TEST(Intercept, NeedsAMapToAvoidWalls) {
   const AgentSetup agent;
   for (const auto walls : {InterceptConfig::Walls::kNone, InterceptConfig::Walls::kMap}) {
     Module module(guidance_module_types(), "intercept");

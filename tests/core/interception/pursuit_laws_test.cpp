@@ -24,7 +24,7 @@ TEST(PursuitLaws, ProportionalNavigationKeepsACollisionCourse) {
   EXPECT_GT(frpn_mps2({}, relative).norm(), 1.0) << "its share of pure pursuit still pulls";
 }
 
-TEST(PursuitLaws, TheTimeToGoIsBoundedWhenBothFlyAlike) {
+TEST(PursuitLaws, TimeToGoIsBounded) {
   const PursuitGains gains;
   EXPECT_EQ(time_to_go_s(gains, {{5.0, 0.0, 0.0}, Vector3::Zero()}), gains.time_to_go_max_s);
   EXPECT_EQ(time_to_go_s(gains, {Vector3::Zero(), {5.0, 0.0, 0.0}}), gains.time_to_go_min_s);

@@ -28,7 +28,7 @@ Reference flying(const Vector3& p_local_m, const Vector3& v_local_mps) {
   return state;
 }
 
-TEST(Geofence, MeasuresToTheNearestSideFromInsideAndToTheFarthestFromOutside) {
+TEST(Geofence, MeasuresNearestInsideAndFarthestOutside) {
   GeofenceConfig config;
   config.min_m = {-10.0, -20.0, 2.0};
   config.max_m = {30.0, 40.0, 50.0};
@@ -41,7 +41,7 @@ TEST(Geofence, MeasuresToTheNearestSideFromInsideAndToTheFarthestFromOutside) {
   EXPECT_EQ(fence.inside({5.0, 6.0, 7.0}), Vector3(5.0, 6.0, 7.0));
 }
 
-TEST(Geofence, StaysWhereItIsInTheWorldWhenTheLocalFrameTurnsAndMoves) {
+TEST(Geofence, StaysFixedWhenLocalFrameMoves) {
   StateEstimate estimate;
   estimate.T_world_local = level_alignment(0.7, {4.0, -3.0, 1.0}, Vector3::Zero());
   GeofenceConfig config;
@@ -56,14 +56,14 @@ TEST(Geofence, StaysWhereItIsInTheWorldWhenTheLocalFrameTurnsAndMoves) {
   }
 }
 
-TEST(Surroundings, APlaceInTheOpenHasAMeterOfRoomAndNoMoreIsTold) {
+TEST(Surroundings, CapsOpenRoomAtOneMeter) {
   Surroundings around = open_air();
   EXPECT_EQ(around.intrusion_m({0, 0, 50}, 0.0), -1.0);
   EXPECT_NEAR(around.intrusion_m({0, 0, 0.25}, 0.0), -0.25, 1e-12) << "the ground is near";
   EXPECT_NEAR(around.intrusion_m({0, 0, -2.0}, 0.0), 2.0, 1e-12);
 }
 
-TEST(Surroundings, AnOccupiedCellIsKeptClearOfByTheClearance) {
+TEST(Surroundings, KeepsTheClearanceFromOccupiedCells) {
   Surroundings around = open_air();
   const testing::ToldMap map({Vector3(10.0, 0.0, 20.0)}, 0.2);
   around.map = &map;
@@ -73,7 +73,7 @@ TEST(Surroundings, AnOccupiedCellIsKeptClearOfByTheClearance) {
   EXPECT_NEAR(around.intrusion_m({5.0, 0.0, 20.0}, 0.0), -1.0, 1e-12);
 }
 
-TEST(Surroundings, ABystanderIsKeptClearOfWhereItWillBe) {
+TEST(Surroundings, AvoidsPredictedPositionOfBystander) {
   Surroundings around = open_air();
   around.bystanders.push_back({{0, 0, 50}, {4, 0, 0}, 3.0, false});
   EXPECT_NEAR(around.intrusion_m({8, 2, 50}, 2.0), 1.0, 1e-12);
@@ -88,7 +88,7 @@ std::vector<Wall> walls_at(const Surroundings& around, const Vector3& p_local_m,
   return {aim.walls.begin(), aim.walls.begin() + aim.num_walls};
 }
 
-TEST(Surroundings, OnlyWhatIsWithinThreeMetersIsAWall) {
+TEST(Surroundings, IgnoresWallsBeyondThreeMeters) {
   Surroundings around = open_air();
   EXPECT_TRUE(walls_at(around, {0, 0, 50}).empty());
   EXPECT_TRUE(walls_at(around, {0, 0, 3.1}).empty());
@@ -106,7 +106,7 @@ TEST(Surroundings, OnlyWhatIsWithinThreeMetersIsAWall) {
   EXPECT_NEAR(walls_at(around, {4.9, 0, 50}, 1.0).at(0).excess_m({4.9, 0, 50}), -0.9, 1e-12) << "it will be nearer";
 }
 
-TEST(Surroundings, TheNearestOccupiedCellIsAWallBeforeAllOthers) {
+TEST(Surroundings, PutsTheNearestOccupiedCellFirst) {
   Surroundings around = open_air();
   const testing::ToldMap map({Vector3(10, 0, 2), Vector3(6, 0, 2), Vector3(0, 8, 2)}, 0.2);
   around.map = &map;
@@ -119,7 +119,7 @@ TEST(Surroundings, TheNearestOccupiedCellIsAWallBeforeAllOthers) {
   EXPECT_NEAR(walls[1].excess_m({3, 0, 2}), -2.0, 1e-12);
 }
 
-TEST(Surroundings, OfTwoCellsInReachTheOneNearerToThePlaceCounts) {
+TEST(Surroundings, UsesTheNearerOfTwoCells) {
   Surroundings around = open_air();
   const testing::ToldMap map({Vector3(6, 0, 50), Vector3(12, 0, 50)}, 0.2);
   around.map = &map;
@@ -129,7 +129,7 @@ TEST(Surroundings, OfTwoCellsInReachTheOneNearerToThePlaceCounts) {
   EXPECT_NEAR(walls[0].excess_m({10, 0, 50}), 1.0 + 0.1 * std::sqrt(3.0) - 2.0, 2e-3);
 }
 
-TEST(Surroundings, WhoIsAboveATargetThatIsFlownOverStaysAbove) {
+TEST(Surroundings, StaysAboveAnOverflownTarget) {
   Surroundings around = open_air();
   around.bystanders.push_back({{0, 0, 50}, {0, 0, 0}, 2.0, true});
   // Above by half the radius or more, and over it: a floor on top of it.
@@ -145,7 +145,7 @@ TEST(Surroundings, WhoIsAboveATargetThatIsFlownOverStaysAbove) {
   EXPECT_LT(walls_at(around, {2.4, 0, 51.1}).at(0).normal.x(), -0.5);
 }
 
-TEST(Surroundings, NoMoreWallsThanThePlanHoldsAndNoneFromAPlaceInTheMiddle) {
+TEST(Surroundings, CapsWallsAndSkipsCoincidentBystanders) {
   Surroundings around = open_air();
   around.bystanders.push_back({{0, 0, 50}, {0, 0, 0}, 2.0, false});
   EXPECT_TRUE(walls_at(around, {0, 0, 50}).empty()) << "no direction leads away";
@@ -161,7 +161,7 @@ TEST(Braking, OpposesTheVelocityWithinTheLimits) {
   EXPECT_LT((full - Vector3(-kInterceptor.horizontal_acceleration_mps2, 0, 0)).norm(), 1e-9);
 }
 
-TEST(Braking, EvadesWhoeverWouldComeTooNearWithinASecondAndAHalf) {
+TEST(Braking, EvadesConflictsWithinItsTimeHorizon) {
   Surroundings around = open_air();
   const double a = kInterceptor.horizontal_acceleration_mps2;
   // A vehicle flies straight at this one's right side and will pass 1 m behind it: forward is away from it.
@@ -178,7 +178,7 @@ TEST(Braking, EvadesWhoeverWouldComeTooNearWithinASecondAndAHalf) {
   EXPECT_EQ(braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 0.0, kInterceptor).norm(), 0.0);
 }
 
-TEST(Braking, WhoIsHitHeadOnGoesUp) {
+TEST(Braking, ClimbsBeforeAHeadOnCollision) {
   Surroundings around = open_air();
   around.bystanders.push_back({{4, 0, 50}, {-4, 0, 0}, 1.0, false});
   const Vector3 a_mps2 = braking_mps2(flying({0, 0, 50}, {0, 0, 0}), around, 0.0, kInterceptor);
@@ -192,7 +192,7 @@ bool stops(const Surroundings& around, const Vector3& p_local_m, const Vector3& 
   return can_stop(governor, around, 0.0, allowed_m);
 }
 
-TEST(Braking, StopsBeforeTheFenceIfTheWayIsLongEnough) {
+TEST(Braking, StopsBeforeTheFenceIfPossible) {
   const Surroundings around = open_air();
   // v^2 / 2a, and the distance during the build-up of the acceleration.
   const double v = 6.0, a = kInterceptor.horizontal_acceleration_mps2;
@@ -203,7 +203,7 @@ TEST(Braking, StopsBeforeTheFenceIfTheWayIsLongEnough) {
   EXPECT_FALSE(stops(around, {100.5, 0, 50}, {-v, 0, 0})) << "it is outside now";
 }
 
-TEST(Braking, StopsNowhereIfSomebodyComesWhileItBrakes) {
+TEST(Braking, RefusesStopsCrossedByABystander) {
   Surroundings around = open_air();
   EXPECT_TRUE(stops(around, {0, 0, 50}, {6, 0, 0}));
   // From the side, too fast to brake or evade, towards the vehicle's position in half a second.

@@ -15,7 +15,7 @@ TrackModes certain_of(TrackModes::Model model, const Vector3& p_m, const Vector3
   return modes;
 }
 
-TEST(TargetPrediction, GoesOnFromWhenTheTrackHeld) {
+TEST(TargetPrediction, StartsFromTrackTime) {
   Track track;
   track.t = 1'000'000'000;
   const TrackModes modes = certain_of(TrackModes::kConstantVelocity, {1, 2, 3}, {4, 0, -1}, {9, 9, 9});
@@ -25,7 +25,7 @@ TEST(TargetPrediction, GoesOnFromWhenTheTrackHeld) {
 }
 
 // A target on a circle of 5 m at 1 rad/s is on that circle for ever.
-TEST(TargetPrediction, ATurnGoesOnAlongItsCircle) {
+TEST(TargetPrediction, ContinuesTurnsAlongTheirCircle) {
   const TrackModes modes = certain_of(TrackModes::kCoordinatedTurn, {5, 0, 8}, {0, 5, 0}, {-5, 0, 0});
   const TargetPrediction prediction({}, Track{}, &modes, 0);
   for (int tenth = 0; tenth < 40; ++tenth) {
@@ -52,7 +52,7 @@ TEST(TargetPrediction, MixesItsModelsByTheirProbabilities) {
   EXPECT_LT((prediction.at(2.0).p_m - Vector3(6, 2, 0)).norm(), 1e-6);
 }
 
-TEST(TargetPrediction, IsLessCertainTheFartherItLooksAhead) {
+TEST(TargetPrediction, LosesCertaintyWithLookahead) {
   Track track;
   track.covariance.setIdentity();
   const TargetPrediction prediction({}, track, nullptr, 0);

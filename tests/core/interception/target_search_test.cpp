@@ -45,7 +45,7 @@ TargetSearch begun(const TargetSearchConfig& config, const PointState& target, d
   return search;
 }
 
-TEST(TargetSearch, BeginsWithTheSpreadThatItIsTold) {
+TEST(TargetSearch, StartsWithTheGivenSpread) {
   const TargetSearch search = begun({}, {{20, -5, 15}, {4, 0, 0}, {}}, 2.0, 1.0);
   const Spread s = spread_of(places_of(search));
   EXPECT_LT((s.mean - Vector3(20, -5, 15)).cwiseAbs().maxCoeff(), 0.5);
@@ -66,7 +66,7 @@ TEST(TargetSearch, UnknownVelocitySpreadsThePlaces) {
 }
 
 // Steps of white noise: velocities spread as the square root of time, in the vertical by 0.4 of it.
-TEST(TargetSearch, AccelerationsSpreadThePlacesWhateverTheStep) {
+TEST(TargetSearch, AccelerationsSpreadParticlesForAnyStep) {
   TargetSearchConfig config;
   config.acceleration_mps2 = 2.0;
   config.speed_max_mps = 1e6;
@@ -84,7 +84,7 @@ TEST(TargetSearch, AccelerationsSpreadThePlacesWhateverTheStep) {
   }
 }
 
-TEST(TargetSearch, NoParticleIsFasterThanATarget) {
+TEST(TargetSearch, LimitsParticlesToTargetSpeed) {
   TargetSearchConfig config;
   config.speed_max_mps = 3.0;
   TargetSearch search = begun(config, {{0, 0, 50}, {30, 0, 0}, {}}, 1e-9, 1e-9);
@@ -117,7 +117,7 @@ double left_of(const TargetSearchConfig& config, const Vector3& target_local_m, 
   return search.remaining();
 }
 
-TEST(TargetSearch, WhatLiesOutOfSightStaysPossible) {
+TEST(TargetSearch, KeepsPlacesOutOfSightPossible) {
   TargetSearchConfig config;
   config.range_m = 20.0;
   config.fov_bottom_deg = -10.0;
@@ -135,7 +135,7 @@ TEST(TargetSearch, WhatLiesOutOfSightStaysPossible) {
   EXPECT_EQ(left_of(config, at(10.0, -10.5), eye), 1.0);
 }
 
-TEST(TargetSearch, EachLookLeavesWhatItsRateSays) {
+TEST(TargetSearch, ReducesProbabilityAtTheDetectionRate) {
   TargetSearchConfig config;
   config.detection_rate_per_s = 3.0;
   TargetSearch search = begun(config, {{5, 0, 10}, {0, 0, 0}, {}}, 1e-9, 1e-9);
@@ -148,7 +148,7 @@ TEST(TargetSearch, EachLookLeavesWhatItsRateSays) {
   EXPECT_LT(search.remaining(), 1e-5);
 }
 
-TEST(TargetSearch, WhatIsHiddenBehindAnObstacleStaysPossible) {
+TEST(TargetSearch, KeepsPlacesBehindObstaclesPossible) {
   struct Hides : testing::ToldMap {
     Hides() : testing::ToldMap({}) {}
     std::optional<SegmentHit> first_hit(const Vector3& from, const Vector3& to) const override {
@@ -163,7 +163,7 @@ TEST(TargetSearch, WhatIsHiddenBehindAnObstacleStaysPossible) {
 }
 
 // Most particles start around one place; after a look there, the others' place is the better one.
-TEST(TargetSearch, TheMostProbablePlaceIsTheMiddleOfTheHeaviestCrowd) {
+TEST(TargetSearch, SelectsCenterOfHeaviestCluster) {
   TargetSearchConfig config;
   config.range_m = 6.0;
   TargetSearch search = begun(config, {{0, 0, 15}, {0, 0, 0}, {}}, 8.0, 1e-9);
@@ -195,7 +195,7 @@ TEST(TargetSearch, TheMostProbablePlaceIsTheMiddleOfTheHeaviestCrowd) {
   EXPECT_GT(most, 3.0);
 }
 
-TEST(TargetSearch, PlacesThatWereSeenEmptyFadeInThePicture) {
+TEST(TargetSearch, FadesPlacesSeenEmptyInOverlays) {
   TargetSearch search = begun({}, {{5, 0, 10}, {0, 0, 0}, {}}, 1e-9, 1e-9);
   std::vector<Overlay> overlays;
   search.append_overlay(overlays);

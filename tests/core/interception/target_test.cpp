@@ -63,7 +63,7 @@ TargetConfig moving(TargetConfig::Motion motion, std::uint64_t seed = 1) {
   return config;
 }
 
-TEST(TargetMotion, ACircleGoesThroughTheStartTowardTheMiddleOfTheBox) {
+TEST(TargetMotion, CirclesThroughStartTowardBoxCenter) {
   const Vector3 start_m(5, -3, 10), inward = Vector3(-5, 3, 0).normalized();
   int left_turns = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -83,7 +83,7 @@ TEST(TargetMotion, ACircleGoesThroughTheStartTowardTheMiddleOfTheBox) {
   EXPECT_LT(left_turns, 8) << "the sense is drawn";
 }
 
-TEST(TargetMotion, FromTheMiddleOfTheBoxACircleIsLevelToo) {
+TEST(TargetMotion, CirclesLevelFromBoxCenter) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Intruder intruder(moving(TargetConfig::Motion::kCircle, seed), {0.3, 0.2, 10.0});
     double widest_m = 0.0;
@@ -96,7 +96,7 @@ TEST(TargetMotion, FromTheMiddleOfTheBoxACircleIsLevelToo) {
   }
 }
 
-TEST(TargetMotion, ACircleIsAsWideAsItsAccelerationAsks) {
+TEST(TargetMotion, CirclesWithRadiusFromAcceleration) {
   TargetConfig config = moving(TargetConfig::Motion::kCircle);
   config.radius_m = 2.0;
   Intruder intruder(config);
@@ -106,7 +106,7 @@ TEST(TargetMotion, ACircleIsAsWideAsItsAccelerationAsks) {
   EXPECT_NEAR(widest_m, 2.0 * 1.3 * 9.0 / 1.5, 0.01);
 }
 
-TEST(TargetMotion, AFigureEightReturnsToItsStartAndKeepsItsRadius) {
+TEST(TargetMotion, ClosesFigureEightAtGivenRadius) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Intruder intruder(moving(TargetConfig::Motion::kFigureEight, seed));
     double widest_m = 0.0, fastest_mps = 0.0;
@@ -129,7 +129,7 @@ TEST(TargetMotion, AFigureEightReturnsToItsStartAndKeepsItsRadius) {
   }
 }
 
-TEST(TargetMotion, VelocityAndAccelerationAreTheDerivativesOfItsPlace) {
+TEST(TargetMotion, MatchesDerivativesOfItsPosition) {
   for (const auto motion : {TargetConfig::Motion::kCircle, TargetConfig::Motion::kFigureEight,
                             TargetConfig::Motion::kRandom, TargetConfig::Motion::kEvasive}) {
     Intruder intruder(moving(motion));
@@ -150,7 +150,7 @@ TEST(TargetMotion, VelocityAndAccelerationAreTheDerivativesOfItsPlace) {
   }
 }
 
-TEST(TargetMotion, LinesLeadFromPlaceToPlaceInTheBoxAtConstantSpeed) {
+TEST(TargetMotion, FollowsInnerLinesAtConstantSpeed) {
   const TargetConfig config = moving(TargetConfig::Motion::kLine, 3);
   Intruder intruder(config);
   std::vector<Vector3> corners_m;
@@ -190,7 +190,7 @@ TEST(TargetMotion, AnUndisturbedEvaderCruises) {
   EXPECT_NEAR(alone.step().velocity_mps.norm(), config.cruise * 3.0, 0.01);
 }
 
-TEST(TargetMotion, AnEvaderFliesAwayFromTheNearestPursuerAtFullSpeed) {
+TEST(TargetMotion, EvadesNearestPursuerAtFullSpeed) {
   TargetConfig config = moving(TargetConfig::Motion::kEvasive);
   config.area_min_m = {-200, -200, 5};
   config.area_max_m = {200, 200, 100};
@@ -208,7 +208,7 @@ TEST(TargetMotion, AnEvaderFliesAwayFromTheNearestPursuerAtFullSpeed) {
   }
 }
 
-TEST(TargetMotion, AnEvaderJinksButStaysInItsBox) {
+TEST(TargetMotion, JinksButStaysInItsBox) {
   const TargetConfig config = moving(TargetConfig::Motion::kEvasive);
   Intruder intruder(config, {0, 0, 10});
   Vector3 least = Vector3::Constant(1e9), greatest = -least;

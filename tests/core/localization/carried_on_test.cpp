@@ -15,7 +15,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(CarriedOn, ARotationByAVectorIsThatOfItsAxisAndAngleHoweverSmall) {
+TEST(CarriedOn, MatchesAxisAngleForTinyRotations) {
   for (const double angle : {1e-7, 3e-5, 9.9e-5, 1.01e-4, 3e-3, 0.7, 3.1}) {
     const Vector3 axis(0.6, -0.64, 0.48);
     const Eigen::Quaterniond q = rotation_by(angle * axis);
@@ -24,7 +24,7 @@ TEST(CarriedOn, ARotationByAVectorIsThatOfItsAxisAndAngleHoweverSmall) {
   }
 }
 
-TEST(CarriedOn, AStepTurnsTheForceHalfwayAndTheBodyAllTheWay) {
+TEST(CarriedOn, RotatesForceHalfwayAndBodyFully) {
   NavState state;
   state.p_m = {1, 2, 3};
   state.v_mps = {0.5, -1.0, 2.0};
@@ -47,7 +47,7 @@ ImuSample pushed(int i, double a_mps2 = 0.0, double omega_radps = 0.0) {
   return {i * kReckonTick, {0, 0, omega_radps}, {a_mps2, 0, kStandardGravity_mps2}};
 }
 
-TEST(CarriedOn, BeyondTheLastSampleItGoesOnAsThatSampleTold) {
+TEST(CarriedOn, ExtrapolatesFromTheLastSample) {
   DeadReckoning reckoning;
   NavState start;
   start.v_mps = {1, 0, 0};
@@ -75,7 +75,7 @@ TEST(CarriedOn, BeyondTheLastSampleItGoesOnAsThatSampleTold) {
   EXPECT_NEAR(reckoning.at(3 * kReckonTick).v_mps.x(), 1.06, 1e-12);
 }
 
-TEST(CarriedOn, WithoutAnySampleItGoesStraightOnAndTurnsOn) {
+TEST(CarriedOn, ExtrapolatesConstantMotionWithoutSamples) {
   DeadReckoning reckoning;
   NavState start;
   start.t = 1'000'000'000;
@@ -90,7 +90,7 @@ TEST(CarriedOn, WithoutAnySampleItGoesStraightOnAndTurnsOn) {
   EXPECT_EQ(reckoning.at(900'000'000).p_m, start.p_m);
 }
 
-TEST(CarriedOn, WhatIsKeptForLaterCountsFromTheNextRestartOn) {
+TEST(CarriedOn, AppliesKeptSamplesAfterTheRestart) {
   DeadReckoning reckoning;
   reckoning.push(pushed(1));
   for (int i = 2; i <= 6; ++i) reckoning.keep(pushed(i, 3.0));
@@ -120,7 +120,7 @@ struct ToldEstimator {
 
 OdometrySample odometry_of(TimeNs t, const Pose& T, const Vector3& v_mps = Vector3::Zero()) { return {t, T, v_mps}; }
 
-TEST(CarriedOn, PosesAndOdometryHoldForHalfASecond) {
+TEST(CarriedOn, HoldsPosesAndOdometryOnlyBriefly) {
   for (const char* type : {"ground_truth", "odometry"}) {
     ToldEstimator told(type);
     const TimeNs begin = 40'000'000;
@@ -135,7 +135,7 @@ TEST(CarriedOn, PosesAndOdometryHoldForHalfASecond) {
   }
 }
 
-TEST(CarriedOn, ItsDoubtOfOdometryGrowsWithTheWay) {
+TEST(CarriedOn, GrowsOdometryUncertaintyWithDistance) {
   ToldEstimator told("odometry");
   double way_m = 0.0;
   Vector3 p_m = Vector3::Zero();
@@ -154,7 +154,7 @@ TEST(CarriedOn, ItsDoubtOfOdometryGrowsWithTheWay) {
   }
 }
 
-TEST(CarriedOn, OdometryThatIsOldOrNoNumberIsPassedOverAndItsTurnIsTheShortOne) {
+TEST(CarriedOn, RejectsBadOdometryAndUnwrapsTurns) {
   ToldEstimator told("odometry");
   const auto turned = [](double yaw_rad) {
     return make_pose({1, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
@@ -172,7 +172,7 @@ TEST(CarriedOn, OdometryThatIsOldOrNoNumberIsPassedOverAndItsTurnIsTheShortOne) 
   EXPECT_LT((e.T_local_body.translation() - before_m).norm(), 1e-9);
 }
 
-TEST(CarriedOn, TheHeadingOfTheStartComesFromTheFirstNumberOfACompass) {
+TEST(CarriedOn, TakesHeadingFromFirstValidCompass) {
   AgentSetup setup;
   setup.start_known = StartKnown::kPosition;
   setup.T_local_body_start = make_pose({4, 5, 6}, rotation_by({0, 0, 0.4}));
@@ -187,7 +187,7 @@ TEST(CarriedOn, TheHeadingOfTheStartComesFromTheFirstNumberOfACompass) {
   EXPECT_LT((e.T_world_body().translation() - Vector3(4, 5, 6)).norm(), 1e-9);
 }
 
-TEST(CarriedOn, APoseFromOutsideLaysTheFrameOfAVehicleThatWasToldNothing) {
+TEST(CarriedOn, AlignsUnknownStartByExternalPose) {
   AgentSetup setup;
   setup.start_known = StartKnown::kNothing;
   setup.T_local_body_start = make_pose({1, 1, 0}, rotation_by({0, 0, 0.3}));
@@ -208,7 +208,7 @@ TEST(CarriedOn, APoseFromOutsideLaysTheFrameOfAVehicleThatWasToldNothing) {
 
 // ---- from frame to frame
 
-TEST(CarriedOn, TracksDetectionsAndRelativesTurnWithTheFrameInAllTheirParts) {
+TEST(CarriedOn, RotatesTracksAndDetectionsWithFrame) {
   StateEstimate estimate;
   estimate.correct(make_pose({5, -3, 2}, rotation_by({0, 0, 2.0})));
   const FrameChange change = FrameChange::to_world(estimate);
@@ -280,7 +280,7 @@ StateEstimate on_way(TimeNs t) {
   return estimate;
 }
 
-TEST(CarriedOn, ACloudKeepsWhatLiesBeyondTheOwnRadiusAndFollowsPosesThatWereTold) {
+TEST(CarriedOn, KeepsOuterReturnsFollowingExternalPoses) {
   CloudRegistrar registrar(0.5);
   registrar.push(on_way(0));
   auto beams = std::make_shared<BeamTable>();
@@ -312,7 +312,7 @@ TEST(CarriedOn, ACloudKeepsWhatLiesBeyondTheOwnRadiusAndFollowsPosesThatWereTold
   EXPECT_EQ(cloud.reflectivity_of(0), 0.0F);
 }
 
-TEST(CarriedOn, CloudsThatNobodyHoldsAnyMoreAreUsedAgain) {
+TEST(CarriedOn, ReusesReleasedClouds) {
   CloudRegistrar registrar(0.5);
   auto beams = std::make_shared<BeamTable>();
   beams->rows = beams->cols = 1;

@@ -7,7 +7,7 @@ namespace swiftlet {
 namespace {
 
 // From a past state all later samples are applied, including the newest.
-TEST(DeadReckoning, RestartedInThePastItComesBackToTheNewestSample) {
+TEST(DeadReckoning, ReplaysLaterSamplesAfterARestart) {
   constexpr TimeNs kStep = 10'000'000;
   DeadReckoning reckoning;
   NavState start;

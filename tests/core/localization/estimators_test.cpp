@@ -40,7 +40,7 @@ double distance(const StateEstimate& e, const PoseSample& s) {
   return (e.T_local_body.translation() - s.T_world_body.translation()).norm();
 }
 
-TEST(GroundTruthEstimator, TellsThePoseOfThisTickAsItIs) {
+TEST(GroundTruthEstimator, ReportsThePoseOfItsTick) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
   for (TimeNs t = kTick; t < kNsPerSecond; t += kTick) {
@@ -56,7 +56,7 @@ TEST(GroundTruthEstimator, TellsThePoseOfThisTickAsItIs) {
   }
 }
 
-TEST(GroundTruthEstimator, BridgesSlowAndLatePosesByTheImu) {
+TEST(GroundTruthEstimator, BridgesSparseDelayedPosesByImu) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
   for (TimeNs t = kTick; t < 10 * kNsPerSecond; t += kTick) {
@@ -73,7 +73,7 @@ TEST(GroundTruthEstimator, BridgesSlowAndLatePosesByTheImu) {
   }
 }
 
-TEST(GroundTruthEstimator, WithoutAnImuGoesOnAtConstantVelocity) {
+TEST(GroundTruthEstimator, ExtrapolatesAtConstantVelocityWithoutImu) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
   for (TimeNs t = kTick; t < kNsPerSecond; t += kTick) {
@@ -87,7 +87,7 @@ TEST(GroundTruthEstimator, WithoutAnImuGoesOnAtConstantVelocity) {
   }
 }
 
-TEST(GroundTruthEstimator, IsValidFromTheStartUntilThePosesStop) {
+TEST(GroundTruthEstimator, IsValidUntilPosesStop) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
   Observation observation;
@@ -137,7 +137,7 @@ TEST(GroundTruthEstimator, LearnsTheWorldFromFirstPose) {
   EXPECT_GT(e.T_local_body.translation().y(), 0.2);
 }
 
-TEST(OdometryEstimator, AVehicleThatKnowsItsPlaceOnlyTakesItsHeadingFromACompass) {
+TEST(OdometryEstimator, TakesUnknownHeadingFromTheCompass) {
   const Circling circling;
   for (const bool compass : {false, true}) {
     const auto estimator =
@@ -160,7 +160,7 @@ TEST(OdometryEstimator, AVehicleThatKnowsItsPlaceOnlyTakesItsHeadingFromACompass
   }
 }
 
-TEST(InsEstimator, TheHeadingOfTheStartFollowsFromACompassThatComesAfterATurn) {
+TEST(InsEstimator, FindsStartHeadingFromLateCompass) {
   AgentSetup setup;
   setup.start_known = StartKnown::kNothing;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), setup);
@@ -178,7 +178,7 @@ TEST(InsEstimator, TheHeadingOfTheStartFollowsFromACompassThatComesAfterATurn) {
   EXPECT_NEAR(yaw_of(e->T_local_body.linear()), kTurnRate_radps, 0.01) << "local headings count from the start";
 }
 
-TEST(InsEstimator, AVehicleThatWasToldNothingTakesHeadingAndPlaceFromCompassAndGnss) {
+TEST(InsEstimator, FindsStartFromCompassAndGnss) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), told(circling, StartKnown::kNothing));
   // The filter takes the vehicle to be at rest at the start: it stands for two seconds, then the circle begins slowly.
@@ -206,7 +206,7 @@ TEST(InsEstimator, AVehicleThatWasToldNothingTakesHeadingAndPlaceFromCompassAndG
   EXPECT_NEAR(yaw_of(e->T_world_body().linear()), yaw_of(start.T_world_body.linear()), 0.02);
 }
 
-TEST(FrameChange, WhatIsCarriedToTheWorldAndBackIsWhatItWas) {
+TEST(FrameChange, RestoresPosesAfterARoundTrip) {
   StateEstimate estimate;
   EXPECT_EQ(FrameChange::to_world(estimate).point({1, -0.0, 3}), Vector3(1, -0.0, 3));
   estimate.correct(make_pose({5, -3, 2}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ()))));
@@ -233,7 +233,7 @@ TEST(FrameChange, WhatIsCarriedToTheWorldAndBackIsWhatItWas) {
   EXPECT_NEAR(to_world.height(1.0), 3.0, 1e-12);
 }
 
-TEST(OdometryEstimator, LaysTheLocalFrameOntoTheStartAndFollowsIt) {
+TEST(OdometryEstimator, AlignsLocalFrameWithTheStart) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "odometry"), circling.setup());
   const Pose T_local_world =
@@ -270,7 +270,7 @@ TEST(OdometryEstimator, ItsDriftIsTheEstimatesDrift) {
   EXPECT_GT(e.covariance(0, 0), 0.0);
 }
 
-TEST(OdometryEstimator, WithoutAnImuFindsTheBodyRateFromTheAttitudes) {
+TEST(OdometryEstimator, FindsTheBodyRateWithoutImu) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "odometry"), circling.setup());
   Observation observation;
@@ -282,14 +282,14 @@ TEST(OdometryEstimator, WithoutAnImuFindsTheBodyRateFromTheAttitudes) {
   EXPECT_NEAR(estimator->update(observation, outbox).omega_body_radps.z(), circling.rate, 1e-6);
 }
 
-TEST(DeadReckoning, FreeFallIsHalfGTSquared) {
+TEST(DeadReckoning, MatchesFreeFallInClosedForm) {
   DeadReckoning reckoning;
   for (int i = 1; i <= 200; ++i) reckoning.push({i * 5'000'000LL, Vector3::Zero(), Vector3::Zero()});
   EXPECT_NEAR(reckoning.at(kNsPerSecond).p_m.z(), -0.5 * kStandardGravity_mps2, 1e-9);
   EXPECT_NEAR(reckoning.at(kNsPerSecond).v_mps.z(), -kStandardGravity_mps2, 1e-9);
 }
 
-TEST(DeadReckoning, ALatePoseGivesWhatATimelyOneWouldHaveGiven) {
+TEST(DeadReckoning, IsIndependentOfPoseDelay) {
   const Circling circling;
   DeadReckoning timely, late;
   const PoseSample s = circling.pose(20 * kTick);
@@ -305,7 +305,7 @@ TEST(DeadReckoning, ALatePoseGivesWhatATimelyOneWouldHaveGiven) {
   EXPECT_EQ(late.at(100 * kTick).v_mps, timely.at(100 * kTick).v_mps);
 }
 
-TEST(DeadReckoning, RotationsByAVectorAndBackAreIdentity) {
+TEST(DeadReckoning, InvertsRotationsByAVector) {
   for (const double size : {1e-9, 1e-5, 0.01, 1.0, 3.0}) {
     const Vector3 angle = size * Vector3(0.6, -0.64, 0.48);
     const Eigen::Quaterniond q = rotation_by(angle);

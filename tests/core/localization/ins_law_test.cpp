@@ -31,7 +31,7 @@ InsConfig only_start() {
 }
 
 // Without noise the uncertainty of the start propagates by the laws of motion: a tilt accelerates by g sideways.
-TEST(InsLaw, UncertaintyOfTheStartSpreadsByTheLawsOfMotion) {
+TEST(InsLaw, PropagatesInitialUncertaintyByMotionLaws) {
   const InsConfig config = only_start();
   const double dt = 0.05, g = kStandardGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDegree;
   const InsFilter first = hovering_at(config, 1), next = hovering_at(config, 1 + from_seconds(dt));
@@ -87,7 +87,7 @@ TEST(InsLaw, ALongGapCostsTrust) {
   EXPECT_NEAR(spread(above), 4.0 * above * above, 1e-3);
 }
 
-TEST(InsLaw, APositionIsTakenByTheShareOfItsVariance) {
+TEST(InsLaw, WeighsPositionByItsVariance) {
   const InsConfig config = only_start();
   InsFilter filter = hovering_at(config, 1);
   const double own = variance(filter, Index::kP);
@@ -104,7 +104,7 @@ TEST(InsLaw, APositionIsTakenByTheShareOfItsVariance) {
   }
 }
 
-TEST(InsLaw, AHeadingIsTakenByTheShareOfItsVarianceAcrossTheHalfTurn) {
+TEST(InsLaw, WeighsHeadingByVarianceAcrossWraparound) {
   const InsConfig config = only_start();
   for (const double yaw : {0.0, 3.1}) {
     InsFilter filter(config, make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3::UnitZ()))));
@@ -117,7 +117,7 @@ TEST(InsLaw, AHeadingIsTakenByTheShareOfItsVarianceAcrossTheHalfTurn) {
   }
 }
 
-TEST(InsLaw, AnOdometersVelocityIsThatOfTheBody) {
+TEST(InsLaw, TakesOdometerVelocityInBodyFrame) {
   InsConfig config = only_start();
   config.odometry_velocity_sigma_mps = 0.001;
   InsFilter filter = hovering_at(config, 1);
@@ -131,7 +131,7 @@ TEST(InsLaw, AnOdometersVelocityIsThatOfTheBody) {
   EXPECT_NEAR(filter.state().v_mps.z(), 0.1, 0.005);
 }
 
-TEST(InsLaw, GroundWandersWithTheWayOverIt) {
+TEST(InsLaw, GrowsGroundVarianceWithDistanceFlown) {
   InsConfig config = only_start();
   config.ground_walk_m_sqrt_m = 0.5;
   InsFilter filter = hovering_at(config, 1);

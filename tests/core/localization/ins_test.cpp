@@ -114,7 +114,7 @@ InsConfig test_config() {
   return config;
 }
 
-TEST(Ins, ErrorsAreAsLargeAsTheCovarianceSays) {
+TEST(Ins, ErrorsMatchTheCovariance) {
   // Mean of the normalized squared error over N runs: chi-square with 15 N degrees of freedom over N. Bounds: 5 sigma,
   // sigma = sqrt(2 * 15 / N), and 10 % for what linearization leaves.
   constexpr int kRuns = 40;
@@ -143,7 +143,7 @@ TEST(Ins, ErrorsAreAsLargeAsTheCovarianceSays) {
   EXPECT_LT(std::sqrt(squares.segment<3>(6).sum() / kRuns), 0.02);
 }
 
-TEST(Ins, WithoutAnyAidTheErrorGrowsAsTheCovarianceSays) {
+TEST(Ins, UnaidedErrorsGrowWithTheCovariance) {
   constexpr int kRuns = 60;
   double sum = 0.0;
   for (int run = 0; run < kRuns; ++run) {
@@ -155,7 +155,7 @@ TEST(Ins, WithoutAnyAidTheErrorGrowsAsTheCovarianceSays) {
   EXPECT_NEAR(sum / kRuns, 15.0, 5.0 * std::sqrt(2.0 * 15.0 / kRuns) + 1.5);
 }
 
-TEST(Ins, MeasurementsThatComeLateHelpNearlyAsMuchAsTimelyOnes) {
+TEST(Ins, UsesDelayedMeasurementsNearlyAsWell) {
   SimulatedFlight flight(test_config(), 7);
   InsFilter timely(test_config(), flight.told()), late(test_config(), flight.told());
   std::vector<GnssSample> waiting;
@@ -175,7 +175,7 @@ TEST(Ins, MeasurementsThatComeLateHelpNearlyAsMuchAsTimelyOnes) {
   EXPECT_LT(worst, 0.2);
 }
 
-TEST(Ins, OutliersAreRejectedAndAPersistentJumpIsAcceptedInTheEnd) {
+TEST(Ins, RejectsOutliersAndAcceptsPersistentJumps) {
   SimulatedFlight flight(test_config(), 3);
   InsFilter filter(test_config(), flight.told());
   for (int i = 1; i <= 4000; ++i) {
@@ -219,7 +219,7 @@ TEST(Ins, NotANumberChangesNothing) {
   EXPECT_TRUE(filter.is_sound());
 }
 
-TEST(Ins, TheAltimeterFindsTheGroundAndHoldsTheHeight) {
+TEST(Ins, AltimeterFindsGroundAndHoldsHeight) {
   InsConfig config = test_config();
   SimulatedFlight flight(config, 5);
   InsFilter filter(config, flight.told());
@@ -232,7 +232,7 @@ TEST(Ins, TheAltimeterFindsTheGroundAndHoldsTheHeight) {
   EXPECT_NEAR(filter.state().p_m.z() - filter.ground_m(), flight.truth().p_m.z() - flight.ground(), 0.05);
 }
 
-TEST(Ins, EstimatorIsNotValidWithoutItsImu) {
+TEST(Ins, IsInvalidWithoutItsImu) {
   AgentSetup setup;
   const Module module(estimator_module_types(), "ins");
   const auto estimator = make_estimator(module, setup);

@@ -43,7 +43,7 @@ StateEstimate estimate_at(TimeNs t) {
   return estimate;
 }
 
-TEST(LocalCloud, MotionDuringTheSweepIsTakenOut) {
+TEST(LocalCloud, RemovesMotionDuringTheSweep) {
   const Vector3 target(12.0, 5.0, 4.0);
   CloudRegistrar registrar(0.4);
   LocalCloud cloud;
@@ -58,7 +58,7 @@ TEST(LocalCloud, MotionDuringTheSweepIsTakenOut) {
   }
 }
 
-TEST(LocalCloud, AFrozenScanIsPlacedByThePoseAtItsStamp) {
+TEST(LocalCloud, PlacesFrozenScanByStampedPose) {
   const Vector3 target(12.0, 5.0, 4.0);
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
@@ -67,7 +67,7 @@ TEST(LocalCloud, AFrozenScanIsPlacedByThePoseAtItsStamp) {
   for (const Eigen::Vector3f& p : cloud.points_local_m) EXPECT_LT((p.cast<double>() - target).norm(), 1e-4);
 }
 
-TEST(LocalCloud, AScanThatTellsItsPosesIsPlacedByThem) {
+TEST(LocalCloud, PlacesScansByTheirAttachedPoses) {
   const Vector3 shift(0.3, -0.2, 0.1);
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
@@ -81,7 +81,7 @@ TEST(LocalCloud, AScanThatTellsItsPosesIsPlacedByThem) {
     EXPECT_LT((p.cast<double>() - shift - Vector3(12.0, 5.0, 4.0)).norm(), 1e-4);
 }
 
-TEST(LocalCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
+TEST(LocalCloud, ExcludesEmptyMaskedAndOwnReturns) {
   CloudRegistrar registrar(0.4);
   registrar.push(estimate_at(0));
   auto scan = scan_of({5.0, 1.0, 3.0}, 0, 0, 6);
@@ -97,7 +97,7 @@ TEST(LocalCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
   EXPECT_EQ(cloud.beam, (std::vector<std::uint32_t>{0, 5}));
 }
 
-TEST(LocalCloud, EveryReturnComesOnceRowByRow) {
+TEST(LocalCloud, HoldsEachReturnOnceByRow) {
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
   auto scan = scan_of({12.0, 5.0, 4.0}, 900 * kMs, 0, 8);

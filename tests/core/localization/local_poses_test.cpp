@@ -21,7 +21,7 @@ StateEstimate estimate_on_way(TimeNs t) {
 
 double angle_of(const Pose& T) { return yaw_of(T.linear()); }
 
-TEST(LocalPoses, BetweenTwoTicksPositionIsLinearAndRotationUniform) {
+TEST(LocalPoses, InterpolatesLinearlyWithUniformRotation) {
   LocalPoses poses;
   for (TimeNs i = 1; i <= 20; ++i) poses.push(estimate_on_way(i * i * 10'000'000));
   for (TimeNs t = poses[0].t; t <= poses[poses.size() - 1].t; t += 7'000'000) {
@@ -30,7 +30,7 @@ TEST(LocalPoses, BetweenTwoTicksPositionIsLinearAndRotationUniform) {
   }
 }
 
-TEST(LocalPoses, OutsideOfWhatItKnowsItTellsTheNearest) {
+TEST(LocalPoses, ReturnsNearestPoseOutsideItsRange) {
   LocalPoses poses;
   for (const TimeNs t : {1'000'000'000LL, 2'000'000'000LL, 3'000'000'000LL}) poses.push(estimate_on_way(t));
   EXPECT_EQ(poses.at(0).matrix(), estimate_on_way(1'000'000'000).T_local_body.matrix());
@@ -51,7 +51,7 @@ TEST(LocalPoses, KeepsTheLast512InOrder) {
   EXPECT_NEAR(poses.at(4'000'000LL * 1000 + 1'000'000).translation().x(), 2.0 * 4.001, 1e-9);
 }
 
-TEST(LocalPoses, WhatIsNotValidNotFiniteOrNotNewIsPassedOver) {
+TEST(LocalPoses, IgnoresInvalidAndOldEstimates) {
   LocalPoses poses;
   poses.push(estimate_on_way(2'000'000'000));
   StateEstimate bad = estimate_on_way(3'000'000'000);

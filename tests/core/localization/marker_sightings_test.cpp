@@ -50,7 +50,7 @@ struct Returns {
   float now_s = 0.0F;
 };
 
-TEST(MarkerSightings, AVehicleInADoorwayIsSeenAndThePostsAreNotItsOwn) {
+TEST(MarkerSightings, SeparatesVehicleFromDoorwayPosts) {
   const Vector3 middle_m(5.0, 0.1, 0.3);
   Returns returns;
   returns.add_vehicle(middle_m);
@@ -71,7 +71,7 @@ TEST(MarkerSightings, TwoVehiclesAreTwo) {
   EXPECT_EQ(returns.sightings().size(), 2U);
 }
 
-TEST(MarkerSightings, WhatDoesNotShineAndASingleGlintAreNothing) {
+TEST(MarkerSightings, IgnoresDullReturnsAndSingleGlints) {
   Returns returns;
   for (int i = 0; i < 20; ++i) returns.add({4.0, 0.02 * i, 0.0}, Returns::kWall);
   EXPECT_TRUE(returns.sightings().empty());
@@ -81,7 +81,7 @@ TEST(MarkerSightings, WhatDoesNotShineAndASingleGlintAreNothing) {
   EXPECT_TRUE(returns.sightings().empty()) << "a sensor that does not tell how bright things are";
 }
 
-TEST(MarkerSightings, AVehicleWasSeenInTheMiddleBetweenItsFirstReturnAndItsLast) {
+TEST(MarkerSightings, StampsMidwayBetweenFirstAndLast) {
   Returns returns;
   returns.add({9.0, 3.0, 0.0}, Returns::kWall);
   for (const float offset_s : {0.02F, 0.03F, 0.06F}) {

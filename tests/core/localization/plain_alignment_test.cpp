@@ -175,7 +175,7 @@ double off_by(const Window& window, const WindowFit& fit, int k) {
 
 using Loss = RelativeAlignmentConfig::Loss;
 
-TEST(PlainAlignment, ItIsTheLeastSumOfSquaresOfWhatFitsWithItsCovariance) {
+TEST(PlainAlignment, MatchesLeastSquaresWithItsCovariance) {
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     if (seed == 7) continue;  // a pair lies right at the gate, which the last step moves
     for (const Loss loss : {Loss::kHuber, Loss::kCauchy, Loss::kGemanMcclure}) {
@@ -197,7 +197,7 @@ TEST(PlainAlignment, ItIsTheLeastSumOfSquaresOfWhatFitsWithItsCovariance) {
   }
 }
 
-TEST(PlainAlignment, FitAgainFromItsOwnResultItIsTheSame) {
+TEST(PlainAlignment, IsUnchangedWhenRefittedFromItself) {
   const Window window = noisy_window(3, 24, 0.04, 4);
   RelativeAlignment alignment(all_of_them(), window.drift);
   for (const AlignmentPair& pair : window.pairs) alignment.push(pair);
@@ -226,7 +226,7 @@ TEST(PlainAlignment, FitAgainFromItsOwnResultItIsTheSame) {
   EXPECT_NEAR(std::remainder(found->yaw_rad - first.yaw_rad - 2.0, 2.0 * kPi), 0.0, 0.02);
 }
 
-TEST(PlainAlignment, InClosedFormItNeedsSomeSpreadAndSomeWeight) {
+TEST(PlainAlignment, ClosedFormNeedsSpreadAndWeight) {
   const std::vector<Vector3> apart = {{0, 0, 0}, {1, 0, 0}}, same = {{2, 2, 0}, {2, 2, 0}};
   const std::vector<double> weights = {1.0, 1.0}, none = {0.0, 0.0};
   EXPECT_TRUE(align_in_closed_form(apart, apart, weights));

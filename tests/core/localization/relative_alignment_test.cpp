@@ -29,7 +29,7 @@ double weighted_squares(std::span<const Vector3> local, std::span<const Vector3>
   return squares;
 }
 
-TEST(AlignInClosedForm, NoHeadingOfASearchThroughAllIsBetter) {
+TEST(AlignInClosedForm, MatchesExhaustiveHeadingSearch) {
   for (int trial = 0; trial < 50; ++trial) {
     const Random random(trial, "test.closed_form", "pairs");
     std::vector<Vector3> local, other;
@@ -64,7 +64,7 @@ TEST(AlignInClosedForm, PairsWithoutNoiseAreMetExactly) {
   }
 }
 
-TEST(AlignInClosedForm, PlacesAboveEachOtherTellNoHeading) {
+TEST(AlignInClosedForm, FindsNoHeadingFromVerticalOffsets) {
   const std::vector<Vector3> other = {{1, 2, 0}, {1, 2, 1}, {1, 2, 2}};
   EXPECT_FALSE(align_in_closed_form(other, other, std::vector<double>{1, 1, 1}));
 }
@@ -135,7 +135,7 @@ MonteCarlo monte_carlo(const Trial& trial, int num) {
 // Bound of the mean NEES of `num` trials with 4 degrees of freedom, exceeded in one of 1000 cases.
 double bound_of_mean_nees(int num) { return 3.3 * std::sqrt(8.0 / num); }
 
-TEST(RelativeAlignment, FindsAnyHeadingAndPlaceExactlyWithoutNoise) {
+TEST(RelativeAlignment, FindsAnyTransformExactlyWithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const OtherFlight flight(eight(), 20.0, no_drift(), seed);
     RelativeAlignment alignment({}, no_drift());
@@ -151,7 +151,7 @@ TEST(RelativeAlignment, FindsAnyHeadingAndPlaceExactlyWithoutNoise) {
   }
 }
 
-TEST(RelativeAlignment, ItsCovarianceIsTrueUnderNoiseAndDrift) {
+TEST(RelativeAlignment, IsConsistentUnderNoiseAndDrift) {
   Trial trial;
   const MonteCarlo result = monte_carlo(trial, 300);
   EXPECT_EQ(result.found, 300);
@@ -160,7 +160,7 @@ TEST(RelativeAlignment, ItsCovarianceIsTrueUnderNoiseAndDrift) {
   RecordProperty("nees", std::to_string(result.mean_nees));
 }
 
-TEST(RelativeAlignment, ItsCovarianceIsTrueWhenTheOdometryIsPoor) {
+TEST(RelativeAlignment, IsConsistentWithPoorOdometry) {
   Trial trial;
   trial.drift.position_m_psqrtm = 0.15;
   trial.drift.yaw_deg_psqrtm = 1.0;
@@ -196,7 +196,7 @@ TEST_P(EveryLoss, ThatIsRobustSurvivesFalseSightings) {
   RecordProperty("nees", std::to_string(result.mean_nees));
 }
 
-TEST(RelativeAlignment, ThirtyPercentOfFalseSightingsDoNotReachIt) {
+TEST(RelativeAlignment, ToleratesThirtyPercentFalseSightings) {
   Trial trial;
   trial.outlier_share = 0.3;
   trial.config.min_inlier_share = 0.5;
@@ -206,7 +206,7 @@ TEST(RelativeAlignment, ThirtyPercentOfFalseSightingsDoNotReachIt) {
   EXPECT_NEAR(result.mean_nees, 4.0, 2.0 * bound_of_mean_nees(300));
 }
 
-TEST(RelativeAlignment, PlainSquaresDoNotSurviveWhatARobustLossDoes) {
+TEST(RelativeAlignment, FailsOnOutliersWithSquaredLoss) {
   Trial trial;
   trial.outlier_share = 0.3;
   trial.config.min_inlier_share = 0.5;
@@ -215,7 +215,7 @@ TEST(RelativeAlignment, PlainSquaresDoNotSurviveWhatARobustLossDoes) {
   EXPECT_TRUE(squared.found < 30 || squared.mean_nees > 8.0) << squared.found << " " << squared.mean_nees;
 }
 
-TEST(RelativeAlignment, AVehicleAtRestHasNoHeading) {
+TEST(RelativeAlignment, HasNoHeadingAtRest) {
   Trial trial;
   trial.path = rest();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -225,13 +225,13 @@ TEST(RelativeAlignment, AVehicleAtRestHasNoHeading) {
   }
 }
 
-TEST(RelativeAlignment, AVehicleThatOnlyRisesHasNoHeading) {
+TEST(RelativeAlignment, HasNoHeadingWhenOnlyRising) {
   Trial trial;
   trial.path = [](double t) { return Vector3(5.0, 1.0, 0.5 * t); };
   for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_FALSE(run(trial, seed).found);
 }
 
-TEST(RelativeAlignment, AFewCentimetersOfMotionAreNotEnough) {
+TEST(RelativeAlignment, NeedsMoreThanCentimetersOfMotion) {
   Trial trial;
   trial.path = eight(0.08);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_FALSE(run(trial, seed).found);
@@ -252,7 +252,7 @@ TEST(RelativeAlignment, SightingsOfAnotherVehicleFitNothing) {
   }
 }
 
-TEST(RelativeAlignment, RememberedMotionKeepsTheHeadingWhileTheVehicleRests) {
+TEST(RelativeAlignment, KeepsHeadingFromMotionAtRest) {
   const Path path = [](double t) { return eight()(std::min(t, 12.0)); };
   Trial trial;
   trial.path = path;
@@ -260,7 +260,7 @@ TEST(RelativeAlignment, RememberedMotionKeepsTheHeadingWhileTheVehicleRests) {
   EXPECT_TRUE(run(trial, 1).found);
 }
 
-TEST(RelativeAlignment, AClockThatIsOffIsFoundByTheMotion) {
+TEST(RelativeAlignment, EstimatesTheClockOffsetFromMotion) {
   Trial trial;
   trial.clock_s = 0.2;
   trial.prior = {0.0, 0.3};

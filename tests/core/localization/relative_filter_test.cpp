@@ -161,7 +161,7 @@ MeanNees mean_nees(FilterTrial trial, int num, double at_s) {
 // Bound for k degrees of freedom and n runs, exceeded in one of 1000 cases.
 double mean_bound(int degrees, int num) { return 3.3 * std::sqrt(2.0 * degrees / num); }
 
-TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
+TEST(RelativeFilter, IsConsistentUnderDelaysAndDrift) {
   const MeanNees mean = mean_nees({}, 300, 21.0);
   EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
   EXPECT_NEAR(mean.velocity, 3.0, mean_bound(3, 300));
@@ -169,7 +169,7 @@ TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
 }
 
 // An odometry with three or six times the assumed drift, and no other data for six seconds.
-TEST(RelativeFilter, LearnsThatAnOdometryDriftsMoreThanItIsSaidTo) {
+TEST(RelativeFilter, EstimatesExcessOdometryDrift) {
   constexpr int kRuns = 100;
   for (const double factor : {3.0, 6.0}) {
     FilterTrial trial;
@@ -187,7 +187,7 @@ TEST(RelativeFilter, LearnsThatAnOdometryDriftsMoreThanItIsSaidTo) {
   EXPECT_LT(mean_nees({}, kRuns, 21.0).factor, 1.3) << "one that drifts as it is said to is believed";
 }
 
-TEST(RelativeFilter, WhatItLearnedOfTheDriftOutlastsALoss) {
+TEST(RelativeFilter, KeepsLearnedDriftAfterALoss) {
   FilterTrial trial;
   trial.true_drift_factor = 6.0;
   FilterRun run(trial, random_flight(0.5, 3), 3);
@@ -200,7 +200,7 @@ TEST(RelativeFilter, WhatItLearnedOfTheDriftOutlastsALoss) {
   EXPECT_EQ(run.filter().drift_variance_factor(), learned);
 }
 
-TEST(RelativeFilter, ItsCovarianceIsTrueWhileItCoastsOnOdometry) {
+TEST(RelativeFilter, IsConsistentWhileCoastingOnOdometry) {
   FilterTrial trial;
   trial.sightings_end_s = 6.0;
   trial.drift.position_m_psqrtm = 0.1;
@@ -211,7 +211,7 @@ TEST(RelativeFilter, ItsCovarianceIsTrueWhileItCoastsOnOdometry) {
   EXPECT_GT(mean.sigma_m, 1.5 * mean_nees(trial, 20, 21.0).sigma_m) << "not being seen makes it less sure";
 }
 
-TEST(RelativeFilter, ItsCovarianceIsTrueWhenNothingComesAnyMore) {
+TEST(RelativeFilter, IsConsistentWithoutAnyMeasurements) {
   FilterTrial trial;
   trial.sightings_end_s = trial.odometry_end_s = 18.0;
   const MeanNees mean = mean_nees(trial, 300, 21.0);
@@ -227,7 +227,7 @@ TEST(RelativeFilter, SightingsAloneKeepThePlace) {
   EXPECT_LT(mean.sigma_m, 0.5);
 }
 
-TEST(RelativeFilter, TheOrderOfArrivalDoesNotMatter) {
+TEST(RelativeFilter, IsIndependentOfArrivalOrder) {
   FilterTrial trial;
   trial.config.gate_sigma = 100.0;
   const Path path = random_flight(0.5, 3);
@@ -252,7 +252,7 @@ TEST(RelativeFilter, TheOrderOfArrivalDoesNotMatter) {
   EXPECT_LT((a.covariance - b.covariance).norm(), 1e-9);
 }
 
-TEST(RelativeFilter, WhatIsOlderThanTheHistoryIsRefused) {
+TEST(RelativeFilter, RefusesMeasurementsOlderThanItsHistory) {
   const FilterTrial trial;
   FilterRun run(trial, random_flight(0.5, 3), 3);
   run.take(trial.measurements());
@@ -260,7 +260,7 @@ TEST(RelativeFilter, WhatIsOlderThanTheHistoryIsRefused) {
   EXPECT_FALSE(run.filter().push(run.odometry(15.5)));
 }
 
-TEST(RelativeFilter, AFalseSightingIsNotTakenIn) {
+TEST(RelativeFilter, RejectsFalseSightings) {
   const FilterTrial trial;
   FilterRun run(trial, random_flight(0.5, 3), 3);
   run.take(trial.measurements());
@@ -272,14 +272,14 @@ TEST(RelativeFilter, AFalseSightingIsNotTakenIn) {
   EXPECT_EQ(run.filter().at(from_seconds(21.0)).position_m, before.position_m);
 }
 
-TEST(RelativeFilter, TellsThePastOfItsHistoryAsWell) {
+TEST(RelativeFilter, AnswersWithinItsPastHistory) {
   const FilterTrial trial;
   FilterRun run(trial, random_flight(0.5, 3), 3);
   run.take(trial.measurements());
   EXPECT_LT(run.error_m(19.0).norm(), 0.3);
 }
 
-TEST(RelativeFilter, WhatAllSightingsHaveInCommonStaysInTheCovariance) {
+TEST(RelativeFilter, KeepsCommonSightingBiasInCovariance) {
   FilterTrial trial;
   trial.config.bias_sigma_m = 0.1;
   FilterRun run(trial, random_flight(0.5, 3), 3);
@@ -289,7 +289,7 @@ TEST(RelativeFilter, WhatAllSightingsHaveInCommonStaysInTheCovariance) {
   }
 }
 
-TEST(RelativeFilter, ASightingOfItsVeryStartCountsAndAnEarlierOneDoesNot) {
+TEST(RelativeFilter, AcceptsSightingsFromItsStartOnward) {
   RelativeFilter filter({}, no_drift());
   OtherMotion anchor;
   anchor.t = anchor.stamp = kNsPerSecond;
@@ -304,7 +304,7 @@ TEST(RelativeFilter, ASightingOfItsVeryStartCountsAndAnEarlierOneDoesNot) {
   EXPECT_FALSE(filter.push(sighting));
 }
 
-TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
+TEST(RelativeOdometry, InterpolatesBetweenItsSamples) {
   const OtherFlight flight(eight(), 10.0, no_drift(), 1);
   RelativeOdometry odometry;
   for (int k = 0; k <= 16; ++k) ASSERT_TRUE(odometry.push(flight.at(0.5 * k).motion));
@@ -320,7 +320,7 @@ TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
   EXPECT_FALSE(odometry.push(flight.at(7.0).motion)) << "what is older comes too late";
 }
 
-TEST(RelativeFilter, WhileNothingIsHeardItsHeadingIsUnsureByTheTurnRate) {
+TEST(RelativeFilter, GrowsHeadingUncertaintyByTurnRate) {
   const auto variance = [](double yaw_rate_sigma_degps, double since_s) {
     FilterTrial trial;
     trial.config.yaw_rate_sigma_degps = yaw_rate_sigma_degps;
@@ -337,7 +337,7 @@ TEST(RelativeFilter, WhileNothingIsHeardItsHeadingIsUnsureByTheTurnRate) {
 
 // The difference of two filters with different acceleration of the other vehicle is white noise, integrated once and
 // twice.
-TEST(RelativeFilter, WhileNothingComesItIsUnsureByTheIntegralsOfTheAcceleration) {
+TEST(RelativeFilter, GrowsUncertaintyByIntegratedAcceleration) {
   const auto covariance = [](double acceleration_mps2_psqrthz, double since_s) {
     RelativeFilterConfig config;
     config.acceleration_mps2_psqrthz = acceleration_mps2_psqrthz;

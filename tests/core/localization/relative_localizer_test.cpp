@@ -137,7 +137,7 @@ double mean(const std::vector<double>& values) {
 }
 double greatest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
-TEST(RelativeLocalizer, OnlyWhoLooksForMarkersNeedsClouds) {
+TEST(RelativeLocalizer, RequiresCloudsOnlyForMarkerDetection) {
   using Source = SlidingWindowConfig::Source;
   for (const Source source : {Source::kDetections, Source::kTracks, Source::kMarkers}) {
     SlidingWindowConfig config;
@@ -147,7 +147,7 @@ TEST(RelativeLocalizer, OnlyWhoLooksForMarkersNeedsClouds) {
   }
 }
 
-TEST(RelativeLocalizer, FindsAVehicleOfWhichNothingIsKnownWithinSomeSecondsOfMotion) {
+TEST(RelativeLocalizer, LocalizesUnknownVehicleFromItsMotion) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Team::Result result = Team{}.fly(30.0, seed);
     EXPECT_LT(result.first_s, 10.0);
@@ -172,7 +172,7 @@ TEST(RelativeLocalizer, ItsCovarianceIsTrue) {
 }
 
 // Three times the assumed drift, which the filter has to estimate.
-TEST(RelativeLocalizer, AnOdometryThatDriftsMoreThanItIsSaidToIsNoticed) {
+TEST(RelativeLocalizer, DetectsExcessOdometryDrift) {
   const auto fly = [](double drift_factor_max) {
     Team::Result all;
     for (std::uint64_t seed = 1; seed <= 15; ++seed) {
@@ -192,13 +192,13 @@ TEST(RelativeLocalizer, AnOdometryThatDriftsMoreThanItIsSaidToIsNoticed) {
   EXPECT_LT(mean(noticed.errors_m), 0.75 * mean(trusting.errors_m));
 }
 
-TEST(RelativeLocalizer, SaysNothingAboutAVehicleThatHasNotMoved) {
+TEST(RelativeLocalizer, StaysSilentBeforeTheVehicleMoves) {
   Team team;
   team.path = rest();
   EXPECT_TRUE(team.fly(30.0).errors_m.empty());
 }
 
-TEST(RelativeLocalizer, AVehicleWithoutMarkersIsNotTheOne) {
+TEST(RelativeLocalizer, RejectsVehiclesWithoutMarkers) {
   Team team;
   team.marker = 0.5;
   EXPECT_TRUE(team.fly(30.0).errors_m.empty());
@@ -206,20 +206,20 @@ TEST(RelativeLocalizer, AVehicleWithoutMarkersIsNotTheOne) {
   EXPECT_FALSE(team.fly(30.0).errors_m.empty()) << "unless no markers are asked for";
 }
 
-TEST(RelativeLocalizer, AnUnmarkedVehicleBesideItDoesNotDisturb) {
+TEST(RelativeLocalizer, IsUndisturbedByUnmarkedVehicleNearby) {
   Team team;
   const double alone_m = mean(team.fly(30.0).errors_m);
   team.third_beside = true;
   EXPECT_EQ(mean(team.fly(30.0).errors_m), alone_m);
 }
 
-TEST(RelativeLocalizer, WhatAnotherVehicleTellsIsNotListenedTo) {
+TEST(RelativeLocalizer, IgnoresReportsOfOtherVehicles) {
   Team team;
   team.sender = 2;
   EXPECT_TRUE(team.fly(30.0).errors_m.empty());
 }
 
-TEST(RelativeLocalizer, FalseSightingsOfMarkersDoNotDisturb) {
+TEST(RelativeLocalizer, IsUndisturbedByFalseMarkerSightings) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Team team;
     team.false_share = 0.3;
@@ -230,7 +230,7 @@ TEST(RelativeLocalizer, FalseSightingsOfMarkersDoNotDisturb) {
   }
 }
 
-TEST(RelativeLocalizer, CoastsOnOdometryWhileItSeesNothingAndSaysHowSureItIs) {
+TEST(RelativeLocalizer, CoastsOnOdometryWithConsistentCovariance) {
   Team team;
   team.unseen_from_s = 15.0;
   const Team::Result result = team.fly(45.0);
@@ -241,7 +241,7 @@ TEST(RelativeLocalizer, CoastsOnOdometryWhileItSeesNothingAndSaysHowSureItIs) {
   EXPECT_LT(team.fly(45.0).sigmas_m.back(), 0.5 * result.sigmas_m.back());
 }
 
-TEST(RelativeLocalizer, ToleratesDelaysThatItKnowsByTheStamps) {
+TEST(RelativeLocalizer, ToleratesDelaysKnownFromStamps) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Team team;
     team.sighting_latency_s = 0.4;
@@ -252,7 +252,7 @@ TEST(RelativeLocalizer, ToleratesDelaysThatItKnowsByTheStamps) {
   }
 }
 
-TEST(RelativeLocalizer, AClockThatIsOffByAFifthOfASecondAndDriftsIsFound) {
+TEST(RelativeLocalizer, EstimatesClockOffsetAndDrift) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Team team;
     team.clock_offset_s = 0.2;
@@ -281,7 +281,7 @@ TEST(RelativeLocalizer, ClocksMayCountFromAnyDay) {
   EXPECT_LT(mean(result.errors_m), 0.09);
 }
 
-TEST(RelativeLocalizer, AVehicleThatDoesNotExistIsNamed) {
+TEST(RelativeLocalizer, RefusesUnknownVehicleByName) {
   SlidingWindowConfig config = looking_for_uav2();
   config.other = "uav9";
   try {
@@ -293,7 +293,7 @@ TEST(RelativeLocalizer, AVehicleThatDoesNotExistIsNamed) {
   }
 }
 
-TEST(SharedWorld, TheOtherIsWhereItSaysToBe) {
+TEST(SharedWorld, TrustsTheReportedPosition) {
   Module module(relative_localizer_module_types(), "shared_world");
   module.as<SharedWorldConfig>().other = "uav2";
   const auto localizer = make_relative_localizer(module, three_vehicles());

@@ -112,7 +112,7 @@ Several three_that_move_differently() {
   return {{eight(1.0, 0.5), shifted(eight(0.8, 0.7), {2.0, -3.0, 0.0}), shifted(eight(1.2, 0.35), {-1.0, 4.0, 0.0})}};
 }
 
-TEST(SeveralTeammates, AreToldApartByHowTheyMove) {
+TEST(SeveralTeammates, AreDistinguishedByTheirMotion) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     for (const Known& result : three_that_move_differently().fly(40.0, seed)) {
       EXPECT_LT(result.first_s, 20.0) << seed;
@@ -123,7 +123,7 @@ TEST(SeveralTeammates, AreToldApartByHowTheyMove) {
   }
 }
 
-TEST(SeveralTeammates, FalseSightingsOfMarkersDoNotDisturb) {
+TEST(SeveralTeammates, AreRobustToFalseMarkerSightings) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Several team = three_that_move_differently();
     team.false_share = 0.2;
@@ -135,7 +135,7 @@ TEST(SeveralTeammates, FalseSightingsOfMarkersDoNotDisturb) {
   }
 }
 
-TEST(SeveralTeammates, TwoThatMoveAlikeAreNobodyUntilTheyDoNot) {
+TEST(SeveralTeammates, StayUnknownWhileMovingAlike) {
   const Path alike = eight();
   EXPECT_EQ((Several{{alike, shifted(alike, {1.0, -4.0, 0.0})}}.fly(30.0, 1)[0].count), 0);
   const Path turns_away = [alike](double t) { return Vector3(alike(std::min(t, 15.0)) + Vector3(1.0, -4.0, 0.0)); };
@@ -147,7 +147,7 @@ TEST(SeveralTeammates, TwoThatMoveAlikeAreNobodyUntilTheyDoNot) {
   }
 }
 
-TEST(SeveralTeammates, OneThatIsSilentIsMissingAndNoneOfTheOthers) {
+TEST(SeveralTeammates, OnlySilentTeammateStaysUnknown) {
   Several team = three_that_move_differently();
   team.silent[2] = true;
   const auto results = team.fly(40.0, 3);
@@ -158,7 +158,7 @@ TEST(SeveralTeammates, OneThatIsSilentIsMissingAndNoneOfTheOthers) {
   EXPECT_EQ(results[2].count, 0);
 }
 
-TEST(SeveralTeammates, OneThatFliesCloselyByAnotherIsNotTakenForIt) {
+TEST(SeveralTeammates, AreNotConfusedDuringClosePassage) {
   // The first one rests from 20 s on; the second one then passes a meter beside it.
   const Path first = [](double t) { return eight()(std::min(t, 20.0)); };
   const Vector3 rest_m = first(20.0);
@@ -178,7 +178,7 @@ TEST(SeveralTeammates, OneThatFliesCloselyByAnotherIsNotTakenForIt) {
   }
 }
 
-TEST(SeveralTeammates, ANameThatStandsTwiceIsRefused) {
+TEST(SeveralTeammates, RefuseDuplicateNames) {
   AgentSetup setup;
   setup.vehicle_names = {"uav1", "uav2"};
   setup.num_vehicles = 2;

@@ -17,7 +17,7 @@ namespace {
 
 using ClockMode = SlidingWindowConfig::Clock;
 
-TEST(OtherClock, ThatGoesWithTheOwnOneIsTakenAsItIs) {
+TEST(OtherClock, IsTakenAsIsWhenSynchronized) {
   OtherClock clock(ClockMode::kSynchronized, 0.02, 0.01);
   TimeNs stamp = 5 * kNsPerSecond;
   EXPECT_TRUE(clock.take(stamp, 6 * kNsPerSecond));
@@ -26,7 +26,7 @@ TEST(OtherClock, ThatGoesWithTheOwnOneIsTakenAsItIs) {
   EXPECT_EQ(clock.prior().sigma_s, 0.02);
 }
 
-TEST(OtherClock, OfAnyDayIsFoundByItsQuickestMessageOfTheLastSixtyFour) {
+TEST(OtherClock, UsesTheQuickestRecentMessage) {
   OtherClock clock(ClockMode::kOneWay, 0.1, 0.01);
   EXPECT_EQ(clock.prior().clock_s, 0.0) << "nothing was heard yet";
   const TimeNs behind = 1000 * kNsPerSecond;
@@ -46,7 +46,7 @@ TEST(OtherClock, OfAnyDayIsFoundByItsQuickestMessageOfTheLastSixtyFour) {
   EXPECT_EQ(clock.prior().sigma_s, 0.1);
 }
 
-TEST(OtherClock, ThatJumpsByMoreThanFiveSecondsBeginsAnew) {
+TEST(OtherClock, RestartsAfterJumpsAboveFiveSeconds) {
   for (const double jump_s : {5.0, -5.0, 5.001, -5.001}) {
     OtherClock clock(ClockMode::kOneWay, 0.1, 0.0);
     TimeNs stamp = 0;
@@ -64,7 +64,7 @@ TEST(OtherClock, ThatJumpsByMoreThanFiveSecondsBeginsAnew) {
 
 Sighting seen_at(double t_s, const Vector3& p_m) { return {from_seconds(t_s), p_m, 0.01 * Matrix3::Identity()}; }
 
-TEST(SightingChain, GoesOnWhereNothingElseCanHaveComeFrom) {
+TEST(SightingChain, ExtendsToSightingsWithinReach) {
   for (const double dt_s : {0.0, 0.1, 1.0}) {
     for (const double times : {0.999, 1.001}) {
       SightingChains chains;
@@ -84,7 +84,7 @@ TEST(SightingChain, GoesOnWhereNothingElseCanHaveComeFrom) {
   EXPECT_EQ(chains.chains()[1].newest.p_local_m.x(), 0.55);
 }
 
-TEST(SightingChain, KeepsSomeASecondOfTheLastOnes) {
+TEST(SightingChain, KeepsAThinnedRecentHistory) {
   SightingChains chains;
   for (int i = 0; i < 20; ++i) chains.push(seen_at(0.1 * i, {0, 0, 0}));
   const auto& kept = chains.chains()[0].sightings;
@@ -96,7 +96,7 @@ TEST(SightingChain, KeepsSomeASecondOfTheLastOnes) {
   EXPECT_EQ(chains.chains()[0].sightings.front().t, from_seconds(0.2 * 36));
 }
 
-TEST(SightingChain, OnesThatEndedAreForgottenAndThereAreNoMoreThanRacksMayShow) {
+TEST(SightingChain, ForgetsEndedChainsAndLimitsNumber) {
   SightingChains chains;
   chains.push(seen_at(1.0, {0, 0, 0}));
   chains.push(seen_at(2.0, {50, 0, 0}));
@@ -111,7 +111,7 @@ TEST(SightingChain, OnesThatEndedAreForgottenAndThereAreNoMoreThanRacksMayShow) 
   EXPECT_TRUE(chains.chains().empty());
 }
 
-TEST(MotionMatch, IsWhatIsLeftAfterTheBestAlignment) {
+TEST(MotionMatch, EqualsResidualOfTheBestAlignment) {
   const Random random(4, "test.match");
   const OdometryDriftConfig drift_config = {0.05, 0.0, 0.02, 0.0, 0.0, 0.0};
   const OdometryDrift drift(drift_config);
@@ -230,7 +230,7 @@ Detection bright_at(TimeNs t, const Vector3& p_m, double reflectivity = 18.0) {
   return d;
 }
 
-TEST(RelativeStage, TheOtherLiesBehindAndAboveWhatIsSeenOfIt) {
+TEST(RelativeStage, OffsetsTeammateBehindAndAboveSightings) {
   Stage stage;
   auto& config = stage.module.as<SlidingWindowConfig>();
   config.source = SlidingWindowConfig::Source::kDetections;
@@ -256,7 +256,7 @@ TEST(RelativeStage, TheOtherLiesBehindAndAboveWhatIsSeenOfIt) {
   EXPECT_EQ(counters[2].count, 0U);
 }
 
-TEST(RelativeStage, ATrackThatWasBrightIsTheOthersForAWhile) {
+TEST(RelativeStage, RetainsDimmedTracksForAWhile) {
   const auto pairs_after_s = [](double dim_for_s, double reflectivity) {
     Stage stage;
     auto& config = stage.module.as<SlidingWindowConfig>();
@@ -285,7 +285,7 @@ TEST(RelativeStage, ATrackThatWasBrightIsTheOthersForAWhile) {
   EXPECT_EQ(pairs_after_s(1.0, 2.99), 0U);
 }
 
-TEST(RelativeStage, WhoeverSharesOneWorldIsWhereItSaysForTwoSeconds) {
+TEST(RelativeStage, TrustsSharedWorldForTwoSeconds) {
   Stage stage("shared_world");
   stage.estimate.correct(make_pose({10, 0, 0}, Eigen::Quaterniond::Identity()));
   auto& config = stage.module.as<SharedWorldConfig>();
@@ -338,7 +338,7 @@ struct KnownMate {
   }
 };
 
-TEST(Teammate, ThatIsSeenElsewhereForSoLongIsLost) {
+TEST(Teammate, IsLostAfterProlongedAmbiguity) {
   SlidingWindowConfig config;
   config.reacquire_s = 2.0;
   config.clock_sigma_s = 0.0;
@@ -352,7 +352,7 @@ TEST(Teammate, ThatIsSeenElsewhereForSoLongIsLost) {
   }
 }
 
-TEST(Teammate, IsToldWhileItsPlaceIsSureEnough) {
+TEST(Teammate, IsReportedWhileSufficientlyCertain) {
   SlidingWindowConfig config;
   KnownMate known(config);
   ASSERT_TRUE(known.mate.known());
@@ -394,7 +394,7 @@ std::vector<Sighting> of_points(const std::vector<Eigen::Vector3f>& points, floa
   return found;
 }
 
-TEST(MarkerSighting, NeedsTwoReturnsThatAreBrightEnoughAndNearEnough) {
+TEST(MarkerSighting, NeedsTwoBrightNearbyReturns) {
   const std::vector<Eigen::Vector3f> two = {{3.0F, 4.0F, 1.0F}, {3.0F, 4.2F, 1.1F}};
   EXPECT_EQ(of_points(two, 3.0F).size(), 1U);
   EXPECT_EQ(of_points(two, 2.99F).size(), 0U);
@@ -405,7 +405,7 @@ TEST(MarkerSighting, NeedsTwoReturnsThatAreBrightEnoughAndNearEnough) {
   EXPECT_LT((found.covariance - 0.0025 * Matrix3::Identity()).norm(), 1e-9);
 }
 
-TEST(MarkerSighting, LiesInTheMiddleOfTheBoxAlongAndAcrossTheLineOfSight) {
+TEST(MarkerSighting, CentersOnTheSightAlignedBox) {
   // Seen from the origin, toward (0.6, 0.8): returns 0.1 m before and behind, and 0.2 m to one side.
   const Eigen::Vector3f ahead(0.6F, 0.8F, 0.0F), aside(-0.8F, 0.6F, 0.0F), up = Eigen::Vector3f::UnitZ();
   const Eigen::Vector3f middle(3.0F, 4.0F, 1.0F);
@@ -418,7 +418,7 @@ TEST(MarkerSighting, LiesInTheMiddleOfTheBoxAlongAndAcrossTheLineOfSight) {
   EXPECT_LT((found[0].p_local_m - expected).norm(), 5e-4);
 }
 
-TEST(MarkerSighting, ThereAreNoMoreThanRacksMayShow) {
+TEST(MarkerSighting, LimitsTheNumberOfSightings) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 300; ++i) {
     for (int k = 0; k < 2; ++k)

@@ -20,7 +20,7 @@ OtherMotion told_at(double t_s, const Vector3& p_m, const Vector3& v_mps, double
   return motion;
 }
 
-TEST(ToldOdometry, BetweenTwoSamplesItIsTheCubicThroughBothWithTheirVelocities) {
+TEST(ToldOdometry, InterpolatesSamplesByTheirCubic) {
   // Cubics are exact, headings interpolate along the shorter arc, all else is linear.
   const auto place = [](double t) {
     return Vector3(1.0 + 2.0 * t - t * t + 0.3 * t * t * t, t * t, 4.0 - 0.5 * t * t * t);
@@ -50,7 +50,7 @@ TEST(ToldOdometry, BetweenTwoSamplesItIsTheCubicThroughBothWithTheirVelocities) 
   EXPECT_TRUE(odometry.at(from_seconds(1.3), 0.1)) << "the sample itself lies in no gap";
 }
 
-TEST(ToldOdometry, AddsUpWhatWasFlownAndKeepsTheLastSixtyFour) {
+TEST(ToldOdometry, AccumulatesMotionAndKeeps64Samples) {
   RelativeOdometry odometry;
   EXPECT_TRUE(odometry.empty());
   EXPECT_FALSE(odometry.at(0, 10.0));
@@ -81,7 +81,7 @@ TEST(ToldOdometry, AddsUpWhatWasFlownAndKeepsTheLastSixtyFour) {
   }
 }
 
-TEST(ToldOdometry, ItsDriftGrowsByWayTurnsAndTime) {
+TEST(ToldOdometry, DriftsByDistanceTurnsAndTime) {
   const OdometryDrift drift({0.2, 0.3, 0.4, 2.0, 3.0, 4.0});
   const double deg2 = kRadPerDeg * kRadPerDeg;
   EXPECT_NEAR(drift.position_variance_m2({5.0, 0.0, 0.0}), 0.04 * 5.0, 1e-12);

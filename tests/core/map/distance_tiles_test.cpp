@@ -80,7 +80,7 @@ Cell random_cell(const Random& random, std::uint32_t k, std::uint32_t channel, i
 
 // Cells come and go at random; few cells at first, so that distances reach the bound and beyond. Changes are reported
 // for some rounds, then forgotten.
-TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
+TEST(DistanceTiles, AreExactAfterAnyChangeSequence) {
   for (const int reach : {5, 8, 17, 30}) {
     const Random random(static_cast<std::uint64_t>(reach), "cells");
     ToldBlocks map;
@@ -105,7 +105,7 @@ TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
 }
 
 // Bounds by blocks and by halves of blocks must not leave out what matters to a single cell.
-TEST(DistanceTiles, WhatComesNearestToOnlyAFewCellsOfATileIsNoticedAndWhenItGoesToo) {
+TEST(DistanceTiles, RespondToObstaclesNearFewCells) {
   constexpr int kReach = 22;
   const Random random(5, "few");
   int tried = 0;
@@ -159,7 +159,7 @@ TEST(DistanceTiles, TheReachItselfIsWithinReach) {
   }
 }
 
-TEST(DistanceTiles, OnlyWhatChangedIsWorkedOutAgain) {
+TEST(DistanceTiles, RecomputeOnlyWhatChanged) {
   ToldBlocks map;
   DistanceTiles tiles(20);
   for (int x = -40; x < 40; ++x) {
@@ -226,7 +226,7 @@ TEST(DistanceTiles, ForgetAndAreWorkedOutAgain) {
 }
 
 // Forgotten and flickering cells are followed too.
-TEST(DistanceTiles, OfAMapAreThoseOfItsOccupiedCells) {
+TEST(DistanceTiles, FollowOccupiedCellsOfAMap) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 8.0;
   config.distance_max_m = 1.5;

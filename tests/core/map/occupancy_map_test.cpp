@@ -76,7 +76,7 @@ void expect_equal(const OccupancyMap& map, octomap::OcTree& tree) {
 }
 
 // Some rays lie exactly in the planes between cells, some along an axis: there ties and rounding decide.
-TEST(OccupancyMap, EveryCellIsThatOfTheLibrary) {
+TEST(OccupancyMap, MatchesTheLibraryInEveryCell) {
   OccupancyMap map({});
   octomap::OcTree tree(0.1);
   for (std::uint32_t scan = 0; scan < 8; ++scan) {
@@ -97,7 +97,7 @@ TEST(OccupancyMap, EveryCellIsThatOfTheLibrary) {
   expect_equal(map, tree);
 }
 
-TEST(OccupancyMap, WhereARayMeetsTwoWallsAtOnceItGoesOnAsThatOfTheLibrary) {
+TEST(OccupancyMap, ResolvesRayTiesLikeTheLibrary) {
   OccupancyMap map({});
   octomap::OcTree tree(0.1);
   std::vector<Beam> rays;
@@ -113,7 +113,7 @@ TEST(OccupancyMap, WhereARayMeetsTwoWallsAtOnceItGoesOnAsThatOfTheLibrary) {
 }
 
 // A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates at once.
-TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
+TEST(OccupancyMap, MatchesTheLibraryWithOtherProbabilities) {
   for (const double p_miss : {0.49, 0.46, 0.2}) {
     OccupancyMapConfig config;
     config.edge_m = 0.2;
@@ -140,7 +140,7 @@ TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
 }
 
 // The library has 32768 cells on each side of the origin.
-TEST(OccupancyMap, BeyondTheLibrarysBordersNothingIsInserted) {
+TEST(OccupancyMap, InsertsNothingBeyondTheLibrarysBounds) {
   for (const float x_m : {3276.0F, 3290.0F, -3276.0F, -3290.0F}) {
     for (int axis = 0; axis < 3; ++axis) {
       OccupancyMap map({});
@@ -159,7 +159,7 @@ TEST(OccupancyMap, BeyondTheLibrarysBordersNothingIsInserted) {
   }
 }
 
-TEST(OccupancyMap, ItsLogOddsAreThoseOfTheLibrary) {
+TEST(OccupancyMap, MatchesLogOddsOfTheLibrary) {
   const octomap::OcTree tree(0.1);
   OccupancyMap map({});
   const Cell hit(30, 0, 0), passed(10, 0, 0);
@@ -171,7 +171,7 @@ TEST(OccupancyMap, ItsLogOddsAreThoseOfTheLibrary) {
   EXPECT_EQ(map.log_odds(passed), tree.getClampingThresMinLog());
 }
 
-TEST(OccupancyMap, ACellIsHitOnceOrMissedOnceInAScan) {
+TEST(OccupancyMap, UpdatesACellOncePerScan) {
   OccupancyMap map({});
   // Two rays end in the same cell, a third one passes it, and all pass the cells before it.
   map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F), beam_to(3.08F, 0.05F, 0.05F), beam_to(5.05F, 0.05F, 0.05F)},
@@ -181,7 +181,7 @@ TEST(OccupancyMap, ACellIsHitOnceOrMissedOnceInAScan) {
   for (int x = 0; x <= 30; ++x) EXPECT_EQ(map.log_odds({x, 0, 0}), once.log_odds({x, 0, 0})) << x;
 }
 
-TEST(OccupancyMap, ARayIntoTheDistanceOnlyClears) {
+TEST(OccupancyMap, RayBeyondRangeOnlyClears) {
   OccupancyMapConfig config;
   config.range_max_m = 5.0;
   OccupancyMap map(config);
@@ -195,7 +195,7 @@ TEST(OccupancyMap, ARayIntoTheDistanceOnlyClears) {
   EXPECT_TRUE(occupied.empty());
 }
 
-TEST(OccupancyMap, EachRayBeginsWhereItWasMeasured) {
+TEST(OccupancyMap, RaysStartAtTheirOwnOrigins) {
   OccupancyMap map({});
   map.insert(std::vector<Beam>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
                                {{0.05F, 1.05F, 0.05F}, {3.05F, 1.05F, 0.05F}, true}},
@@ -207,7 +207,7 @@ TEST(OccupancyMap, EachRayBeginsWhereItWasMeasured) {
   }
 }
 
-TEST(OccupancyMap, WhatIsNotFiniteIsNoRay) {
+TEST(OccupancyMap, IgnoresNonFiniteRays) {
   OccupancyMap map({});
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   map.insert(std::vector<Beam>{beam_to(nan, 0.0F, 0.0F),
@@ -220,7 +220,7 @@ TEST(OccupancyMap, WhatIsNotFiniteIsNoRay) {
   EXPECT_EQ(copy.size(), 31U) << "the one ray's";
 }
 
-TEST(OccupancyMap, TellsStatesDistancesAndWhatASegmentHits) {
+TEST(OccupancyMap, ReportsStatesDistancesAndSegmentHits) {
   OccupancyMap map({});
   map.insert(near_wall(), kScan);
   EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kOccupied);
@@ -263,7 +263,7 @@ TEST(OccupancyMap, RemembersWhenACellWasHit) {
   EXPECT_EQ(hit_since(5000 * kScan), 0U) << "hit so long ago that nobody knows when";
 }
 
-TEST(OccupancyMap, TellsWhatChangedSinceARevision) {
+TEST(OccupancyMap, ReportsChangesSinceARevision) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 5.0;
   OccupancyMap map(config);
@@ -294,7 +294,7 @@ TEST(OccupancyMap, TellsWhatChangedSinceARevision) {
   EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kUnknown);
 }
 
-TEST(OccupancyMap, AHitThatDoesNotYetMakeACellOccupiedMakesItKnown) {
+TEST(OccupancyMap, HitBelowThresholdMakesCellKnown) {
   OccupancyMapConfig config;
   config.p_hit = 0.55;
   config.p_occupied = 0.7;
@@ -309,7 +309,7 @@ TEST(OccupancyMap, AHitThatDoesNotYetMakeACellOccupiedMakesItKnown) {
   EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(end_m); }));
 }
 
-TEST(OccupancyMap, DistancesFollowWhereverSomethingWasTakenAway) {
+TEST(OccupancyMap, UpdatesDistancesAfterObstaclesAreRemoved) {
   // Posts in many blocks, with distances queried beside them; then rays clear each post.
   OccupancyMap map({});
   std::vector<Vector3> posts_m;
@@ -331,7 +331,7 @@ TEST(OccupancyMap, DistancesFollowWhereverSomethingWasTakenAway) {
   }
 }
 
-TEST(OccupancyMap, BlocksSurerThanHaveTheCellsThatAreSurerAndAllThatIsFree) {
+TEST(OccupancyMap, ConfidenceThresholdFiltersOnlyOccupiedCells) {
   OccupancyMap map({});
   for (int i = 1; i <= 6; ++i) {
     std::vector<Beam> rays = {beam_to(3.05F, 0.05F, 0.05F)};
@@ -359,7 +359,7 @@ TEST(OccupancyMap, BlocksSurerThanHaveTheCellsThatAreSurerAndAllThatIsFree) {
   EXPECT_EQ(counted(0.5).second, 30 + 29 + 31);
 }
 
-TEST(OccupancyMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
+TEST(OccupancyMap, ForgetsDistantCellsAndReusesMemory) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 5.0;
   OccupancyMap map(config);
@@ -373,7 +373,7 @@ TEST(OccupancyMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
   EXPECT_EQ(map.state({40.0, 0.15, 0.15}), CellState::kUnknown);
 }
 
-TEST(OccupancyMap, AScanAllocatesNothingOnceTheMapIsWarm) {
+TEST(OccupancyMap, ScanAllocatesNothingAfterWarmUp) {
   OccupancyMap map({});
   const std::vector<Beam> rays = random_scan(1, kOrigin, 5000, 15.0);
   map.insert(rays, kScan);

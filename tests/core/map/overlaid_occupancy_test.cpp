@@ -26,7 +26,7 @@ const OccupancyMap& one_ray() {
 const KeepOut kColumn = KeepOut::column({3.05, 0.05, 2.05}, 1.0, 4.0);
 const KeepOut kBox = KeepOut::box({3.05, 0.05, 2.05}, {1.0, 2.0, 4.0});
 
-TEST(OverlaidOccupancy, IsOccupiedWhereAPlaceLiesAndAsTheMapElsewhere) {
+TEST(OverlaidOccupancy, OccupiesPlacesAndKeepsMapElsewhere) {
   const OverlaidOccupancy view(one_ray(), {kColumn});
   EXPECT_EQ(view.state({3.05, 0.05, 3.85}), CellState::kOccupied);
   EXPECT_EQ(view.state({3.05, 0.05, 4.25}), CellState::kUnknown) << "above it";
@@ -37,7 +37,7 @@ TEST(OverlaidOccupancy, IsOccupiedWhereAPlaceLiesAndAsTheMapElsewhere) {
   EXPECT_EQ(one_ray().state({3.05, 0.05, 2.05}), CellState::kFree) << "the map itself is as it was";
 }
 
-TEST(OverlaidOccupancy, DistancesAreToTheNearerOfBoth) {
+TEST(OverlaidOccupancy, MeasuresDistanceToNearerOfBoth) {
   const OverlaidOccupancy view(one_ray(), {kColumn});
   EXPECT_NEAR(view.distance_m({1.05, 0.05, 2.05}, 10.0), 1.5, 1e-9);
   EXPECT_NEAR(view.distance_m({5.05, 0.05, 2.05}, 10.0), 0.95, 1e-9) << "the cell of the map begins at 6 m";
@@ -60,7 +60,7 @@ TEST(OverlaidOccupancy, ASegmentHitsWhatComesFirst) {
 }
 
 // Random points and segments against a fine walk along the segment.
-TEST(KeepOut, IsEnteredWhereItsDistanceBecomesZero) {
+TEST(KeepOut, IsEnteredWhereDistanceBecomesZero) {
   const Random random(3, "segments");
   int entered = 0;
   for (std::uint32_t k = 0; k < 400; ++k) {
@@ -91,7 +91,7 @@ TEST(KeepOut, IsEnteredWhereItsDistanceBecomesZero) {
 }
 
 // A fine walk through the box meets the same cells.
-TEST(OverlaidOccupancy, CollectsCellsThatReachIntoABoxWithAnyPart) {
+TEST(OverlaidOccupancy, CollectsCellsIntersectingBox) {
   const OverlaidOccupancy view(one_ray(), {kBox});
   const Vector3 low(2.72, -0.37, 0.93), high(3.22, 0.38, 1.47);
   for (const auto& [min, max] : {std::pair(low, high), std::pair(Vector3(low.array() + 0.06), high)}) {

@@ -37,7 +37,7 @@ Vector3 random_direction(const Random& random, std::uint32_t i) {
 
 Eigen::AlignedBox3d box_around(const Vector3& p) { return {Vector3(p.array() - 0.5), Vector3(p.array() + 0.5)}; }
 
-TEST(RayLengths, LengthsOfARaySumToItsLength) {
+TEST(RayLengths, SumToTheRaysLength) {
   const Random random(1, "rays");
   RayLengths rays;
   for (std::uint32_t i = 0; i < 300; ++i) {
@@ -49,7 +49,7 @@ TEST(RayLengths, LengthsOfARaySumToItsLength) {
   }
 }
 
-TEST(RayLengths, EveryVoxelGetsWhatAWalkThroughTheVoxelsGives) {
+TEST(RayLengths, MatchVoxelTraversalInEveryVoxel) {
   const Random random(2, "rays");
   RayLengths rays;
   for (std::uint32_t i = 0; i < 500; ++i) {
@@ -66,7 +66,7 @@ TEST(RayLengths, EveryVoxelGetsWhatAWalkThroughTheVoxelsGives) {
   }
 }
 
-TEST(RayLengths, AxisAlignedAndDiagonalRaysAreExact) {
+TEST(RayLengths, AreExactAlongAxesAndDiagonals) {
   RayLengths rays;
   const Vector3 origin(0.1, 0.1, 0.1);
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,7 +87,7 @@ TEST(RayLengths, AxisAlignedAndDiagonalRaysAreExact) {
 }
 
 // Rays of a long-range sensor in a map that ends before them: the same lengths, in the map.
-TEST(RayLengths, WhatLiesOutsideTheMapIsNotCountedAndNeedsNoMemory) {
+TEST(RayLengths, IgnoreCellsOutsideTheMap) {
   const Random random(4, "rays");
   const VoxelGrid map = VoxelGrid::covering({1.0, -2.0, 0.5}, {14.0, 9.0, 4.0}, 0.25);
   const Vector3 origin(0.3, -0.2, 1.0);
@@ -117,7 +117,7 @@ TEST(RayLengths, WhatLiesOutsideTheMapIsNotCountedAndNeedsNoMemory) {
 }
 
 // An origin may lie beside the map, as that of a beam does when the sensor flies at its border.
-TEST(RayLengths, RaysThatBeginOutsideOfTheMapAreFollowedIntoIt) {
+TEST(RayLengths, FollowRaysEnteringFromOutside) {
   const VoxelGrid map = VoxelGrid::covering({5.0, 0.0, 0.0}, {8.0, 4.0, 4.0}, 0.25);
   RayLengths rays;
   const Vector3 origin(-3.0, 0.1, 0.1);
@@ -148,7 +148,7 @@ TEST(RayLengths, ManyRaysAddUp) {
   }
 }
 
-TEST(RayLengths, TheMapMovesByEquation22AndOnlyWhereRaysWent) {
+TEST(RayLengths, UpdateTheMapByEquation22) {
   VoxelMapConfig config;
   config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = {4.0, 4.0, 4.0};
@@ -170,7 +170,7 @@ TEST(RayLengths, TheMapMovesByEquation22AndOnlyWhereRaysWent) {
   EXPECT_TRUE(rays.cells().empty());  // a sweep starts from nothing
 }
 
-TEST(RayLengths, RaysThatMakeNoSenseDoNothing) {
+TEST(RayLengths, IgnoreDegenerateRays) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   RayLengths rays;
   rays.add(Vector3::Zero(), Vector3::UnitX(), 1.0);  // before any sweep

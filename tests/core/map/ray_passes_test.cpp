@@ -27,7 +27,7 @@ double length_in(const Vector3& from, const Vector3& to, const Vector3& center, 
 }
 
 // Long rays cross blocks without stored voxels in one step, in any direction.
-TEST(SparseVoxelMap, ARayLowersExactlyTheVoxelsThatItPasses) {
+TEST(SparseVoxelMap, RayLowersExactlyVoxelsItCrosses) {
   const Random random(8, "passes");
   int passed = 0, spared = 0;
   for (std::uint32_t k = 0; k < 60; ++k) {
@@ -80,7 +80,7 @@ VoxelMap wide_map() {
 }
 
 // The bits follow the values at any position in a word.
-TEST(VoxelMap, EachVoxelOfALongRowIsCountedAloneAndForgottenAlone) {
+TEST(VoxelMap, CountsAndClearsRowVoxelsIndividually) {
   VoxelMap map = wide_map();
   const VoxelGrid& grid = map.grid();
   const int n = grid.size.x();
@@ -101,7 +101,7 @@ TEST(VoxelMap, EachVoxelOfALongRowIsCountedAloneAndForgottenAlone) {
   }
 }
 
-TEST(VoxelMap, WhatIsKnownBeforehandIsOnePerVoxelHoweverOftenItIsTold) {
+TEST(VoxelMap, CountsPriorPointsOncePerVoxel) {
   VoxelMap map = wide_map();
   PriorMap prior;
   const Random random(2, "prior");
@@ -113,7 +113,7 @@ TEST(VoxelMap, WhatIsKnownBeforehandIsOnePerVoxelHoweverOftenItIsTold) {
   EXPECT_EQ(map.num_occupied(), 12);
 }
 
-TEST(VoxelMap, WithinARadiusMeansUpToAndWithItOfTheCenter) {
+TEST(VoxelMap, IncludesTheBoundaryOfARadius) {
   VoxelMap map = wide_map();
   const Vector3 center_m = map.grid().center_m(map.grid().min_cell);  // the first of all voxels
   map.set(map.grid().index(map.grid().min_cell), -1.0F);

@@ -30,7 +30,7 @@ std::vector<Ray> wall() {
   return rays;
 }
 
-TEST(SparseVoxelMap, WallIsWhereItWasSeenAndNowhereElse) {
+TEST(SparseVoxelMap, MarksOnlyTheObservedWall) {
   SparseVoxelMap map({});
   for (int i = 1; i <= 5; ++i) map.insert(wall(), i * kSweep);
   std::vector<Vector3> voxels;
@@ -54,7 +54,7 @@ TEST(SparseVoxelMap, OneReturnMakesOneVoxelKnown) {
   EXPECT_LT((copy.centers_local_m[0] - Eigen::Vector3f(3.3F, 1.1F, 0.9F)).cwiseAbs().maxCoeff(), 0.1001F);
 }
 
-TEST(SparseVoxelMap, ItsCopyAgreesWithWhatItAnswers) {
+TEST(SparseVoxelMap, ExportsVoxelsConsistentWithItsQueries) {
   SparseVoxelMap map({});
   for (int i = 1; i <= 5; ++i) map.insert(wall(), i * kSweep);
   map.insert(std::vector<Ray>{{{0, 0, 0}, {6.0F, 0.11F, 0.31F}, true}}, 6 * kSweep);  // passes through the wall
@@ -72,7 +72,7 @@ TEST(SparseVoxelMap, ItsCopyAgreesWithWhatItAnswers) {
   }
 }
 
-TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
+TEST(SparseVoxelMap, CollectsExactlyVoxelsIntersectingTheBall) {
   SparseVoxelMapConfig config;
   config.edge_m = 0.25;
   SparseVoxelMap map(config);
@@ -103,7 +103,7 @@ TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
   EXPECT_GT(voxels.size(), 50U);
 }
 
-TEST(SparseVoxelMap, TellsStatesDistancesAndWhatASegmentHits) {
+TEST(SparseVoxelMap, AnswersStatesDistancesAndSegmentHits) {
   SparseVoxelMap map({});
   map.insert(wall(), kSweep);
   EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kOccupied);
@@ -125,7 +125,7 @@ TEST(SparseVoxelMap, TellsStatesDistancesAndWhatASegmentHits) {
   EXPECT_LT((voxels[0] - Vector3(3.1, 0.1, 0.1)).norm(), 1e-9);
 }
 
-TEST(SparseVoxelMap, ACellThatWasClearedIsFree) {
+TEST(SparseVoxelMap, ReportsClearedCellsAsFree) {
   SparseVoxelMap map({});
   const std::vector<Ray> leaf = {{{0, 0, 0}, {1.5F, 0.05F, 0.05F}, true}};
   map.insert(leaf, kSweep);
@@ -133,7 +133,7 @@ TEST(SparseVoxelMap, ACellThatWasClearedIsFree) {
   EXPECT_EQ(map.state({1.5, 0.05, 0.05}), CellState::kFree);
 }
 
-TEST(SparseVoxelMap, TellsWhatChangedSinceARevision) {
+TEST(SparseVoxelMap, ReportsChangesSinceARevision) {
   SparseVoxelMapConfig config;
   config.keep_radius_m = 5.0;
   SparseVoxelMap map(config);
@@ -162,7 +162,7 @@ TEST(SparseVoxelMap, TellsWhatChangedSinceARevision) {
   EXPECT_FALSE(SparseVoxelMap(config).changed_since(0, boxes)) << "forgets by time, without a sweep";
 }
 
-TEST(SparseVoxelMap, GhostIsClearedByRaysThatPassAndKeptByTheConservativeSetting) {
+TEST(SparseVoxelMap, ClearsGhostsUnlessConservative) {
   SparseVoxelMapConfig conservative;
   conservative.miss_log_odds = 0.0;
   SparseVoxelMap forgets({}), keeps(conservative);
@@ -182,7 +182,7 @@ TEST(SparseVoxelMap, GhostIsClearedByRaysThatPassAndKeptByTheConservativeSetting
   EXPECT_TRUE(is_occupied(forgets, {3.05, 0.0, 0.0}, 13 * kSweep));
 }
 
-TEST(SparseVoxelMap, BeamsWithoutReturnClearAndMemoryFades) {
+TEST(SparseVoxelMap, ClearsByMissesAndFadesMemory) {
   SparseVoxelMapConfig fading;
   fading.memory_s = 2.0;
   SparseVoxelMap map({}), fades(fading);
@@ -197,7 +197,7 @@ TEST(SparseVoxelMap, BeamsWithoutReturnClearAndMemoryFades) {
   EXPECT_FALSE(is_occupied(fades, ghost, 30 * kSweep));
 }
 
-TEST(SparseVoxelMap, SurfaceSeenAtAGrazingAngleDoesNotEatItself) {
+TEST(SparseVoxelMap, PreservesSurfacesAtGrazingAngles) {
   SparseVoxelMap map({});
   std::vector<Ray> ground;
   for (int i = 0; i < 400; ++i) ground.push_back({{0, 0, 1.0F}, {0.5F + 0.02F * i, 0.03F, 0.02F}, true});
@@ -205,7 +205,7 @@ TEST(SparseVoxelMap, SurfaceSeenAtAGrazingAngleDoesNotEatItself) {
   for (int i = 0; i < 37; ++i) EXPECT_TRUE(is_occupied(map, {0.6 + 0.2 * i, 0.03, 0.02}, 30 * kSweep)) << i;
 }
 
-TEST(SparseVoxelMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
+TEST(SparseVoxelMap, ForgetsDistantBlocksAndReusesMemory) {
   SparseVoxelMapConfig config;
   config.keep_radius_m = 5.0;
   SparseVoxelMap map(config);
@@ -219,7 +219,7 @@ TEST(SparseVoxelMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
   EXPECT_FALSE(is_occupied(map, {20.0, 0.1, 0.1}, 200 * kSweep));
 }
 
-TEST(SparseVoxelMap, NeverHoldsMoreBlocksThanItsBoundCounts) {
+TEST(SparseVoxelMap, NeverExceedsItsBlockBound) {
   SparseVoxelMapConfig config;
   config.edge_m = 0.2;
   config.keep_radius_m = 7.0;
@@ -257,7 +257,7 @@ float log_odds_at(const SparseVoxelMap& map, const Vector3& p_m) {
   return std::nanf("");
 }
 
-TEST(SparseVoxelMap, AVoxelGainsAndLosesOnceASweepBetweenItsBounds) {
+TEST(SparseVoxelMap, BoundsLogOddsUpdatesPerSweep) {
   SparseVoxelMapConfig config;
   config.hit_log_odds = 0.9;
   config.miss_log_odds = 0.7;
@@ -281,7 +281,7 @@ TEST(SparseVoxelMap, AVoxelGainsAndLosesOnceASweepBetweenItsBounds) {
   EXPECT_NEAR(log_odds_at(map, at_m), -2.0 + 0.9, 1e-5);
 }
 
-TEST(SparseVoxelMap, RaysClearUpToTheirRangeAndToHalfAVoxelBeforeWhatTheyHit) {
+TEST(SparseVoxelMap, ClearsUpToRangeOrHit) {
   SparseVoxelMapConfig config;
   config.clear_range_m = 2.0;
   const auto lost = [&](double voxel_m, float end_m, bool is_hit) {
@@ -302,7 +302,7 @@ TEST(SparseVoxelMap, RaysClearUpToTheirRangeAndToHalfAVoxelBeforeWhatTheyHit) {
   EXPECT_FALSE(lost(1.1, 1.0F, true));
 }
 
-TEST(SparseVoxelMap, ForgetsByTimeAndTellsWhatWasHitSince) {
+TEST(SparseVoxelMap, FiltersHitsByAgeAndMemory) {
   SparseVoxelMapConfig config;
   config.memory_s = 2.0;
   SparseVoxelMap map(config);
@@ -317,7 +317,7 @@ TEST(SparseVoxelMap, ForgetsByTimeAndTellsWhatWasHitSince) {
   EXPECT_TRUE(found.empty());
 }
 
-TEST(SparseVoxelMap, WhatEndsBeyondTheRadiusIsNoHitAndIsForgottenByBlocks) {
+TEST(SparseVoxelMap, IgnoresHitsBeyondItsRadius) {
   SparseVoxelMapConfig config;
   config.keep_radius_m = 5.0;
   SparseVoxelMap map(config);

@@ -172,7 +172,7 @@ TEST(SubmapCells, KnowWhatTheyWereMadeOf) {
   }
 }
 
-TEST(SubmapCells, OfPointsHaveTheCellsInWhichThePointsLieAndNoOthers) {
+TEST(SubmapCells, CoverExactlyTheirPoints) {
   const Eigen::Vector3f points_m[] = {{0.1F, 0.1F, 0.1F}, {-0.1F, 3.3F, -5.5F}, {0.15F, 0.05F, 0.19F}, {7.7F, 0, 0}};
   const SubmapCells cells = SubmapCells::of_points(kEdge_m, points_m);
   EXPECT_EQ(cells.num_occupied(), 3U);
@@ -184,7 +184,7 @@ TEST(SubmapCells, OfPointsHaveTheCellsInWhichThePointsLieAndNoOthers) {
 }
 
 // The released code of [Orsulic 2021] puts the cells of a submap half a cell off.
-TEST(SubmapMap, ACellStaysWhereItIsWithoutATurn) {
+TEST(SubmapMap, KeepsCellsInPlaceWithoutRotation) {
   Made made;
   made.set({5, -3, 2}, CellState::kOccupied);
   SubmapMap map({});
@@ -195,7 +195,7 @@ TEST(SubmapMap, ACellStaysWhereItIsWithoutATurn) {
   EXPECT_LT((centers_m[0] - Vector3(1.1, -0.5, 0.5)).norm(), 1e-12);
 }
 
-TEST(SubmapMap, ATurnByARightAngleAboutTheMiddleTurnsEveryCell) {
+TEST(SubmapMap, RotatesEveryCellByRightAngles) {
   Made made;
   for (const int x : {-1, 0}) {
     for (const int y : {-1, 0}) made.set({8 * x, 8 * y, 0}, CellState::kFree);  // blocks about the origin
@@ -208,7 +208,7 @@ TEST(SubmapMap, ATurnByARightAngleAboutTheMiddleTurnsEveryCell) {
   EXPECT_EQ(map.state(center_of({5, 2, 3})), CellState::kUnknown);
 }
 
-TEST(SubmapMap, EveryCellIsWhatItsPiecesMakeOfIt) {
+TEST(SubmapMap, DerivesEveryCellFromItsPieces) {
   for (const int outvoted_by : {0, 2}) {
     std::vector<Made> made;
     for (std::uint32_t i = 0; i < 5; ++i) made.push_back(random_piece(10 + i, i == 3 ? 0.1 : i == 4 ? 0.3 : kEdge_m));
@@ -233,7 +233,7 @@ TEST(SubmapMap, EveryCellIsWhatItsPiecesMakeOfIt) {
   }
 }
 
-TEST(SubmapMap, ItsCopyHasEveryCellThatIsKnown) {
+TEST(SubmapMap, CopiesEveryKnownCell) {
   SubmapMap map({});
   for (std::uint32_t i = 0; i < 3; ++i) map.add(random_piece(20 + i).packed(), random_pose(8, i), 0, 0);
   MapVoxels copy;
@@ -255,7 +255,7 @@ TEST(SubmapMap, ItsCopyHasEveryCellThatIsKnown) {
   EXPECT_EQ(known, copy.size());
 }
 
-TEST(SubmapMap, APoseIsUsedToAQuarterOfACellInTheMiddleAndAtTheRim) {
+TEST(SubmapMap, RoundsPosesToAQuarterCell) {
   const auto cells = random_piece(2).packed();
   for (std::uint32_t i = 0; i < 50; ++i) {
     SubmapMap map({});
@@ -270,7 +270,7 @@ TEST(SubmapMap, APoseIsUsedToAQuarterOfACellInTheMiddleAndAtTheRim) {
 }
 
 // A jittering pose moves nothing.
-TEST(SubmapMap, APoseThatDiffersByMuchLessThanACellIsTheSamePose) {
+TEST(SubmapMap, IgnoresSubcellPoseChanges) {
   const auto cells = random_piece(2).packed();
   for (int axis = 0; axis < 3; ++axis) {
     SubmapMap map({});
@@ -281,7 +281,7 @@ TEST(SubmapMap, APoseThatDiffersByMuchLessThanACellIsTheSamePose) {
   }
 }
 
-TEST(SubmapMap, OfPiecesFarApartEveryCellIsFound) {
+TEST(SubmapMap, FindsEveryCellOfDistantPieces) {
   Made made;
   made.set({1, 2, 3}, CellState::kOccupied);
   const auto cells = made.packed();
@@ -298,7 +298,7 @@ TEST(SubmapMap, OfPiecesFarApartEveryCellIsFound) {
 }
 
 // After any sequence of changes the map depends only on its present pieces.
-TEST(SubmapMap, AfterAnySequenceOfChangesItIsTheMapMadeAnew) {
+TEST(SubmapMap, MatchesRebuiltMapsAfterChanges) {
   for (std::uint32_t seed = 0; seed < 2; ++seed) {
     const Random random(seed, "changes");
     SubmapMap map({});
@@ -439,7 +439,7 @@ struct Ring {
   }
 };
 
-TEST(SubmapMap, WallsAreDoubleOnlyUntilTheLoopIsClosed) {
+TEST(SubmapMap, DoublesWallsOnlyUntilLoopClosure) {
   SubmapMap map({kEdge_m, 0, 2.0});
   std::vector<int> pieces;
   for (int i = 0; i < Ring::kSubmaps; ++i) {
@@ -466,7 +466,7 @@ TEST(SubmapMap, WallsAreDoubleOnlyUntilTheLoopIsClosed) {
   }
 }
 
-TEST(SubmapMap, ATurnLosesNoThinThingAndMakesNoHoleInAWall) {
+TEST(SubmapMap, RotatesThinObjectsAndWallsIntact) {
   for (int degrees = 0; degrees < 180; degrees += 13) {
     Made made;
     for (int y = -15; y <= 15; ++y) {
@@ -486,7 +486,7 @@ TEST(SubmapMap, ATurnLosesNoThinThingAndMakesNoHoleInAWall) {
   }
 }
 
-TEST(SubmapMap, WhatNewerPiecesInARowSawFreeIsNoLongerOccupied) {
+TEST(SubmapMap, ClearsCellsSeenFreeLater) {
   Made occupied, free;
   occupied.set({1, 1, 1}, CellState::kOccupied);
   free.set({1, 1, 1}, CellState::kFree);
@@ -509,7 +509,7 @@ TEST(SubmapMap, WhatNewerPiecesInARowSawFreeIsNoLongerOccupied) {
   EXPECT_EQ(state_after(0, "offffffff"), CellState::kOccupied);
 }
 
-TEST(SubmapMap, AgeGoesBeforeTheOrderInWhichPiecesCame) {
+TEST(SubmapMap, OrdersPiecesByAgeBeforeArrival) {
   Made occupied, free;
   occupied.set({1, 1, 1}, CellState::kOccupied);
   free.set({1, 1, 1}, CellState::kFree);
@@ -520,7 +520,7 @@ TEST(SubmapMap, AgeGoesBeforeTheOrderInWhichPiecesCame) {
 }
 
 // Removing cells that newer pieces contain leaves the map unchanged.
-TEST(SubmapMap, WithoutWhatIsNotNeededItIsTheSameMap) {
+TEST(SubmapMap, IsUnchangedWithoutRedundantCells) {
   SubmapMap map({}), whole({});
   std::vector<int> pieces;
   std::size_t cells_before = 0, cells_after = 0;
@@ -545,7 +545,7 @@ TEST(SubmapMap, WithoutWhatIsNotNeededItIsTheSameMap) {
   EXPECT_GT(cells_after, cells_before / 5);
 }
 
-TEST(SubmapMap, TellsWhatWasSeenLately) {
+TEST(SubmapMap, SelectsCellsByTheTimeSeen) {
   Made old, young;
   old.set({1, 1, 1}, CellState::kOccupied);
   young.set({5, 1, 1}, CellState::kOccupied);
@@ -570,7 +570,7 @@ TEST(SubmapMap, TellsWhatWasSeenLately) {
   EXPECT_EQ(seen_since(31 * kSubmapScan), 0U);
 }
 
-TEST(SubmapMap, ClearanceIsTheDistanceToTheNearestOccupiedCellAfterAMoveToo) {
+TEST(SubmapMap, ReportsClearanceAlsoAfterAMove) {
   SubmapMap map({});
   const int piece = map.add(random_piece(1).packed(), random_pose(1, 1), 0, 0);
   map.add(random_piece(2).packed(), random_pose(1, 2), 0, 0);

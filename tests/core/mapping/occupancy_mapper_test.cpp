@@ -57,7 +57,7 @@ struct OccupancyMapping {
   std::shared_ptr<LocalCloud> cloud;
 };
 
-TEST(OccupancyMapper, AMemberOfTheTeamIsNoObstacleEvenWhenItRests) {
+TEST(OccupancyMapper, IgnoresRestingTeamMembers) {
   OccupancyMapping mapping{OccupancyMapperConfig{}};
   RelativeEstimate resting;
   resting.position_m = {14.05, 0.05, 2.05};
@@ -70,7 +70,7 @@ TEST(OccupancyMapper, AMemberOfTheTeamIsNoObstacleEvenWhenItRests) {
 }
 
 /// Two mappers of a team; one receives the reports of the other.
-TEST(OccupancyMapper, AMapOfToldRaysIsThatOfTheTeller) {
+TEST(OccupancyMapper, MatchesTheMapOfRaySenders) {
   AgentSetup setup;
   setup.num_vehicles = 2;
   setup.vehicle_names = {"listener", "teller"};
@@ -123,7 +123,7 @@ TEST(OccupancyMapper, TakesOneColumnInSoMany) {
   EXPECT_EQ(mapping.state({15.05, 0.05, 2.05}), CellState::kOccupied);
 }
 
-TEST(OccupancyMapper, ABeamWithoutReturnClearsUpToWhereItIsToldTo) {
+TEST(OccupancyMapper, ClearsToConfiguredRangeWithoutReturn) {
   OccupancyMapperConfig config;
   config.clear_range_m = 6.0;
   OccupancyMapping mapping(config);
@@ -163,7 +163,7 @@ TEST(OccupancyMapper, TrackedVehiclesAreNoObstacles) {
 }
 
 // Noisy scans of an OS0-128, thinned by four: a map of some million cells.
-TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
+TEST(OccupancyMapper, MatchesOctomapOnSimulatedScans) {
   for (const char* scenario : {"warehouse.yaml", "forest.yaml"}) {
     SCOPED_TRACE(scenario);
     OccupancyMapperConfig config;
@@ -199,7 +199,7 @@ TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
   }
 }
 
-TEST(OccupancyMapper, CountsReturnsThatLieBeyondItsReach) {
+TEST(OccupancyMapper, CountsReturnsBeyondItsRange) {
   OccupancyMapperConfig config;
   config.every_column = 1;
   config.map.range_max_m = 10.0;

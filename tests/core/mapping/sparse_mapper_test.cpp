@@ -44,7 +44,7 @@ struct Mapping {
   Outbox outbox;
 };
 
-TEST(SparseMapper, PutsWhatTheScanHitIntoTheLocalFrame) {
+TEST(SparseMapper, TransformsHitsIntoTheLocalFrame) {
   Mapping mapping(Module(mapper_module_types(), "sparse"));
   mapping.see(scan({4.0F, 0.0F, 0.5F}));
   const OccupancyView& map = mapping.mapper->map();
@@ -54,7 +54,7 @@ TEST(SparseMapper, PutsWhatTheScanHitIntoTheLocalFrame) {
   EXPECT_EQ(all.size(), 1U) << "a beam without return hits nothing, and what is nearer than range_min_m is left out";
 }
 
-TEST(SparseMapper, ABeamWithoutReturnClearsWhatWasThere) {
+TEST(SparseMapper, ClearsByBeamsWithoutReturn) {
   Mapping mapping(Module(mapper_module_types(), "sparse"));
   mapping.see(scan({4.0F, 0.0F, 0.0F}));
   for (int i = 0; i < 10; ++i) mapping.see(scan({0.0F, 0.0F, 0.0F}));
@@ -68,7 +68,7 @@ TEST(Mappers, NoneMakesNothing) {
   EXPECT_THROW(make_mapper(unknown, {}), std::invalid_argument);
 }
 
-TEST(SparseMapper, CountsReturnsThatLieBeyondItsReach) {
+TEST(SparseMapper, CountsReturnsBeyondItsReach) {
   Module module(mapper_module_types(), "sparse");
   module.as<SparseMapperConfig>().range_max_m = 10.0;
   Mapping mapping(module);

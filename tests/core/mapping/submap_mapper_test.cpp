@@ -94,7 +94,7 @@ SubmapMapperConfig every_beam() {
   return config;
 }
 
-TEST(SubmapMapper, KnowsTheSurroundingsBeforeAnySubmapIsFinished) {
+TEST(SubmapMapper, MapsSurroundingsBeforeFirstFinishedSubmap) {
   SubmapMapping mapping(every_beam());
   mapping.see({0, 0, 1});
   EXPECT_EQ(mapping.state({3, 1, 1}), CellState::kFree) << "also before there is a submap at all";
@@ -107,7 +107,7 @@ TEST(SubmapMapper, KnowsTheSurroundingsBeforeAnySubmapIsFinished) {
 }
 
 // The wall is in the middle of a cell; the released code of [Orsulic 2021] would have it half a cell off.
-TEST(SubmapMapper, TheCellsOfAFinishedSubmapAreThoseInWhichThePointsLie) {
+TEST(SubmapMapper, FinishedSubmapOccupiesItsPointsCells) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0.37, -0.2, 1));
   for (int i = 0; i < 5; ++i) mapping.see({0.03 + 0.3 * i, 0.02, 1.01});
@@ -122,7 +122,7 @@ TEST(SubmapMapper, TheCellsOfAFinishedSubmapAreThoseInWhichThePointsLie) {
   }
 }
 
-TEST(SubmapMapper, ASingleHitCountsInTheGrowingSubmapAndNotInAFinishedOne) {
+TEST(SubmapMapper, SingleHitCountsWhileSubmapGrows) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
   mapping.see({0, 0, 1});
@@ -133,7 +133,7 @@ TEST(SubmapMapper, ASingleHitCountsInTheGrowingSubmapAndNotInAFinishedOne) {
   EXPECT_EQ(mapping.state({3, 1, 1}), CellState::kFree);
 }
 
-TEST(SubmapMapper, WhenTheGraphMovesTheMapMovesAndTheSurroundingsStandStill) {
+TEST(SubmapMapper, GraphUpdateMovesMapNotSurroundings) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
   for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
@@ -152,7 +152,7 @@ TEST(SubmapMapper, WhenTheGraphMovesTheMapMovesAndTheSurroundingsStandStill) {
   EXPECT_GT(mapping.mapper->map().revision(), revision);
 }
 
-TEST(SubmapMapper, AFreshClosureThatTurnsAndLiftsAnOldSubmapTakesItsCellsAlong) {
+TEST(SubmapMapper, LoopClosureMovesOldSubmapCells) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(2, 1, 1));
   for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
@@ -174,7 +174,7 @@ TEST(SubmapMapper, AFreshClosureThatTurnsAndLiftsAnOldSubmapTakesItsCellsAlong) 
   EXPECT_GT(on_walls, 80);
 }
 
-TEST(SubmapMapper, WhatWasSeenBeforeThereWasASubmapHangsOnTheFirstOne) {
+TEST(SubmapMapper, AttachesEarlierScansToFirstSubmap) {
   SubmapMapping mapping(every_beam());
   for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
   mapping.begin_submap(at(0, 0, 1));
@@ -188,7 +188,7 @@ TEST(SubmapMapper, WhatWasSeenBeforeThereWasASubmapHangsOnTheFirstOne) {
   EXPECT_NE(mapping.state({1, 6.05, 1}), CellState::kOccupied);
 }
 
-TEST(SubmapMapper, ALongSubmapGoesOnInAnotherPiece) {
+TEST(SubmapMapper, ContinuesLongSubmapInAnotherPiece) {
   SubmapMapperConfig config = every_beam();
   config.piece_m = 2.0;
   SubmapMapping mapping(config);
@@ -221,7 +221,7 @@ TEST(SubmapMapper, ATrackedVehicleIsNoObstacle) {
   EXPECT_EQ(mapping.state({6.05, 3, 1}), CellState::kOccupied);
 }
 
-TEST(SubmapMapper, AnEarlierFlightsMapIsThereAsSoonAsItIsKnownWhereItLies) {
+TEST(SubmapMapper, AddsAnEarlierMapOnceLocated) {
   CellBlock block;
   block.occupied[0] = 1;  // its cell at (0, 0, 0)
   block.free[1] = 1;
@@ -256,7 +256,7 @@ std::size_t cells_kept(const SubmapMapping& mapping) {
   return count;
 }
 
-TEST(SubmapMapper, MemoryGrowsWithTheSpaceThatWasSeenAndNotWithTheWay) {
+TEST(SubmapMapper, MemoryGrowsWithSpaceNotDistance) {
   SubmapMapping mapping(every_beam());
   std::size_t after_two_laps = 0;
   for (int lap = 0; lap < 8; ++lap) {
@@ -272,7 +272,7 @@ TEST(SubmapMapper, MemoryGrowsWithTheSpaceThatWasSeenAndNotWithTheWay) {
 }
 
 // The pose graph drops a submap, and its cells hang on an older one. The next submap has its number.
-TEST(SubmapMapper, CellsOfADroppedSubmapMoveWithAnOlderOne) {
+TEST(SubmapMapper, DroppedSubmapsCellsFollowOlderSubmap) {
   SubmapMapperConfig config = every_beam();
   config.piece_m = 1.0;  // part of the dropped submap is in a finished piece
   SubmapMapping mapping(config);
@@ -302,7 +302,7 @@ TEST(SubmapMapper, CellsOfADroppedSubmapMoveWithAnOlderOne) {
 }
 
 // Visit after visit the pose graph drops the submap.
-TEST(SubmapMapper, AtOnePlaceThereAreFewPiecesAndTheMapIsThatOfAllVisits) {
+TEST(SubmapMapper, RepeatedVisitsMergeIntoFewPieces) {
   SubmapMapperConfig config = every_beam();
   config.covered_share = 1.0;  // otherwise pieces would be thinned
   SubmapMapping few(config), all(config);
@@ -337,7 +337,7 @@ TEST(SubmapMapper, AtOnePlaceThereAreFewPiecesAndTheMapIsThatOfAllVisits) {
   EXPECT_GT(known, 5000);
 }
 
-TEST(SubmapMapper, CellsAreForgottenWhenItIsUnknownWhereTheirSubmapWent) {
+TEST(SubmapMapper, ForgetsCellsOfAnUntraceableSubmap) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
   for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
@@ -354,7 +354,7 @@ TEST(SubmapMapper, CellsAreForgottenWhenItIsUnknownWhereTheirSubmapWent) {
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "what the first one saw";
 }
 
-TEST(SubmapMapper, OfMorePiecesThanMayBeTheOldestIsForgottenAndThatIsTold) {
+TEST(SubmapMapper, ForgetsOldestPieceAndCountsIt) {
   SubmapMapperConfig config = every_beam();
   config.pieces_max = 2;
   config.covered_share = 1.0;
@@ -371,7 +371,7 @@ TEST(SubmapMapper, OfMorePiecesThanMayBeTheOldestIsForgottenAndThatIsTold) {
   EXPECT_EQ(counters[1].of, 3U);
 }
 
-TEST(SubmapMapper, ThePictureOfTheMapTellsItsColors) {
+TEST(SubmapMapper, MapOverlayHasAColorLegend) {
   SubmapMapping mapping(every_beam());
   const auto picture = [&](const std::string& name) {
     std::vector<Overlay> overlays;
@@ -399,7 +399,7 @@ TEST(SubmapMapper, IsRefusedWithoutAPoseGraph) {
   EXPECT_FALSE(make_mapper(Module(mapper_module_types(), "occupancy"), {})->needs_submaps());
 }
 
-TEST(SubmapMapperConfig, FinerCellsAndMorePiecesWantMoreMemory) {
+TEST(SubmapMapperConfig, MemoryGrowsWithResolutionAndPieces) {
   SubmapMapperConfig config, finer, more;
   finer.edge_m = 0.5 * config.edge_m;
   more.pieces_max = 2 * config.pieces_max;

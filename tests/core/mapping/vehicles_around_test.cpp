@@ -46,7 +46,7 @@ struct Around {
   std::vector<Track> tracks;
 };
 
-TEST(VehiclesAround, ReturnsNearASampleOfANeighborAreItsOwn) {
+TEST(VehiclesAround, ClaimReturnsNearNeighborSamples) {
   Around around;
   around.sees(3, 0, {8.0, 0.0, 1.0});  // ahead, which is +y
   around.tick(0);
@@ -59,7 +59,7 @@ TEST(VehiclesAround, ReturnsNearASampleOfANeighborAreItsOwn) {
   EXPECT_FALSE(around.contains(there_m + Vector3(64.0 * 4.0, 0.0, 0.0))) << "its cells repeat, it does not";
 }
 
-TEST(VehiclesAround, WhereTheRangeIsUnsureTheyReachFartherAlongIt) {
+TEST(VehiclesAround, ReachFartherAlongUncertainRange) {
   Around around;
   Matrix3 covariance = Matrix3::Zero();
   covariance(0, 0) = 0.64;  // 0.8 m of the range
@@ -72,7 +72,7 @@ TEST(VehiclesAround, WhereTheRangeIsUnsureTheyReachFartherAlongIt) {
   EXPECT_FALSE(around.contains(there_m + Vector3(1.01, 0.0, 0.0)));
 }
 
-TEST(VehiclesAround, ASampleCountsForHalfASecondAndReachesFartherMeanwhile) {
+TEST(VehiclesAround, ExpireSamplesAfterHalfASecond) {
   Around around;
   around.sees(3, 0, {8.0, 0.0, 0.0});
   around.tick(0, false);
@@ -99,7 +99,7 @@ TEST(VehiclesAround, NamelessOnesAreAllKept) {
   EXPECT_TRUE(around.contains({10.0, -11.0, 5.0}));
 }
 
-TEST(VehiclesAround, ATrackIsWhereItFliesByTheTimeOfThePoint) {
+TEST(VehiclesAround, PredictTracksToThePointTime) {
   Around around;
   Track track;
   track.t = -2 * kNsPerSecond;
@@ -113,7 +113,7 @@ TEST(VehiclesAround, ATrackIsWhereItFliesByTheTimeOfThePoint) {
   EXPECT_FALSE(around.vehicles.contains({8.5F, 0.0F, 5.0F}, -kTenth * 2));
 }
 
-TEST(VehiclesAround, WithARadiusOfZeroAllAreObstacles) {
+TEST(VehiclesAround, ClaimNothingAtZeroRadius) {
   Around around(0.0);
   around.sees(3, 0, {8.0, 0.0, 0.0}, Matrix3::Identity());
   around.tick(0);

@@ -63,7 +63,7 @@ TEST(Assignment, IsTheBestOfAllPairings) {
 
 // A chain in which all rows find a partner only if each of them takes the dear one. As many as possible are paired,
 // whatever that costs.
-TEST(Assignment, PairsAsManyAsPossibleBeforeItSpares) {
+TEST(Assignment, MaximizesPairsBeforeMinimizingCost) {
   Assignment assignment;
   for (int n = 1; n <= 12; ++n) {
     for (const double cost : {1e-3, 1.0, 1e6}) {
@@ -78,7 +78,7 @@ TEST(Assignment, PairsAsManyAsPossibleBeforeItSpares) {
   }
 }
 
-TEST(Assignment, WithoutRowsOrColumnsThereIsNothingToPair) {
+TEST(Assignment, PairsNothingWithoutRowsOrColumns) {
   Assignment assignment;
   EXPECT_TRUE(assignment.solve({}, 0, 5).empty());
   const auto alone = assignment.solve({}, 3, 0);

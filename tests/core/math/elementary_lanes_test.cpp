@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(Elementary, LogarithmOfTheUnitIntervalIsThatOfTheStandardLibrary) {
+TEST(Elementary, LogarithmMatchesTheStandardLibrary) {
   const Random random(1, "test.log");
   Lanes2d u(1.0, 0.5);
   EXPECT_EQ(log_of_unit(u)[0], 0.0);
@@ -25,7 +25,7 @@ TEST(Elementary, LogarithmOfTheUnitIntervalIsThatOfTheStandardLibrary) {
   }
 }
 
-TEST(Elementary, SineAndCosineOfTurnsAreThoseOfTheStandardLibrary) {
+TEST(Elementary, SineAndCosineMatchStandardLibrary) {
   const Random random(1, "test.turns");
   for (std::uint32_t i = 0; i < 200'000; ++i) {
     const Lanes2d turns(random.uniform(0.0, 3.0, 0, i), random.uniform(0, i));
@@ -44,7 +44,7 @@ TEST(Elementary, SineAndCosineOfTurnsAreThoseOfTheStandardLibrary) {
   }
 }
 
-TEST(ElementaryLanes, FourAnglesHaveTheBitsOfEachAlone) {
+TEST(ElementaryLanes, FourAnglesMatchScalarBitsExactly) {
   const Random random(3, "test", "angles");
   for (std::uint32_t i = 0; i < 100'000; ++i) {
     Lanes4d angle_rad;

@@ -24,7 +24,7 @@ void expect_close(Ours ours, Theirs theirs, double low, double high, double unit
   }
 }
 
-TEST(ElementaryFunctions, AreAccurateToAFewUnitsInTheLastPlace) {
+TEST(ElementaryFunctions, AreAccurateToAFewUlps) {
   using namespace elementary;
   const auto of = [](auto f) { return f; };
   expect_close([](double x) { return elementary::sin(x); }, of([](long double x) { return sinl(x); }), -50, 50, 2,

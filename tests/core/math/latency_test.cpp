@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(Worker, IsBusyUntilItsLatencyIsOver) {
+TEST(Worker, IsBusyUntilItsLatencyElapses) {
   Worker worker(0.1);
   EXPECT_TRUE(worker.idle());
   EXPECT_FALSE(worker.due(kNsPerSecond));

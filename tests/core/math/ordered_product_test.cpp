@@ -38,7 +38,7 @@ void expect_ordered_sums() {
   }
 }
 
-TEST(OrderedProduct, HasTheSameBitsAtEveryAddress) {
+TEST(OrderedProduct, IsBitwiseIdenticalAtEveryAddress) {
   expect_ordered_sums<3, 3, 3>();
   expect_ordered_sums<9, 9, 9>();
   expect_ordered_sums<9, 3, 9>();

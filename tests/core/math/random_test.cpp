@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(Random, SameKeysGiveSameNumbersInAnyOrder) {
+TEST(Random, IsIndependentOfCallOrder) {
   const Random a(7, "lidar.range", "uav1/os1");
   const Random b(7, "lidar.range", "uav1/os1");
   const double late = a.normal(1000, 131071);
@@ -68,7 +68,7 @@ void expect_uniform(const std::vector<double>& x, const char* whose) {
   EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << whose;
 }
 
-TEST(Random, NormalsOfEveryKindHaveTheDistributionOfAStandardNormal) {
+TEST(Random, AllNormalsAreStandardNormal) {
   const Random random(9, "test");
   std::vector<double> single(kSamples), first(kSamples), second(kSamples), third(kSamples);
   for (std::size_t i = 0; i < single.size(); ++i) {
@@ -88,7 +88,7 @@ TEST(Random, NormalsOfEveryKindHaveTheDistributionOfAStandardNormal) {
   expect_standard_normal({filled.begin(), filled.end()}, "filled");
 }
 
-TEST(Random, TheThreeOfADrawAreIndependent) {
+TEST(Random, ComponentsOfADrawAreIndependent) {
   const Random random(1, "test");
   double xy = 0, yz = 0, zx = 0, of_squares = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
@@ -102,7 +102,7 @@ TEST(Random, TheThreeOfADrawAreIndependent) {
   EXPECT_NEAR(of_squares, 0.0, 5.0 * 2.0 / std::sqrt(kSamples));
 }
 
-TEST(Random, UniformsOfEveryKindFillTheirInterval) {
+TEST(Random, AllUniformsFillTheirInterval) {
   const Random random(9, "test");
   std::vector<double> single(kSamples);
   for (std::size_t i = 0; i < single.size(); ++i) single[i] = random.uniform(3, static_cast<std::uint32_t>(i));
@@ -112,7 +112,7 @@ TEST(Random, UniformsOfEveryKindFillTheirInterval) {
   expect_uniform({filled.begin(), filled.end()}, "filled");
 }
 
-TEST(Random, FilledNumbersDoNotDependOnTheSplit) {
+TEST(Random, FillIsIndependentOfTheSplit) {
   const Random random(1, "test");
   std::vector<float> whole(103), parts(103);
   random.fill_normal(4, 10, whole);

@@ -74,7 +74,7 @@ Everything filled() {
   return m;
 }
 
-TEST(Wire, EveryTypeOfFieldComesBackAsItWasSent) {
+TEST(Wire, PreservesEveryFieldType) {
   const Everything sent = filled();
   Message message;
   write_message(sent, message);
@@ -108,7 +108,7 @@ TEST(Wire, NumbersAreLittleEndianWithoutPadding) {
   EXPECT_EQ(bytes, expected);
 }
 
-TEST(Wire, AMessageOfAnotherKindOrVersionIsNotRead) {
+TEST(Wire, RefusesOtherKindsAndVersions) {
   Message message;
   write_message(NeighborPosition{1, {1, 2, 3}}, message);
   EXPECT_EQ(message.version, NeighborPosition::kVersion);
@@ -121,7 +121,7 @@ TEST(Wire, AMessageOfAnotherKindOrVersionIsNotRead) {
   EXPECT_EQ(read.t, 9) << "what was there must stay";
 }
 
-TEST(Wire, AMessageIsReadOnlyAtItsVeryLength) {
+TEST(Wire, ReadsMessagesOnlyAtExactLength) {
   Message whole;
   write_message(filled(), whole);
   Everything read;
@@ -136,7 +136,7 @@ TEST(Wire, AMessageIsReadOnlyAtItsVeryLength) {
   EXPECT_EQ(read.t, Everything{}.t);
 }
 
-TEST(Wire, WhateverBytesComeTheyAreReadOrRefused) {
+TEST(Wire, ReadsOrRefusesArbitraryBytes) {
   std::uint64_t state = 1;  // a congruential sequence: any bytes do
   for (int i = 0; i < 2000; ++i) {
     Message message;
@@ -168,7 +168,7 @@ TEST(Wire, RefusesInvalidChoicesAndRotations) {
   EXPECT_EQ(read_message(message, read), Reading::kBadValue);
 }
 
-TEST(Wire, ANumberThatIsNotFiniteIsRefused) {
+TEST(Wire, RefusesNonFiniteNumbers) {
   for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     Message message;
     write_message(NeighborPosition{.t = 1, .p_world_m = {0.0, value, 0.0}}, message);
@@ -178,7 +178,7 @@ TEST(Wire, ANumberThatIsNotFiniteIsRefused) {
   }
 }
 
-TEST(Wire, EveryReasonNotToReadHasItsWords) {
+TEST(Wire, DescribesEveryReasonForRefusal) {
   EXPECT_STREQ(reason_of(Reading::kDone), "");
   for (const Reading reading :
        {Reading::kOtherKind, Reading::kOtherVersion, Reading::kTooShort, Reading::kTooLong, Reading::kBadValue}) {
@@ -187,7 +187,7 @@ TEST(Wire, EveryReasonNotToReadHasItsWords) {
   EXPECT_STREQ(reason_of(Reading::kBadValue), "a value is out of range");
 }
 
-TEST(Wire, TheMemoryOfAMessageIsUsedAgain) {
+TEST(Wire, ReusesTheMemoryOfMessages) {
   Message message;
   write_message(NeighborPosition{}, message);
   const std::byte* const memory = message.payload.data();
@@ -209,7 +209,7 @@ class Counter final : public ColumnSink {
   std::size_t count = 0;
 };
 
-TEST(MessageKinds, HaveTopicsOfTheirOwnAndAWordAboutThemselves) {
+TEST(MessageKinds, HaveUniqueTopicsAndDescriptions) {
   for (const MessageKind& kind : message_kinds()) {
     EXPECT_EQ(find_message_kind(kind.topic), &kind) << kind.topic;
     EXPECT_GT(std::string(kind.doc).size(), 5U) << kind.topic;
@@ -219,7 +219,7 @@ TEST(MessageKinds, HaveTopicsOfTheirOwnAndAWordAboutThemselves) {
   EXPECT_EQ(find_message_kind("nobody's"), nullptr);
 }
 
-TEST(MessageKinds, ARecordedMessageHasItsContentItsSenderAndItsArrival) {
+TEST(MessageKinds, RecordContentSenderAndArrival) {
   Message message;
   message.from = 1;
   write_message(NeighborPosition{5, {1, 2, 3}}, message);
@@ -235,7 +235,7 @@ TEST(MessageKinds, ARecordedMessageHasItsContentItsSenderAndItsArrival) {
   EXPECT_EQ(row.count, message_columns(kind).size()) << "what cannot be read is not recorded";
 }
 
-TEST(NeighborPosition, TakesSixtyFourBytesOnTheAir) { EXPECT_EQ(find_message_kind("neighbor")->size_bytes(), 64U); }
+TEST(NeighborPosition, Takes64BytesOnTheAir) { EXPECT_EQ(find_message_kind("neighbor")->size_bytes(), 64U); }
 
 TEST(NeighborPosition, NamesEveryField) { EXPECT_TRUE(forgets<NeighborPosition>(0)); }
 

@@ -16,7 +16,7 @@ const testing::HallScan& hall() {
   return scan;
 }
 
-TEST(PclClouds, HaveThePointsOfTheScanInItsOrder) {
+TEST(PclClouds, PreserveScanPointsInOrder) {
   const pcl::PointCloud<pcl::PointXYZ> cloud = to_pcl(hall().labeled->scan);
   ASSERT_GT(cloud.size(), 1000U);
   EXPECT_TRUE(cloud.is_dense);
@@ -40,7 +40,7 @@ TEST(PclClouds, ImageConvertsBackToTheScan) {
   }
 }
 
-TEST(PclClouds, AnImageOfAnotherSizeIsNoImageOfTheScan) {
+TEST(PclClouds, RejectImagesOfAnotherSize) {
   Scan scan = hall().labeled->scan;
   EXPECT_THROW(from_pcl(to_pcl_with_intensity(scan, PclLayout::kReturns), scan), ContractViolation);
 }
@@ -61,7 +61,7 @@ TEST(PclClouds, LabelsStayWithTheirPoints) {
   EXPECT_EQ(k, back.size());
 }
 
-TEST(PclClouds, PointsThatAreNotFiniteDoNotComeBack) {
+TEST(PclClouds, DropNonFinitePoints) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Eigen::Vector3f> points = {{1, 2, 3}, {nan, 0, 0}, {4, 5, 6}};
   const pcl::PointCloud<pcl::PointXYZ> cloud = to_pcl(points);

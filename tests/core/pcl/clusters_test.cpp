@@ -64,7 +64,7 @@ TEST(PclClusters, OfNothingAreNone) {
   EXPECT_TRUE(clusters_by(*clusterer, {{nan, nan, nan}}, 0.2).empty());
 }
 
-TEST(PclClusters, AreChosenByNameOncePluggedIn) {
+TEST(PclClusters, AreChosenByNameOnceLoaded) {
   plug_in_pcl();
   EXPECT_TRUE(has_clusterer("pcl"));
   EXPECT_EQ(clusters_by(*make_clusterer("pcl"), heaps(0), 0.15),
@@ -72,7 +72,7 @@ TEST(PclClusters, AreChosenByNameOncePluggedIn) {
   EXPECT_THROW(make_clusterer("nobody's"), std::invalid_argument);
 }
 
-TEST(PclFilters, AVoxelGridLeavesOnePointInEachCube) {
+TEST(PclFilters, LeavesOnePointPerVoxel) {
   const Points points = {{0.1F, 0.1F, 0.1F}, {0.3F, 0.1F, 0.1F}, {1.5F, 0.5F, 0.5F}};
   const Points thinned = pcl_voxel_grid(points, 1.0);
   ASSERT_EQ(thinned.size(), 2U);

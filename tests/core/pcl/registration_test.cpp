@@ -37,17 +37,17 @@ void expect_near(const PclRegistration& found, double error_m, double error_deg)
   EXPECT_TRUE(found.T_target_source.linear().isUnitary(1e-9));
 }
 
-TEST(PclGicp, FindsTheMotionBetweenTwoSimulatedScans) {
+TEST(PclGicp, FindsMotionBetweenSimulatedScans) {
   expect_near(pcl_gicp(pair().source_m, pair().target_m, Pose::Identity()), 0.03, 0.3);
 }
 
-TEST(PclNdt, FindsTheMotionBetweenTwoSimulatedScansFromANearGuess) {
+TEST(PclNdt, FindsMotionFromNearbyGuess) {
   Pose guess = pair().T_target_source;
   guess.translation() += Vector3(0.15, -0.1, 0.05);
   expect_near(pcl_ndt(pair().source_m, pair().target_m, guess), 0.08, 0.8);
 }
 
-TEST(PclRegistration, TooFewPointsGiveTheGuessAndDoNotConverge) {
+TEST(PclRegistration, ReturnsUnconvergedGuessForFewPoints) {
   const std::vector<Eigen::Vector3f> few(3, Eigen::Vector3f::Ones());
   const Pose guess = make_pose({1.0, 2.0, 3.0}, Eigen::Quaterniond::Identity());
   for (const PclRegistration& found :
@@ -57,7 +57,7 @@ TEST(PclRegistration, TooFewPointsGiveTheGuessAndDoNotConverge) {
   }
 }
 
-TEST(PclRegistration, PointsThatAreNotFiniteAreLeftOut) {
+TEST(PclRegistration, IgnoresNonFinitePoints) {
   std::vector<Eigen::Vector3f> source_m = pair().source_m;
   source_m.insert(source_m.begin(), 50, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   expect_near(pcl_gicp(source_m, pair().target_m, Pose::Identity()), 0.03, 0.3);

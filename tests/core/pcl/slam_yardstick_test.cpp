@@ -43,7 +43,7 @@ std::vector<Eigen::Vector3f> thinned_body_m(const Scan& scan) {
   return pcl_voxel_grid(points_body_m, 0.25);
 }
 
-TEST(SlamYardstick, LocalSlamDriftsLessThanGicpAndNdtFromScanToScan) {
+TEST(SlamYardstick, DriftsLessThanGicpAndNdt) {
   sim::Scenario scenario = sim::load_scenario(
       std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/hall.yaml",
       {{"vehicles[observer].start.position_m", "[0.2, 0, 2.5]"},

@@ -69,7 +69,7 @@ BoxMap random_box(std::uint32_t k) {
   return map;
 }
 
-TEST(ClearPath, IsAsShortAsDijkstrasOnRandomGrids) {
+TEST(ClearPath, MatchesDijkstraLengthOnRandomGrids) {
   int found = 0, none = 0;
   for (std::uint32_t k = 0; k < 60; ++k) {
     const BoxMap map = random_box(k);
@@ -127,7 +127,7 @@ BoxMap gap_in_a_wall(int gap_cells) {
   return map;
 }
 
-TEST(ClearPath, GoesStraightWhereNothingIsAndAroundThroughAGap) {
+TEST(ClearPath, GoesStraightOrThroughAGap) {
   const BoxMap map = gap_in_a_wall(11);
   ClearPathConfig config;
   config.clearance_m = 0.4;
@@ -144,7 +144,7 @@ TEST(ClearPath, GoesStraightWhereNothingIsAndAroundThroughAGap) {
   EXPECT_EQ(find_clear_path(map, config, start, behind).status, ClearPathStatus::kNoPath) << "too narrow";
 }
 
-TEST(ClearPath, TellsWhyThereIsNone) {
+TEST(ClearPath, ReportsWhyNoneExists) {
   BoxMap map = gap_in_a_wall(11);
   ClearPathConfig config;
   config.clearance_m = 0.4;
@@ -173,7 +173,7 @@ TEST(ClearPath, TellsWhyThereIsNone) {
 }
 
 // Displaced as by a gust: 0.2 m from the wall where 0.4 m are required. The path must leave without getting nearer.
-TEST(ClearPath, LeavesAStartThatIsTooNearToAnObstacle) {
+TEST(ClearPath, LeavesStartsTooNearToObstacles) {
   const BoxMap map = gap_in_a_wall(11);
   ClearPathConfig config;
   config.clearance_m = 0.4;
@@ -186,7 +186,7 @@ TEST(ClearPath, LeavesAStartThatIsTooNearToAnObstacle) {
   }
 }
 
-TEST(ClearPath, LeavesAStartThatTheMapDoesNotKnow) {
+TEST(ClearPath, LeavesUnknownStarts) {
   BoxMap map({40, 30, 20}, 0.1);
   for (int x = 3; x < 9; ++x) {
     for (int y = 3; y < 9; ++y) {
@@ -198,7 +198,7 @@ TEST(ClearPath, LeavesAStartThatTheMapDoesNotKnow) {
   EXPECT_EQ(find_clear_path(map, config, {0.65, 0.65, 1.05}, {3.45, 2.05, 1.05}).status, ClearPathStatus::kFound);
 }
 
-TEST(ClearPath, AGreedySearchLooksAtLessAndIsLongerByAtMostItsFactor) {
+TEST(ClearPath, BoundsGreedyLengthByItsFactor) {
   const BoxMap map = gap_in_a_wall(13);
   ClearPathConfig config;
   config.clearance_m = 0.3;
@@ -212,7 +212,7 @@ TEST(ClearPath, AGreedySearchLooksAtLessAndIsLongerByAtMostItsFactor) {
   EXPECT_LE(length_m(greedy.corners_local_m), 1.5 * length_m(best.corners_local_m));
 }
 
-TEST(ClearPath, IsFlownInTimeAndStaysClear) {
+TEST(ClearPath, StaysClearWhenTimed) {
   const BoxMap map = gap_in_a_wall(13);
   ClearPathConfig config;
   config.clearance_m = 0.45;
@@ -229,7 +229,7 @@ TEST(ClearPath, IsFlownInTimeAndStaysClear) {
   }
 }
 
-TEST(BlockedPath, IsOneWhoseRestCameTooNearToSomething) {
+TEST(BlockedPath, DetectsObstaclesNearTheRemainingPart) {
   const std::vector<Vector3> corners = {{0.05, 0.05, 1.05}, {4.05, 0.05, 1.05}, {4.05, 4.05, 1.05}};
   ClearPathConfig config;
   config.clearance_m = 0.5;

@@ -23,7 +23,7 @@ constexpr double kCellEdge_m = 0.25;
 
 Vector3 cell_center(int x, int y, int z) { return kCellEdge_m * Vector3(x + 0.5, y + 0.5, z + 0.5); }
 
-TEST(ClearRules, ACellIsClearBeyondTheClearanceWithinTheHeightsAndWhenItIsKnown) {
+TEST(ClearRules, RequireKnownCellsWithSufficientClearance) {
   BoxMap map({20, 20, 12}, kCellEdge_m);
   map.at({10, 10, 6}) = CellState::kOccupied;
   map.at({3, 3, 6}) = CellState::kUnknown;
@@ -51,7 +51,7 @@ TEST(ClearRules, ACellIsClearBeyondTheClearanceWithinTheHeightsAndWhenItIsKnown)
   EXPECT_FALSE(space.near_start(start + Vector3(0, 0, 1e-6))) << "a start that is clear needs no ball";
 }
 
-TEST(ClearRules, AStartThatIsNotClearIsLeftThroughABallHalfAMeterWiderThanTheClearance) {
+TEST(ClearRules, EscapeBlockedStartsThroughABall) {
   BoxMap map({40, 20, 12}, kCellEdge_m);
   map.at({10, 10, 6}) = CellState::kOccupied;
   ClearPathConfig config;
@@ -76,7 +76,7 @@ TEST(ClearRules, AStartThatIsNotClearIsLeftThroughABallHalfAMeterWiderThanTheCle
   EXPECT_TRUE(low.is_clear(cell_center(17, 10, 6)));
 }
 
-TEST(ClearRules, EveryCellOfASegmentIsLookedAt) {
+TEST(ClearRules, CheckEveryCellOfASegment) {
   BoxMap map({20, 20, 12}, kCellEdge_m);
   ClearPathConfig config;
   config.clearance_m = 0.01;
@@ -106,7 +106,7 @@ TEST(ClearRules, EveryCellOfASegmentIsLookedAt) {
   EXPECT_TRUE(space.is_clear_segment(cell_center(2, 1, 1), cell_center(2, 1, 1)));
 }
 
-TEST(ClearRules, OverOpenSpaceOnlyTheCellsOfTheWayAreLookedAt) {
+TEST(ClearRules, ExpandOnlyPathCellsWhenUnobstructed) {
   const BoxMap map({24, 24, 24}, kCellEdge_m);
   ClearPathConfig config;
   config.clearance_m = 0.1;
@@ -122,7 +122,7 @@ TEST(ClearRules, OverOpenSpaceOnlyTheCellsOfTheWayAreLookedAt) {
   }
 }
 
-TEST(ClearRules, ItsStatusesAreToldApartInWords) {
+TEST(ClearRules, GiveEachStatusADistinctText) {
   std::vector<std::string> texts;
   for (int i = 0; i <= static_cast<int>(ClearPathStatus::kBudgetSpent); ++i)
     texts.emplace_back(text_of(static_cast<ClearPathStatus>(i)));
@@ -132,7 +132,7 @@ TEST(ClearRules, ItsStatusesAreToldApartInWords) {
   EXPECT_NE(texts.front(), "");
 }
 
-TEST(ClearRules, AMapReachesAMillionCellsFar) {
+TEST(ClearRules, ReachAMillionCells) {
   EXPECT_TRUE(is_on_map({0, 0, 249'999}, kCellEdge_m));
   EXPECT_FALSE(is_on_map({0, -250'000, 0}, kCellEdge_m));
   EXPECT_FALSE(is_on_map({std::nan(""), 0, 0}, kCellEdge_m));
@@ -153,7 +153,7 @@ TEST(GridBudget, IsWhatAStraightWayNeeds) {
   }
 }
 
-TEST(GridBudget, TheBordersOfTheBoxBelongToIt) {
+TEST(GridBudget, IncludesTheBordersOfTheBox) {
   // A wall that leaves only the outermost cells free.
   const testing::BoxSpace box([](const Vector3& p) { return std::abs(p.x()) < 9.4 && std::abs(p.y()) < 9.4; }, 1);
   const PathResult path = find_path(box, {-9.75, -9.75, 0.25}, {9.75, 9.75, 0.25});

@@ -14,7 +14,7 @@ CellGrid small_grid() {
   return grid;
 }
 
-TEST(CellGrid, CellsAreCountedAlongXThenYThenZ) {
+TEST(CellGrid, NumbersCellsInXyzOrder) {
   const CellGrid grid = small_grid();
   EXPECT_EQ(grid.num_cells(), 60U);
   int index = 0;
@@ -33,7 +33,7 @@ TEST(CellGrid, CellsAreCountedAlongXThenYThenZ) {
   }
 }
 
-TEST(CellGrid, PlacesOutsideBelongToTheNearestCell) {
+TEST(CellGrid, AssignsOutsidePointsToNearestCell) {
   const CellGrid grid = small_grid();
   EXPECT_EQ(grid.cell_at({-9.0, 2.6, 99.0}), Eigen::Vector3i(0, 1, 4));
   EXPECT_EQ(grid.cell_at({9.0, 99.0, -9.0}), Eigen::Vector3i(3, 2, 0));
@@ -56,7 +56,7 @@ class Slab : public FreeSpaceView {
   double from_m_, to_m_;
 };
 
-TEST(FreeSegment, IsAskedFromEndToEndAtMostHalfACellApart) {
+TEST(FreeSegment, SamplesEveryHalfCellOrCloser) {
   const Slab space(50.0, 51.0);
   const Vector3 a(0.1, 0.2, 0.3), b(2.0, -1.0, 0.8);
   EXPECT_TRUE(is_free_segment(space, a, b));
@@ -69,13 +69,13 @@ TEST(FreeSegment, IsAskedFromEndToEndAtMostHalfACellApart) {
   }
 }
 
-TEST(FreeSegment, OneShorterThanHalfACellIsAskedAtItsEndsOnly) {
+TEST(FreeSegment, SamplesOnlyTheEndsWhenShort) {
   const Slab space(50.0, 51.0);
   EXPECT_TRUE(is_free_segment(space, {0, 0, 0}, {0.1, 0, 0}));
   EXPECT_EQ(space.asked_at_m.size(), 2U);
 }
 
-TEST(FreeSegment, IsNotFreeIfEitherEndOrItsMiddleIsNot) {
+TEST(FreeSegment, IsBlockedAtEndsOrMiddle) {
   EXPECT_FALSE(is_free_segment(Slab(-0.1, 0.1), {0, 0, 0}, {3, 0, 0}));
   EXPECT_FALSE(is_free_segment(Slab(2.9, 3.1), {0, 0, 0}, {3, 0, 0}));
   EXPECT_FALSE(is_free_segment(Slab(1.4, 1.7), {0, 0, 0}, {3, 0, 0}));

@@ -13,7 +13,7 @@ using testing::length_m;
 
 bool wall_with_gap(const Vector3& p) { return std::abs(p.x()) < 0.6 && p.y() < 6.0; }
 
-TEST(CellGrid, CountsAlongXThenYThenZ) {
+TEST(CellGrid, CountsXFirstAndZLast) {
   const BoxSpace box(wall_with_gap);
   const CellGrid& grid = box.grid();
   EXPECT_EQ(grid.num_cells(), 40U * 40U * 8U);
@@ -25,14 +25,14 @@ TEST(CellGrid, CountsAlongXThenYThenZ) {
   EXPECT_EQ(grid.cell_at({-99, 99, 1.9}), Eigen::Vector3i(0, 39, 3));
 }
 
-TEST(GridSearch, FliesStraightWhereNothingIsInTheWay) {
+TEST(GridSearch, FliesStraightThroughFreeSpace) {
   const BoxSpace box([](const Vector3&) { return false; });
   const PathResult path = find_path(box, {-8, -7, 1}, {8, 7, 3});
   EXPECT_EQ(path.status, PathStatus::kFound);
   EXPECT_EQ(path.corners_world_m, (std::vector<Vector3>{{-8, -7, 1}, {8, 7, 3}}));
 }
 
-TEST(GridSearch, GoesAroundAWallOnAFreeAndShortPath) {
+TEST(GridSearch, FindsShortFreePathAroundWall) {
   const BoxSpace box(wall_with_gap);
   const PathResult path = find_path(box, {-8, -5, 1}, {8, -5, 1});
   ASSERT_EQ(path.status, PathStatus::kFound);
@@ -47,7 +47,7 @@ TEST(GridSearch, GoesAroundAWallOnAFreeAndShortPath) {
   EXPECT_EQ(find_path(box, {-8, -5, 1}, {8, -5, 1}).corners_world_m, path.corners_world_m);
 }
 
-TEST(GridSearch, TellsWhyThereIsNoPath) {
+TEST(GridSearch, ExplainsMissingPath) {
   const BoxSpace gap(wall_with_gap), wall([](const Vector3&p) { return std::abs(p.x()) < 0.6; });
   EXPECT_EQ(find_path(gap, {0, 0, 1}, {8, 0, 1}).status, PathStatus::kStartNotFree);
   EXPECT_EQ(find_path(gap, {8, 0, 1}, {0, 0, 1}).status, PathStatus::kGoalNotFree);
@@ -56,7 +56,7 @@ TEST(GridSearch, TellsWhyThereIsNoPath) {
   EXPECT_TRUE(find_path(gap, {-8, 0, 1}, {8, 0, 1}, 20).corners_world_m.empty());
 }
 
-TEST(GridSearch, StaysWhereItIsWhenTheGoalIsInTheSameCell) {
+TEST(GridSearch, StaysWhenGoalSharesItsCell) {
   const BoxSpace box(wall_with_gap);
   const PathResult path = find_path(box, {5.1, 5.1, 1.1}, {5.3, 5.2, 1.2});
   EXPECT_EQ(path.corners_world_m, (std::vector<Vector3>{{5.1, 5.1, 1.1}, {5.3, 5.2, 1.2}}));

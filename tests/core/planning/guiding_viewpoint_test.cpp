@@ -55,7 +55,7 @@ TEST(VisibilityRing, IsADiscWhereNothingStands) {
   EXPECT_NEAR(area_m2(inside_of(ring)), 250.0 * 36.0 * std::sin(2.0 * std::numbers::pi / 500.0), 1e-3);
 }
 
-TEST(VisibilityRing, EndsAtAWallAndSeesThroughAGap) {
+TEST(VisibilityRing, EndsAtWallsButNotGaps) {
   const CellListMap map = two_rooms(1.0);
   const PlaneRegion seen = inside_of(visibility_ring(map, {0, 0, 1}, 6.0, 2000));
   // Through the gap only what lies between its two edges, as seen from the origin: |y| / x <= 0.5 / 2.1.
@@ -93,7 +93,7 @@ TEST(GuidingViewpoint, KeepsItsDistances) {
   }
 }
 
-TEST(GuidingViewpoint, SeesAsFarBehindAGapAsGeometryAllows) {
+TEST(GuidingViewpoint, SeesBehindGapAsGeometryAllows) {
   // A path straight through the gap to a point 1 m behind its edge: the line of sight to that point passes the gap.
   const CellListMap map = two_rooms(1.2);
   const std::vector<Vector3> path = {{-0.5, 0, 1}, {1, 0, 1}, {3, 0, 1}};
@@ -127,7 +127,7 @@ TEST(GuidingViewpoint, CountsWaypointsWithoutInterruption) {
   }
 }
 
-TEST(GuidingViewpoint, WhereTheStartIsHiddenTheFirstWaypointInSightIsTheStart) {
+TEST(GuidingViewpoint, StartsAtFirstVisibleWaypoint) {
   // The first waypoint lies in a box; from outside one sees the others.
   CellListMap map;
   map.occupy_box({-4.5, -0.5, 0.8}, {-3.5, -0.4, 1.2});
@@ -145,7 +145,7 @@ TEST(GuidingViewpoint, WhereTheStartIsHiddenTheFirstWaypointInSightIsTheStart) {
   EXPECT_TRUE(find_guiding_viewpoints(map, {-1, 4, 1}, path, rules).best_first.empty());
 }
 
-TEST(GuidingViewpoint, TellsWhenThereIsNone) {
+TEST(GuidingViewpoint, ReportsWhenNoneExists) {
   CellListMap map;
   for (const double y : {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0}) {
     for (const double x : {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0}) map.occupy_box({x, y, 0.5}, {x + 0.2, y + 0.2, 1.5});
@@ -158,7 +158,7 @@ TEST(GuidingViewpoint, TellsWhenThereIsNone) {
   EXPECT_EQ(found.num_visible, 0);
 }
 
-TEST(GuidingViewpoint, UnknownSpaceIsNoPlaceToStand) {
+TEST(GuidingViewpoint, RefusesUnknownSpace) {
   CellListMap map;
   map.known_within_m = 3.0;
   ViewpointRules rules = published();
@@ -181,7 +181,7 @@ class HoledMap : public CellListMap {
   }
 };
 
-TEST(GuidingViewpoint, AHoleInAWallThatNobodyHasSeenIsNoSight) {
+TEST(GuidingViewpoint, RefusesSightThroughUnobservedHoles) {
   HoledMap map;
   map.occupy_box({2.0, -6.0, 0.5}, {2.1, -0.2, 1.5});
   map.occupy_box({2.0, 0.2, 0.5}, {2.1, 6.0, 1.5});
@@ -196,7 +196,7 @@ TEST(GuidingViewpoint, AHoleInAWallThatNobodyHasSeenIsNoSight) {
   EXPECT_GT(through.p_local_m->x(), 2.1);
 }
 
-TEST(GuidingViewpoint, ItsInterpretationsDifferWhereTheClosestSpaceSeesLess) {
+TEST(GuidingViewpoint, DiffersByInterpretationOfSafeSpace) {
   // A wall along y = 0 with the path on its northern side; near its western end one sees the start of the path from the
   // south. The watcher stands in the south; the north sees everything.
   CellListMap map;
@@ -216,7 +216,7 @@ TEST(GuidingViewpoint, ItsInterpretationsDifferWhereTheClosestSpaceSeesLess) {
   EXPECT_GT(most.num_visible, closest.num_visible);
 }
 
-TEST(GuidingViewpoint, OffersEveryConnectedSpaceTheBestFirst) {
+TEST(GuidingViewpoint, OffersEveryConnectedSpaceBestFirst) {
   // Seen through the gap from either room: a wall that no larger vehicle passes has a second space behind it.
   const CellListMap map = two_rooms(1.0);
   ViewpointRules rules = published();
@@ -233,7 +233,7 @@ TEST(GuidingViewpoint, OffersEveryConnectedSpaceTheBestFirst) {
   EXPECT_FALSE(std::all_of(all.best_first.begin(), all.best_first.end(), east));
 }
 
-TEST(GuidingViewpoint, InSpaceATableHidesWhatStandsBelow) {
+TEST(GuidingViewpoint, RespectsOcclusionByATableIn3d) {
   // The watcher's plane is above a table's top, the path below it: in the waypoint's own plane nothing stands between.
   CellListMap map;
   map.occupy_box({-2.5, -2.5, 1.4}, {2.5, 2.5, 1.5});
@@ -250,7 +250,7 @@ TEST(GuidingViewpoint, InSpaceATableHidesWhatStandsBelow) {
   EXPECT_FALSE(in_space.p_local_m && map.first_hit(*in_space.p_local_m, path[0]));
 }
 
-TEST(GuidingViewpoint, SeesAsManyWaypointsAsASearchEverywhere) {
+TEST(GuidingViewpoint, MatchesExhaustiveSearchInVisibleWaypoints) {
   CellListMap map;
   map.occupy_box({-1.0, 1.0, 0.8}, {-0.8, 3.0, 1.2});
   map.occupy_box({1.5, -2.5, 0.8}, {1.7, -0.7, 1.2});

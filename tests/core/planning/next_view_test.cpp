@@ -51,7 +51,7 @@ NextViewConfig rules() {
   return config;
 }
 
-TEST(NextView, NothingIsUnknownInAHallThatIsKnown) {
+TEST(NextView, FindsNothingUnknownInKnownHalls) {
   const BoxMap map = hall();
   const NextView found = find_next_view(map, rules(), {}, GivenUp(0.4), {1.1, 3.0, 1.5});
   EXPECT_EQ(found.status, NextViewStatus::kNothingLeft);
@@ -59,7 +59,7 @@ TEST(NextView, NothingIsUnknownInAHallThatIsKnown) {
   EXPECT_GT(found.expansions, 300U) << "it looked everywhere";
 }
 
-TEST(NextView, LiesWhereTheUnknownEndOfAHallIsSeen) {
+TEST(NextView, LiesInSightOfUnknownEnd) {
   BoxMap map = hall();
   fill(map, {9, kEdge_m, kEdge_m}, {12 - kEdge_m, 6 - kEdge_m, 3 - kEdge_m}, CellState::kUnknown);
   const Vector3 start_m(1.1, 3.0, 1.5);
@@ -102,7 +102,7 @@ double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector
   return best;
 }
 
-TEST(NextView, IsTheBestOfAllThatCanBeReached) {
+TEST(NextView, IsBestOfAllReachableViews) {
   for (int trial = 0; trial < 6; ++trial) {
     const Random random(7, "next view", std::to_string(trial));
     BoxMap map = hall();
@@ -128,7 +128,7 @@ TEST(NextView, IsTheBestOfAllThatCanBeReached) {
   }
 }
 
-TEST(NextView, CountsOnlyWhatLiesInTheBoxAndWasNotGivenUp) {
+TEST(NextView, CountsRemainingCellsInTheBox) {
   BoxMap map = hall();
   fill(map, {9, kEdge_m, kEdge_m}, {12 - kEdge_m, 6 - kEdge_m, 3 - kEdge_m}, CellState::kUnknown);
   WorldBox box;
@@ -149,7 +149,7 @@ TEST(NextView, ABoxTurnsWithTheWorld) {
   EXPECT_FALSE(box.holds({-5, 0, 0}));
 }
 
-TEST(NextView, SightEndsAtWallsAtItsRangeAndAtItsEdges) {
+TEST(NextView, SightEndsAtWallsAndRange) {
   BoxMap map = hall();
   fill(map, {9, kEdge_m, kEdge_m}, {12 - kEdge_m, 6 - kEdge_m, 3 - kEdge_m}, CellState::kUnknown);
   const GivenUp none(0.4);

@@ -14,7 +14,7 @@ namespace {
 bool anywhere(const Vector3&) { return true; }
 
 // A straight path from rest to rest takes l / v + v / a, or 2 sqrt(l / a) when it is too short for the speed.
-TEST(PathTimes, StraightWaysTakeTheTimeOfTheTrapezoid) {
+TEST(PathTimes, MatchTrapezoidOnStraightPaths) {
   const PathLimits limits{
       .speed_mps = 2.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.5};
   const auto duration_s = [&](const Vector3& to_m) {
@@ -28,7 +28,7 @@ TEST(PathTimes, StraightWaysTakeTheTimeOfTheTrapezoid) {
   EXPECT_NEAR(duration_s({1.5, 0, 0}), 2.0 * std::sqrt(1.5 / 1.2), 0.4);
 }
 
-TEST(PathTimes, ThereAndBackTakeTheSameTime) {
+TEST(PathTimes, AreEqualInBothDirections) {
   const PathLimits limits{
       .speed_mps = 2.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.5};
   std::vector<Vector3> corners = {{0, 0, 3}, {6, 0, 3}, {6, 9, 5}, {-2, 9, 5}};
@@ -42,7 +42,7 @@ TEST(PathTimes, ThereAndBackTakeTheSameTime) {
 }
 
 // Two paths lead around a square; the shorter one is taken, on either side.
-TEST(PathTimes, TheShorterOfTwoWaysAroundIsTaken) {
+TEST(PathTimes, TakeTheShorterWayAround) {
   for (const double shift_m : {-2.0, 2.0}) {
     const testing::BoxSpace floor(
         [&](const Vector3& p) { return std::abs(p.x()) < 3.0 && std::abs(p.y() - shift_m) < 4.0; }, 1);

@@ -12,7 +12,7 @@ namespace {
 const PathLimits kLimits{
     .speed_mps = 3.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.7};
 
-TEST(PathTiming, KeepsSpeedAndAccelerationAroundACorner) {
+TEST(PathTiming, LimitsSpeedAndAccelerationAroundCorners) {
   const auto path = time_path({{0, 0, 3}, {12, 0, 3}, {12, 12, 4}}, kLimits, [](const Vector3&) { return true; });
   ASSERT_TRUE(path.has_value());
   EXPECT_DOUBLE_EQ(path->yaw_rad, 0.0);
@@ -42,7 +42,7 @@ TEST(PathTiming, KeepsTheVerticalSpeed) {
   for (double t_s = 0.0; t_s <= spline.duration_s(); t_s += 0.01) EXPECT_LE(spline.at(t_s).v_mps.z(), 1.0 * 1.02);
 }
 
-TEST(PathTiming, CutsACornerLessWhereThereIsLittleRoomAndNotWhereThereIsNone) {
+TEST(PathTiming, CutsCornersAccordingToAvailableRoom) {
   const Vector3 corner(12, 0, 3);
   const auto cut_m = [&](double room_m) {
     const auto has_room = [&](const Vector3& p) { return std::min(12.0 - p.x(), p.y()) < room_m; };
@@ -56,7 +56,7 @@ TEST(PathTiming, CutsACornerLessWhereThereIsLittleRoomAndNotWhereThereIsNone) {
   EXPECT_TRUE(std::isnan(cut_m(0.01)));
 }
 
-TEST(PathTiming, AWayToldInManyShortLegsIsTheSameAsInLongOnes) {
+TEST(PathTiming, IsIndependentOfPathSubdivision) {
   const std::vector<Vector3> corners = {{0, 0, 3}, {6, 0, 3}, {6, 6, 3}};
   std::vector<Vector3> short_legs = {corners[0]};
   for (int leg = 0; leg < 2; ++leg) {

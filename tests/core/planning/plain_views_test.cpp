@@ -24,7 +24,7 @@ using testing::CellListMap;
 
 // ---- where to look next
 
-TEST(PlainViews, WhatIsGivenUpIsACubeOfItsGrainOnBothSidesOfZero) {
+TEST(PlainViews, AbandonedCubesAreCorrectAcrossZero) {
   GivenUp given_up(0.5);
   given_up.add({-0.1, 0.2, 7.4});
   EXPECT_EQ(given_up.size(), 1U);
@@ -59,7 +59,7 @@ NextViewConfig short_sighted() {
   return config;
 }
 
-TEST(PlainViews, EveryOtherPlaceOfTheLatticeIsAView) {
+TEST(PlainViews, ViewsLieOnEveryOtherNode) {
   const BoxMap map = corridor();
   const NextViewConfig config = short_sighted();
   const Vector3 start_m(0.9, 1.4, 1.4);
@@ -80,7 +80,7 @@ TEST(PlainViews, EveryOtherPlaceOfTheLatticeIsAView) {
   EXPECT_EQ(find_next_view(map, strict, {}, GivenUp(0.5), start_m).status, NextViewStatus::kNothingLeft);
 }
 
-TEST(PlainViews, ItsBudgetIsCountedInPlacesAndWhatWasFoundByThenIsTaken) {
+TEST(PlainViews, BudgetLimitsExpansionsButKeepsResults) {
   const BoxMap map = corridor();
   NextViewConfig config = short_sighted();
   const Vector3 start_m(0.9, 1.4, 1.4);
@@ -104,7 +104,7 @@ TEST(PlainViews, ItsBudgetIsCountedInPlacesAndWhatWasFoundByThenIsTaken) {
   EXPECT_EQ(find_next_view(map, config, {}, GivenUp(0.5), start_m).corners_local_m, whole.corners_local_m);
 }
 
-TEST(PlainViews, AStartThatNothingLeadsOutOfIsEnclosed) {
+TEST(PlainViews, ReportsAnEnclosedStart) {
   BoxMap map({24, 24, 24}, 0.25);
   for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) map.at(map.grid().cell(i)) = CellState::kUnknown;
   GivenUp all(100.0);
@@ -117,7 +117,7 @@ TEST(PlainViews, AStartThatNothingLeadsOutOfIsEnclosed) {
 
 // ---- from where a path is watched
 
-TEST(PlainViews, AWaypointIsSeenFromEveryPlaceThatIsSafeAndHasItInSight) {
+TEST(PlainViews, WaypointIsVisibleFromSafePlaces) {
   CellListMap map(0.2);
   map.occupy_box({-0.6, 0.8, 0.4}, {-0.4, 1.6, 1.6});
   map.occupy_box({1.0, -1.6, 0.4}, {1.2, -0.6, 1.6});
@@ -175,7 +175,7 @@ TEST(PlainViews, AWaypointIsSeenFromEveryPlaceThatIsSafeAndHasItInSight) {
   }
 }
 
-TEST(PlainViews, AViewpointHasItsMarginAndIsTheNearestOfItsKind) {
+TEST(PlainViews, ViewpointIsNearestWithItsMargin) {
   // An aisle with a meter of room: the path is in its middle, and no viewpoint has 0.6 m to both walls.
   CellListMap map(0.1);
   map.occupy_box({-4.0, 1.2, 0.5}, {4.0, 1.3, 1.5});
@@ -212,7 +212,7 @@ PlaneRegion random_star(std::uint32_t trial, std::uint32_t which) {
   return inside_of(ring);
 }
 
-TEST(PlainRegion, PointsLieInWhatTheOperationsSay) {
+TEST(PlainRegion, SetOperationsMatchPointMembership) {
   for (std::uint32_t trial = 0; trial < 12; ++trial) {
     const PlaneRegion a = random_star(trial, 0), b = random_star(trial, 1);
     const PlaneRegion both[] = {a, b};
@@ -234,7 +234,7 @@ TEST(PlainRegion, PointsLieInWhatTheOperationsSay) {
   }
 }
 
-TEST(PlainRegion, TheBorderIsAsFarAsTheNearestOfItsPoints) {
+TEST(PlainRegion, BorderDistanceMatchesDenseSampling) {
   const Random random(2, "test.border");
   for (std::uint32_t trial = 0; trial < 6; ++trial) {
     const PlaneRegion region = random_star(trial, 0);
@@ -261,7 +261,7 @@ TEST(PlainRegion, TheBorderIsAsFarAsTheNearestOfItsPoints) {
   EXPECT_NEAR(distance_to_border_m(point, {4, 6}), 5.0, 1e-12);
 }
 
-TEST(PlainRegion, WhatLiesAroundAPathIsWithinItsDistanceToHalfAPercent) {
+TEST(PlainRegion, PathBufferIsWithinHalfPercent) {
   const Random random(3, "test.around");
   for (std::uint32_t trial = 0; trial < 8; ++trial) {
     std::vector<Vector2> path;
@@ -324,7 +324,7 @@ TEST(PlainPlan, TakesTheNearestClearGoal) {
   }
 }
 
-TEST(PlainPlan, AGoalWithinTheToleranceIsReachedAndOneBeyondItIsNot) {
+TEST(PlainPlan, ReachesGoalsWithinTheToleranceOnly) {
   const CellListMap map(0.25);
   TeamPlannerConfig config;
   config.primary.max_expansions = config.secondary.max_expansions = 50;

@@ -16,7 +16,7 @@ PlaneRegion rectangle(double x0, double y0, double x1, double y1) {
 
 PlaneRegion l_shape() { return inside_of({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}); }
 
-TEST(PlaneRegion, AreasOfRectanglesAreThoseOfGeometry) {
+TEST(PlaneRegion, MatchesTheExactAreaOfRectangles) {
   const PlaneRegion a = rectangle(0, 0, 4, 3), b = rectangle(2, 1, 6, 5);
   EXPECT_NEAR(area_m2(a), 12.0, 1e-9);
   EXPECT_NEAR(area_m2(intersection_of(a, b)), 4.0, 1e-9);
@@ -24,16 +24,16 @@ TEST(PlaneRegion, AreasOfRectanglesAreThoseOfGeometry) {
   EXPECT_NEAR(area_m2(union_of(std::vector{a, b})), 24.0, 1e-9);
 }
 
-TEST(PlaneRegion, DirectionOfALineDoesNotMatter) {
+TEST(PlaneRegion, IgnoresLineDirection) {
   EXPECT_NEAR(area_m2(inside_of({{0, 0}, {0, 2}, {2, 2}, {2, 0}})), 4.0, 1e-9);
 }
 
-TEST(PlaneRegion, RegionsThatOnlyTouchHaveNothingInCommon) {
+TEST(PlaneRegion, HasNoIntersectionWhenMerelyTouching) {
   EXPECT_TRUE(intersection_of(rectangle(0, 0, 1, 1), rectangle(1, 0, 2, 1)).empty());
   EXPECT_TRUE(intersection_of(rectangle(0, 0, 1, 1), rectangle(5, 5, 6, 6)).empty());
 }
 
-TEST(PlaneRegion, NearlyCollinearEdgesAreNoSpecialCase) {
+TEST(PlaneRegion, HandlesNearlyCollinearEdges) {
   // Rays of a visibility region along a wall end a nanometer before or behind each other.
   Ring jagged{{0, 0}};
   for (int i = 0; i <= 400; ++i) jagged.emplace_back(0.01 * i, 1.0 + (i % 3 - 1) * 1e-9);
@@ -45,7 +45,7 @@ TEST(PlaneRegion, NearlyCollinearEdgesAreNoSpecialCase) {
   EXPECT_NEAR(area_m2(difference_of(region, rectangle(1, -1, 3, 1.0000005))), 2.0, 1e-5);
 }
 
-TEST(PlaneRegion, APathIsSurroundedByItsDistance) {
+TEST(PlaneRegion, SurroundsAPathByItsDistance) {
   const std::vector<Vector2> path = {{0, 0}, {3, 0}, {3, 4}};
   const double r = 0.5;
   const PlaneRegion around = around_path(path, r);
@@ -87,7 +87,7 @@ TEST(PlaneRegion, CellsAreJoinedAcrossEdgesOnly) {
   EXPECT_EQ(parts_of(region).size(), 2U) << "cells (1, 1) and (2, 2) share a corner only";
 }
 
-TEST(PlaneRegion, MarkingTakesTheCellsWhoseCentersLieInside) {
+TEST(PlaneRegion, MarksCellsWithCentersInside) {
   const Random random(7, "test", "plane_region");
   for (int trial = 0; trial < 20; ++trial) {
     Ring star;
@@ -107,7 +107,7 @@ TEST(PlaneRegion, MarkingTakesTheCellsWhoseCentersLieInside) {
   }
 }
 
-TEST(PlaneRegion, TheCellsOfAMaskComeBackFromItsRegion) {
+TEST(PlaneRegion, RestoresTheCellsOfAMask) {
   CellMask mask{.origin_m = {0.3, -0.7}, .edge_m = 0.1, .columns = 30, .rows = 20, .cells = std::vector<char>(600)};
   const Random random(8, "test", "plane_region");
   for (std::size_t i = 0; i < mask.cells.size(); ++i) mask.cells[i] = random.uniform(0, i) < 0.6;
@@ -117,7 +117,7 @@ TEST(PlaneRegion, TheCellsOfAMaskComeBackFromItsRegion) {
   EXPECT_EQ(back.cells, mask.cells);
 }
 
-TEST(Pole, IsTheCenterOfASquareAndOfADisc) {
+TEST(Pole, IsCentralInSquaresAndDiscs) {
   const Pole square = pole_of_inaccessibility(rectangle(1, 2, 5, 6), 1e-3);
   EXPECT_NEAR(square.distance_m, 2.0, 1e-3);
   EXPECT_LT((square.p_m - Vector2(3, 4)).norm(), 2e-3);
@@ -125,7 +125,7 @@ TEST(Pole, IsTheCenterOfASquareAndOfADisc) {
   EXPECT_NEAR(disc.distance_m, 1.5, 1e-3);
 }
 
-TEST(Pole, OfAnLShapeLiesInItsCorner) {
+TEST(Pole, LiesInTheLShapesCorner) {
   // The largest disc touches both outer sides and the inner corner: r = 1 / (1 + 1 / sqrt 2) = 2 - sqrt 2.
   const Pole pole = pole_of_inaccessibility(l_shape(), 1e-4);
   EXPECT_NEAR(pole.distance_m, 2.0 - std::numbers::sqrt2, 1e-4);
@@ -139,7 +139,7 @@ TEST(Pole, AvoidsHoles) {
   EXPECT_NEAR(pole.distance_m, 2.0 * (2.0 - std::numbers::sqrt2), 2e-3);
 }
 
-TEST(Pole, IsAsFarFromTheBordersAsASearchEverywhereFinds) {
+TEST(Pole, MatchesExhaustiveSearch) {
   const Random random(9, "test", "plane_region");
   for (int trial = 0; trial < 10; ++trial) {
     Ring star;

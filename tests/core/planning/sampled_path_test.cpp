@@ -67,7 +67,7 @@ ClearPath through_the_gap(SampledSearch search, std::uint32_t draw, int max_samp
   return find_sampled_path(wall_with_a_gap(), config, sampling, search, kStart, kGoal, draw);
 }
 
-TEST(SampledPath, FindsClearPathsWhereThereAreAny) {
+TEST(SampledPath, FindsExistingClearPaths) {
   int there = 0, found = 0, none = 0;
   for (std::uint32_t k = 0; k < 40; ++k) {
     const Random random(k, "boxes");
@@ -101,7 +101,7 @@ TEST(SampledPath, FindsClearPathsWhereThereAreAny) {
   EXPECT_GE(found, 0.9 * there);
 }
 
-TEST(SampledPath, InformedRrtStarComesNearTheShortestWayAndRrtDoesNot) {
+TEST(SampledPath, OnlyInformedRrtStarNearsOptimum) {
   // Around the edge of the wall, at the clearance from it: two straight legs.
   const Vector3 edge_m(3.05, 2.95, 1.05);
   const double shortest_m =
@@ -138,7 +138,7 @@ TEST(SampledPath, MoreSamplesNeverMakeItLonger) {
   }
 }
 
-TEST(SampledPath, CutsTheCornersOfWhatItFound) {
+TEST(SampledPath, CutsCornersOfFoundPath) {
   EXPECT_LT(length_m(through_the_gap(SampledSearch::kRrt, 1, 2000, 5).corners_local_m),
             length_m(through_the_gap(SampledSearch::kRrt, 1, 2000, 0).corners_local_m));
 }
@@ -168,7 +168,7 @@ TEST(SampledPath, StaysWithinTheHeights) {
   }
 }
 
-TEST(SampledPath, SaysWithoutASampleWhyThereCanBeNone) {
+TEST(SampledPath, ExplainsImpossiblePathsWithoutSampling) {
   BoxMap map = wall_with_a_gap();
   const auto status = [&](const Vector3& goal_m) {
     const ClearPath path = find_sampled_path(map, sampled_rules(), few_meters(), SampledSearch::kRrt, kStart, goal_m);
@@ -191,7 +191,7 @@ TEST(SampledPath, AStraightWayNeedsNoSample) {
   EXPECT_EQ(path.corners_local_m.size(), 2U);
 }
 
-TEST(PointInSpheroid, LiesWhereAWayBetweenTheFociIsAsLongAsTold) {
+TEST(PointInSpheroid, HasGivenPathLengthBetweenFoci) {
   const Random random(5, "spheroid");
   const auto draw = [&](std::uint32_t k, std::uint32_t i) { return random.uniform(-1.0, 1.0, k, i); };
   for (std::uint32_t k = 0; k < 200; ++k) {

@@ -42,7 +42,7 @@ double nearest_obstacle_m(const OccupancyView& map, const std::vector<PlannedPos
   return least_m;
 }
 
-TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
+TEST(TeamPlan, SendsTheSmallVehicleThroughGaps) {
   const CellListMap map = two_team_rooms(1.5);
   const TeamPlan plan = plan_team(map, flat(), kPrimary, {{0, 0, 0.7}, 3.0}, {{4, 0.5, 0.7}, -3.0});
   ASSERT_EQ(plan.next, Next::kMovePrimary) << plan.reason;
@@ -66,7 +66,7 @@ TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
   EXPECT_LT((plan.primary_local_m.back() - plan.viewpoint.p_local_m).norm(), 1e-9);
 }
 
-TEST(TeamPlan, ThePathsKeepOutOfEachOthersAir) {
+TEST(TeamPlan, SeparatesThePathsOfBothVehicles) {
   const CellListMap map(0.25);
   // Each vehicle is in the other's straight path.
   const TeamPlan plan = plan_team(map, flat(), {2, 0, 0.7}, {{0, 0, 0.7}, 0.0}, {{4, 0, 0.7}, 0.0});
@@ -77,7 +77,7 @@ TEST(TeamPlan, ThePathsKeepOutOfEachOthersAir) {
   }
 }
 
-TEST(TeamPlan, AViewpointIsKeptWhenThePrimaryStandsThere) {
+TEST(TeamPlan, KeepsAnOccupiedViewpoint) {
   const CellListMap map = two_team_rooms(1.5);
   const TeamPlannerConfig config = flat();
   const PlannedPose secondary{{0, 0, 0.7}, 0.0}, goal{{4, 0.5, 0.7}, 0.0};
@@ -87,12 +87,12 @@ TEST(TeamPlan, AViewpointIsKeptWhenThePrimaryStandsThere) {
   EXPECT_EQ(second.next, Next::kMoveSecondary) << second.reason;
 }
 
-TEST(TeamPlan, AGoalThatIsReachedIsTold) {
+TEST(TeamPlan, ReportsAReachedGoal) {
   const CellListMap map(0.25);
   EXPECT_EQ(plan_team(map, flat(), kPrimary, {{0, 0, 0.7}, 0.0}, {{0.2, 0, 0.7}, 0.0}).next, Next::kGoalReached);
 }
 
-TEST(TeamPlan, AGoalTooNearToAnObstacleIsMovedALittle) {
+TEST(TeamPlan, MovesGoalsTooNearToObstacles) {
   const CellListMap map = two_team_rooms(1.5);
   const TeamPlan plan = plan_team(map, flat(), kPrimary, {{-2, 0, 0.7}, 0.0}, {{1.6, 3, 0.7}, 0.0});
   ASSERT_NE(plan.next, Next::kFail) << plan.reason;
@@ -123,7 +123,7 @@ TEST(TeamPlan, SaysWhyThereIsNone) {
   EXPECT_EQ(nowhere.reason, "the viewpoint: nowhere safe is the path in sight");
 }
 
-TEST(TeamPlan, AViewpointOutOfReachGivesWayToTheNextOne) {
+TEST(TeamPlan, ReplacesUnreachableViewpoints) {
   // The goal lies behind the wall and is seen from the east only, but the primary cannot pass the gap.
   CellListMap map = two_team_rooms(1.5);
   map.known_within_m = 5.9;  // no path leads around the wall

@@ -13,7 +13,7 @@ namespace {
 
 const std::vector<Vector3> kCurve = {{0, 0, 2}, {1, 0, 2}, {2, 0, 2}, {2, 1, 2.5}, {2, 2, 3}, {2, 3, 3}};
 
-TEST(UniformSpline, BeginsAndEndsAtRestInItsFirstAndLastPoint) {
+TEST(UniformSpline, RestsAtBothEndPoints) {
   const UniformSpline spline(kCurve, 0.5);
   EXPECT_DOUBLE_EQ(spline.duration_s(), 0.5 * 7);
   for (const double t_s : {0.0, spline.duration_s()}) {
@@ -26,7 +26,7 @@ TEST(UniformSpline, BeginsAndEndsAtRestInItsFirstAndLastPoint) {
   EXPECT_EQ(spline.at(99.0).p_m, spline.at(spline.duration_s()).p_m);
 }
 
-TEST(UniformSpline, ReproducesAStraightLineAtConstantSpeed) {
+TEST(UniformSpline, ReproducesStraightLinesAtConstantSpeed) {
   std::vector<Vector3> line;
   for (int i = 0; i < 10; ++i) line.emplace_back(0.6 * i, -0.3 * i, 1.0);
   const UniformSpline spline(line, 0.2);
@@ -50,7 +50,7 @@ TEST(UniformSpline, DerivativesAreThoseOfThePosition) {
   }
 }
 
-TEST(UniformSpline, LeastDistanceIsThatOfTheClosestApproach) {
+TEST(UniformSpline, FindsTheClosestApproach) {
   std::vector<Vector3> a, b;
   for (int i = 0; i <= 50; ++i) {
     a.emplace_back(0.4 * i, 0, 2);
@@ -69,7 +69,7 @@ double basis(int i, int degree, double t) {
   return (t - i) / degree * basis(i, degree - 1, t) + (i + degree + 1 - t) / degree * basis(i + 1, degree - 1, t);
 }
 
-TEST(UniformSpline, IsTheSumOfItsBasisFunctions) {
+TEST(UniformSpline, IsTheSumOfBasisFunctions) {
   const Random random(4, "test.spline");
   for (std::uint32_t trial = 0; trial < 40; ++trial) {
     std::vector<Vector3> points;
@@ -103,7 +103,7 @@ TEST(UniformSpline, IsTheSumOfItsBasisFunctions) {
   }
 }
 
-TEST(UniformSpline, LeastDistanceIsThatOfDenseSamples) {
+TEST(UniformSpline, LeastDistanceMatchesDenseSampling) {
   const Random random(5, "test.spline");
   for (std::uint32_t trial = 0; trial < 20; ++trial) {
     const auto curve = [&](std::uint32_t which, int num) {

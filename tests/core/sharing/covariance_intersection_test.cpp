@@ -53,7 +53,7 @@ std::vector<Matrix6> gains_of(std::vector<MotionEstimate> estimates) {
   return gains;
 }
 
-TEST(CovarianceIntersection, NoWeightsOfAFineSearchAreBetterForTwo) {
+TEST(CovarianceIntersection, MatchesFineWeightSearchForTwo) {
   for (int trial = 0; trial < 40; ++trial) {
     const Random random(trial, "test.intersection", "two");
     const std::vector<MotionEstimate> two = {drawn(random, 0), drawn(random, 1)};
@@ -80,7 +80,7 @@ TEST(CovarianceIntersection, NorForThree) {
 
 /// Errors e_i = P_i^1/2 U_i z with a common z and orthogonal U_i are correlated as closely as possible. The fused error
 /// must not exceed the reported covariance in any direction.
-TEST(CovarianceIntersection, IsConsistentHoweverTheErrorsHangTogether) {
+TEST(CovarianceIntersection, IsConsistentUnderAnyErrorCorrelation) {
   for (int trial = 0; trial < 60; ++trial) {
     const Random random(trial, "test.intersection", "common");
     const std::vector<MotionEstimate> estimates = {drawn(random, 0), drawn(random, 1), drawn(random, 2)};
@@ -107,7 +107,7 @@ TEST(CovarianceIntersection, TheSumOfInformationsIsNot) {
   EXPECT_LT((covariance_intersection(twice).covariance - one.covariance).norm(), 1e-9);
 }
 
-TEST(CovarianceIntersection, GainsWhereOneIsSureAndTheOtherIsNot) {
+TEST(CovarianceIntersection, GainsFromComplementaryCertainty) {
   MotionEstimate along_x, along_y;  // a distant LiDAR measures range well and bearing badly
   along_x.covariance(0, 0) = along_y.covariance(1, 1) = 1e-4;
   const std::vector<MotionEstimate> both = {along_x, along_y};
@@ -132,7 +132,7 @@ TEST(CovarianceIntersection, TheOrderDoesNotMatter) {
   EXPECT_LT((one.covariance - other.covariance).norm(), 1e-9);
 }
 
-TEST(PredictedMotion, TwoStepsAreOneStepOfTwiceTheTime) {
+TEST(PredictedMotion, IsIndependentOfStepDivision) {
   const Random random(3, "test.intersection", "predicted");
   const MotionEstimate start = drawn(random, 0);
   const MotionEstimate at_once = predicted(start, 0.6, 1.5), in_two = predicted(predicted(start, 0.2, 1.5), 0.4, 1.5);
@@ -140,7 +140,7 @@ TEST(PredictedMotion, TwoStepsAreOneStepOfTwiceTheTime) {
   EXPECT_LT((at_once.covariance - in_two.covariance).norm(), 1e-12);
 }
 
-TEST(PredictedMotion, OfWhatIsKnownExactlyOnlyTheAccelerationIsUnknown) {
+TEST(PredictedMotion, GrowsExactStatesByAccelerationAlone) {
   MotionEstimate exact;
   exact.mean << 1, 2, 3, 4, 5, 6;
   exact.covariance.setZero();
@@ -151,7 +151,7 @@ TEST(PredictedMotion, OfWhatIsKnownExactlyOnlyTheAccelerationIsUnknown) {
   EXPECT_DOUBLE_EQ(later.covariance(3, 3), 6.0);  // q t
 }
 
-TEST(DisagreementOfMotions, IsTheLogarithmOfTheNormalDensity) {
+TEST(DisagreementOfMotions, IsTheLogOfNormalDensity) {
   const Random random(4, "test.intersection", "disagreement");
   const MotionEstimate a = drawn(random, 0), b = drawn(random, 1);
   const Matrix6 S = a.covariance + b.covariance;
@@ -172,11 +172,11 @@ TEST(JointExistence, WithoutCommonClutterIsBayesRule) {
   EXPECT_NEAR(joint_existence(std::vector{a, b}, prior, 1e-12), posterior / (1.0 + posterior), 1e-9);
 }
 
-TEST(JointExistence, WhenAllClutterIsCommonTheSurestCounts) {
+TEST(JointExistence, TakesMaximumWhenClutterIsCommon) {
   EXPECT_NEAR(joint_existence(std::vector{0.4, 0.7, 0.6}, 1e-3, 1.0), 0.7, 1e-12);
 }
 
-TEST(JointExistence, ASecondObserverMakesNothingSurerThanItsShareOfCommonClutterAllows) {
+TEST(JointExistence, IsBoundedByCommonClutterShare) {
   const auto odds = [](double p) { return p / (1.0 - p); };
   for (const double second : {0.01, 0.1, 0.5, 0.9, 1.0}) {
     const double first = 0.2, joint = joint_existence(std::vector{first, second}, 2e-4, 0.1);

@@ -84,7 +84,7 @@ class LinkFlight {
   double known_from_s_ = 1e9;
 };
 
-TEST(FrameLink, FindsAKnownFrameFromWhatBothSee) {
+TEST(FrameLink, FindsKnownFrameFromCommonTargets) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     LinkFlight flight({}, seed);
     flight.fly();
@@ -96,7 +96,7 @@ TEST(FrameLink, FindsAKnownFrameFromWhatBothSee) {
   }
 }
 
-TEST(FrameLink, TwoThatOnlySeeEachOtherFindIt) {
+TEST(FrameLink, FindsFrameFromMutualSightings) {
   LinkTrial trial;
   trial.a_sees = trial.b_sees = {};
   LinkFlight flight(trial, 3);
@@ -105,7 +105,7 @@ TEST(FrameLink, TwoThatOnlySeeEachOtherFindIt) {
   EXPECT_LT(flight.error().head<3>().norm(), 0.15);
 }
 
-TEST(FrameLink, OneCommonTargetFindsItAfterALongerTime) {
+TEST(FrameLink, FindsFrameFromOneTargetLater) {
   LinkTrial trial;
   trial.a_sees = {0, 1};
   trial.b_sees = {0, 2};
@@ -117,7 +117,7 @@ TEST(FrameLink, OneCommonTargetFindsItAfterALongerTime) {
   EXPECT_LT(flight.error().head<3>().norm(), 0.4);
 }
 
-TEST(FrameLink, WithoutAnythingInCommonThereIsNone) {
+TEST(FrameLink, FindsNoFrameWithoutCommonTargets) {
   LinkTrial trial;
   trial.a_sees = {0};
   trial.b_sees = {1, 2};
@@ -140,7 +140,7 @@ TEST(FrameLink, StraightFlightsAllLookAlike) {
   EXPECT_FALSE(flight.link().alignment());
 }
 
-TEST(FrameLink, InDoubtWhichOfTwoInFormationItIsThereIsNone) {
+TEST(FrameLink, RefusesAmbiguousFormation) {
   LinkTrial trial;
   Flyer beside = target_1();
   beside.middle_m.x() += 3.0;
@@ -153,7 +153,7 @@ TEST(FrameLink, InDoubtWhichOfTwoInFormationItIsThereIsNone) {
   EXPECT_FALSE(flight.link().alignment());
 }
 
-TEST(FrameLink, ButWhenBothSeeBothItIsClear) {
+TEST(FrameLink, ResolvesFormationThatBothSee) {
   LinkTrial trial;
   Flyer beside = target_1();
   beside.middle_m.x() += 3.0;
@@ -211,7 +211,7 @@ TEST(FrameLink, ItsCovarianceIsHonest) {
   }
 }
 
-TEST(FrameLink, AMovingPointIsCarriedWithItsUncertainty) {
+TEST(FrameLink, TransformsMovingPointWithUncertainty) {
   FrameAlignment alignment;
   alignment.anchor_other_m = {10, 0, 0};
   alignment.anchor_local_m = {1, 2, 3};

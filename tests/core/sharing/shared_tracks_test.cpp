@@ -168,7 +168,7 @@ class SharingTeam {
   std::array<int, 3> num_messages_of_{};
 };
 
-TEST(SharedTracks, ATargetThatOnlyTheOtherSeesIsToldWhereItIs) {
+TEST(SharedTracks, LocatesTargetsOnlyTheOtherSees) {
   SharingTeam team({}, 1);
   team.fly(20.0);
   int there = 0, scans = 0, observers = 0;
@@ -189,7 +189,7 @@ TEST(SharedTracks, ATargetThatOnlyTheOtherSeesIsToldWhereItIs) {
   EXPECT_EQ(observers, 0);           // observers are no targets
 }
 
-TEST(SharedTracks, NothingOfAnotherIsToldBeforeItsFrameIsKnown) {
+TEST(SharedTracks, WaitsForTheOtherFrame) {
   TeamTrial trial;
   trial.aligned = false;
   trial.sees = {{0}, {2}};
@@ -198,7 +198,7 @@ TEST(SharedTracks, NothingOfAnotherIsToldBeforeItsFrameIsKnown) {
   EXPECT_TRUE(team.relatives(0).empty());
 }
 
-TEST(SharedTracks, ItIsKnownWhereTheOtherObserverIs) {
+TEST(SharedTracks, LocatesTheOtherObserver) {
   SharingTeam team({}, 3);
   team.fly(30.0);
   const std::vector<RelativeEstimate> relatives = team.relatives(0);
@@ -265,7 +265,7 @@ TEST(SharedTracks, ThreeObserversTellEachTargetOnce) {
   EXPECT_EQ(team.relatives(0).size(), 2U);
 }
 
-TEST(SharedTracks, WeakTracksOfTwoAreToldTogether) {
+TEST(SharedTracks, ConfirmsWeakTracksSharedByTwo) {
   TeamTrial trial;
   trial.existence = 0.2;
   SharingTeam team(trial, 8);
@@ -335,7 +335,7 @@ TEST(SharedTracks, AnUnsoundMessageChangesNothing) {
   }));
 }
 
-TEST(SharedTracks, TheSameAgainHasTheSameBits) {
+TEST(SharedTracks, RepeatsToTheSameBits) {
   TeamTrial trial;
   trial.sees = {{0, 1}, {1, 2}, {0, 1, 2}};
   trial.drift = {};

@@ -56,7 +56,7 @@ class FusionScene {
   std::vector<ObservedTrack> observed_;
 };
 
-TEST(TrackFusion, WhatOneObserverSeesAloneIsToldAsItIs) {
+TEST(TrackFusion, ReportsSoleObserversTracksUnchanged) {
   FusionScene scene;
   scene.noisy = false;
   scene.see(0, 7, {1, 2, 3}, {1, 0, 0});
@@ -68,7 +68,7 @@ TEST(TrackFusion, WhatOneObserverSeesAloneIsToldAsItIs) {
   EXPECT_DOUBLE_EQ(told[0].existence, 0.95);
 }
 
-TEST(TrackFusion, WhatTwoSeeIsToldOnceFromTheFirstScanOn) {
+TEST(TrackFusion, ReportsSharedTargetOnceFromStart) {
   FusionScene scene;
   for (int k = 0; k < 50; ++k) {
     scene.see(0, 7, {0.1 * k, 2, 3}, {1, 0, 0});
@@ -84,7 +84,7 @@ TEST(TrackFusion, WhatTwoSeeIsToldOnceFromTheFirstScanOn) {
   EXPECT_EQ(scene.fusion.num_broken(), 0U);
 }
 
-TEST(TrackFusion, NothingIsJoinedByASingleAgreement) {
+TEST(TrackFusion, NeverJoinsOnSingleAgreement) {
   FusionScene scene;
   scene.noisy = false;
   for (int k = 0; k < 2; ++k) {  // two cross at the same place
@@ -95,7 +95,7 @@ TEST(TrackFusion, NothingIsJoinedByASingleAgreement) {
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
 
-TEST(TrackFusion, TwoSideBySideAreNeverOne) {
+TEST(TrackFusion, KeepsAdjacentTargetsApart) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     FusionScene scene(seed);
     for (int k = 0; k < 100; ++k) {
@@ -116,7 +116,7 @@ TEST(TrackFusion, TwoSideBySideAreNeverOne) {
   }
 }
 
-TEST(TrackFusion, EachSeesOneOfTwoAndTheyStayTwo) {
+TEST(TrackFusion, KeepsSeparatelyObservedTargetsApart) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     FusionScene scene(seed);
     for (int k = 0; k < 100; ++k) {
@@ -130,7 +130,7 @@ TEST(TrackFusion, EachSeesOneOfTwoAndTheyStayTwo) {
   }
 }
 
-TEST(TrackFusion, InDoubtNothingIsJoinedAndNothingToldTwice) {
+TEST(TrackFusion, NeitherJoinsNorDuplicatesWhenAmbiguous) {
   FusionScene scene;
   scene.noisy = false;
   for (int k = 0; k < 30; ++k) {  // the one that the first sees may be either of those of the second
@@ -144,7 +144,7 @@ TEST(TrackFusion, InDoubtNothingIsJoinedAndNothingToldTwice) {
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
 
-TEST(TrackFusion, APlaceThatNobodyKnowsWellProvesNothing) {
+TEST(TrackFusion, IgnoresPoorlyKnownPositionsAsEvidence) {
   FusionScene scene;
   for (int k = 0; k < 100; ++k) {
     scene.see(0, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 1.5);
@@ -154,7 +154,7 @@ TEST(TrackFusion, APlaceThatNobodyKnowsWellProvesNothing) {
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
 
-TEST(TrackFusion, WhatFliesApartIsTakenApartAgain) {
+TEST(TrackFusion, SplitsTracksThatDiverge) {
   FusionScene scene;
   for (int k = 0; k < 60; ++k) {
     const double apart_m = k < 20 ? 0.0 : 0.2 * (k - 20);
@@ -181,7 +181,7 @@ TEST(TrackFusion, KeepsIdentityWhenAnObserverReacquires) {
   }
 }
 
-TEST(TrackFusion, ATargetThatNobodyTellsOfIsNotTold) {
+TEST(TrackFusion, DropsTargetsWithoutReports) {
   FusionScene scene;
   scene.see(1, 5, {0, 0, 5});
   EXPECT_EQ(scene.scan().size(), 1U);
@@ -191,7 +191,7 @@ TEST(TrackFusion, ATargetThatNobodyTellsOfIsNotTold) {
   EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // remembered
 }
 
-TEST(TrackFusion, TwoWeakOnesThatAgreeAreToldTogether) {
+TEST(TrackFusion, ReportsWeakTracksThatAgree) {
   FusionScene scene;
   std::size_t told = 0;
   for (int k = 0; k < 20; ++k) {
@@ -213,7 +213,7 @@ TEST(TrackFusion, ThreeObserversSeeOneTarget) {
 }
 
 /// With any common errors, the fused error does not exceed its covariance: six degrees of freedom.
-TEST(TrackFusion, TheFusedErrorIsNotLargerThanTold) {
+TEST(TrackFusion, KeepsErrorWithinReportedCovariance) {
   for (const bool common : {false, true}) {
     double nees = 0.0;
     int count = 0;

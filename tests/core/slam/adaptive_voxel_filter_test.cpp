@@ -35,7 +35,7 @@ std::vector<Eigen::Vector3f> thinned(const std::vector<Eigen::Vector3f>& points_
 }
 
 // Brute force: the edge that is found leaves enough, and one that is a tenth wider does not.
-TEST(AdaptiveVoxelFilter, FindsTheWidestCubesThatLeaveEnoughPoints) {
+TEST(AdaptiveVoxelFilter, FindsLargestVoxelsKeepingEnoughPoints) {
   AdaptiveVoxelFilter filter;
   for (const int points_min : {20, 150, 400, 1500, 3000}) {
     for (const unsigned seed : {1U, 2U, 3U}) {
@@ -53,14 +53,14 @@ TEST(AdaptiveVoxelFilter, FindsTheWidestCubesThatLeaveEnoughPoints) {
   }
 }
 
-TEST(AdaptiveVoxelFilter, DoesNotThinByMoreThanItMay) {
+TEST(AdaptiveVoxelFilter, LimitsThinningToTheMaximumSize) {
   AdaptiveVoxelFilter filter;
   std::vector<Eigen::Vector3f> kept_m;
   EXPECT_EQ(filter.thin(cloud_of(8000, 20.0F, 4), {0.5, 10, 15.0}, kept_m), 0.5);
   EXPECT_GT(kept_m.size(), 1000U);
 }
 
-TEST(AdaptiveVoxelFilter, LeavesTooFewPointsAsTheyAreButForFarOnes) {
+TEST(AdaptiveVoxelFilter, KeepsSparseCloudsExceptFarPoints) {
   AdaptiveVoxelFilter filter;
   std::vector<Eigen::Vector3f> kept_m;
   const std::vector<Eigen::Vector3f> points_m{{1, 0, 0}, {1.001F, 0, 0}, {14.99F, 0, 0}, {15.01F, 0, 0}};
@@ -68,7 +68,7 @@ TEST(AdaptiveVoxelFilter, LeavesTooFewPointsAsTheyAreButForFarOnes) {
   EXPECT_EQ(kept_m, (std::vector<Eigen::Vector3f>{points_m[0], points_m[1], points_m[2]}));
 }
 
-TEST(AdaptiveVoxelFilter, GivesUpOnPointsThatLieOnEachOther) {
+TEST(AdaptiveVoxelFilter, GivesUpOnCoincidentPoints) {
   AdaptiveVoxelFilter filter;
   std::vector<Eigen::Vector3f> kept_m, points_m(100, Eigen::Vector3f(1, 2, 3));
   const double edge_m = filter.thin(points_m, {2.0, 50, 15.0}, kept_m);

@@ -35,7 +35,7 @@ double closed_form_s(const CorrectionBlendConfig& limits, double way_m) {
                    std::cbrt(60.0 * way_m / limits.jerk_max_mps3)});
 }
 
-TEST(BlendCourse, FromRestTakesAsLongAsItsTightestLimitAsksFor) {
+TEST(BlendCourse, TakesTightestLimitsTimeFromRest) {
   const Vector3 p_local_m(5, -7, 2);
   for (int tightest = 0; tightest < 3; ++tightest) {
     CorrectionBlendConfig limits;
@@ -76,7 +76,7 @@ double jerk_of(const std::vector<Vector3>& p, double dt_s) {
   return most;
 }
 
-TEST(BlendCourse, AmidTurnsNeitherRateNorAccelerationStepsNearTheVehicle) {
+TEST(BlendCourse, KeepsRateAndAccelerationContinuous) {
   CorrectionBlendConfig limits;
   limits.lever_m = 3.0;
   CorrectionBlend blend(limits);

@@ -95,7 +95,7 @@ PlainBest best_one_by_one(const SearchCloud& map_points, const SearchCloud& clou
   return best;
 }
 
-TEST(GridPyramid, ItsLowestLevelHasTheCellsOfThePoints) {
+TEST(GridPyramid, HoldsPointCellsAtLowestLevel) {
   std::mt19937 random(11);
   const SearchCloud points = moved_by(random_cloud(random, 80, 3.0F), {4.0, -7.0, 1.0});
   const SearchedGrid grid(points);
@@ -110,7 +110,7 @@ TEST(GridPyramid, ItsLowestLevelHasTheCellsOfThePoints) {
   EXPECT_FALSE(OccupancyPyramid({}, kGridCell_m, 3).at(2, 0, 0, 0)) << "without points nothing is occupied";
 }
 
-TEST(GridSearchWindow, HasItsHeadingsOnBothSidesOfTheGuess) {
+TEST(GridSearchWindow, SpansHeadingsAroundTheGuess) {
   const SearchWindow window{5, 2, 0.1, 0.04};
   ASSERT_EQ(num_yaws(window), 5);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(yaw_offset_rad(window, i), 0.04 * (i - 2), 1e-15);
@@ -119,7 +119,7 @@ TEST(GridSearchWindow, HasItsHeadingsOnBothSidesOfTheGuess) {
   EXPECT_EQ(num_yaws({5, 2, 0.0, 0.04}), 1);
 }
 
-TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowed) {
+TEST(BranchAndBound, FindsBestPoseAroundAnyGuess) {
   std::mt19937 random(12);
   const SearchWindow window{4, 1, 0.31, 0.1};
   for (int trial = 0; trial < 12; ++trial) {
@@ -152,7 +152,7 @@ TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowe
   }
 }
 
-TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeIs) {
+TEST(BranchAndBound, SearchesExactlyWithinItsWindow) {
   std::mt19937 random(13);
   const SearchCloud points = random_cloud(random, 40, 5.0F);
   for (int levels = 1; levels <= 4; ++levels) {
@@ -175,7 +175,7 @@ TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeI
   }
 }
 
-TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
+TEST(BranchAndBound, ReturnsFirstOfEqualPoses) {
   // Two posts, and a cloud of one: in each of two places all of it fits.
   for (int axis = 0; axis < 3; ++axis) {
     SearchCloud posts;
@@ -196,7 +196,7 @@ TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
   EXPECT_NEAR(yaw_of(found.best->T_map_cloud.linear()), -0.1, 1e-12);
 }
 
-TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
+TEST(BranchAndBound, EndsExactlyAtItsBudget) {
   const SearchCloud post = {{0.1F, 0.1F, 0.1F}};
   const OccupancyPyramid map(post, kGridCell_m, 1);
   const auto complete = [&](std::int64_t budget) {
@@ -206,7 +206,7 @@ TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
   EXPECT_FALSE(complete(7 * 7 * 5 - 1));
 }
 
-TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
+TEST(BranchAndBound, AcceptsScoresFromTheMinimumUpward) {
   // Three of eight points fit.
   SearchCloud points, cloud;
   for (int i = 0; i < 8; ++i) cloud.emplace_back(1.5F * static_cast<float>(i), 0.1F, 0.1F);
@@ -231,7 +231,7 @@ TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
   EXPECT_FALSE(search_best_pose(map, {}, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0, kNoBudget).best);
 }
 
-TEST(RotationalHistogram, WithoutSurfacesItSaysNothingAgainstAnyHeading) {
+TEST(RotationalHistogram, AcceptsAnyHeadingWithoutSurfaces) {
   std::mt19937 random(16);
   const RotationalHistogram none({}), some(random_cloud(random, 60, 1.5F));
   EXPECT_EQ(none.similarity(none, 0.3), 1.0);

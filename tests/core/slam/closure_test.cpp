@@ -74,7 +74,7 @@ Points seen_from(const Points& points, const Pose& T_map_cloud) {
   return out;
 }
 
-TEST(OccupancyPyramid, EveryLevelIsTheMaximumOverItsCells) {
+TEST(OccupancyPyramid, EveryLevelIsMaximumOfCells) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(-4.0F, 4.0F);
   Points points(60);
@@ -99,7 +99,7 @@ TEST(OccupancyPyramid, EveryLevelIsTheMaximumOverItsCells) {
   }
 }
 
-TEST(RotationalHistogram, AgreesAtTheRightHeadingAndNotAtAnother) {
+TEST(RotationalHistogram, MatchesOnlyAtTheRightHeading) {
   const Points points = yard(1);
   const RotationalHistogram map(points);
   const RotationalHistogram turned(seen_from(points, make_pose({0, 0, 0}, rotation_by({0, 0, 0.4}))));
@@ -107,7 +107,7 @@ TEST(RotationalHistogram, AgreesAtTheRightHeadingAndNotAtAnother) {
   EXPECT_LT(turned.similarity(map, 0.0), 0.6);
 }
 
-TEST(Closure, FindsAKnownRelativePoseToACentimeter) {
+TEST(Closure, RecoversRelativePoseToACentimeter) {
   const Points older = yard(1);
   for (const double yaw_rad : {0.3, -2.0}) {
     const Pose T = make_pose({1.5, -0.8, 0.3}, rotation_by({0, 0, yaw_rad}));
@@ -146,7 +146,7 @@ Points bays(double x0, double x1, unsigned seed) {
 }
 
 // The newer submap goes on where the older one ends. A bay off, more of it lies on racks.
-TEST(Closure, ABayOffIsRefusedThoughItScoresBest) {
+TEST(Closure, RefusesHigherScoringNextBay) {
   const Points older = bays(-15.0, 10.0, 1), newer = bays(-9.0, 16.0, 2);
   ClosureConfig config;
   const ClosureResult result =
@@ -155,7 +155,7 @@ TEST(Closure, ABayOffIsRefusedThoughItScoresBest) {
 }
 
 // The next bay is farther away than the guess can be off, so the right one is taken, although it scores less.
-TEST(Closure, ABayOffIsNotLookedAtWhereTheGuessIsNearer) {
+TEST(Closure, IgnoresNextBayBeyondGuessError) {
   const Points older = bays(-15.0, 10.0, 1), newer = bays(-9.0, 16.0, 2);
   const ClosureResult result =
       find_closure(older, newer, make_pose({0.2, 0.1, 0}, rotation_by({0, 0, 0})), ClosureConfig{}, 0.5);
@@ -165,7 +165,7 @@ TEST(Closure, ABayOffIsNotLookedAtWhereTheGuessIsNearer) {
 
 // Seen from the same place, the right bay scores best. The next one fits as well, but is outside the error of the
 // guess.
-TEST(Closure, ABayOffDoesNotCountWhereTheVehicleKnowsBetter) {
+TEST(Closure, DiscountsRivalBayBeyondGuessError) {
   const Points older = bays(-15.0, 15.0, 1), newer = bays(-15.0, 15.0, 2);
   ClosureConfig config;
   config.rival_share = 1.0;
@@ -186,7 +186,7 @@ Points floor_and_wall(unsigned seed) {
 }
 
 // The position along the wall is unobservable. All else is as accurate as in a whole yard.
-TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
+TEST(Closure, LeavesDirectionAlongWallUnconstrained) {
   const Pose T = make_pose({0.0, 0.2, -0.15}, rotation_by({0, 0, 0.01}));
   const ClosureResult result =
       find_closure(floor_and_wall(1), seen_from(floor_and_wall(2), T), Pose::Identity(), ClosureConfig{}, 0.5);
@@ -212,7 +212,7 @@ Points wall_with_fins(unsigned seed, std::span<const double> fins_x_m) {
 }
 
 // From the guess no fin is in reach.
-TEST(Closure, AGuessThatIsOffAlongAWallSlidesToWhereItFits) {
+TEST(Closure, SlidesOffsetGuessAlongWall) {
   const double fins_x_m[] = {-7.4, -4.1, -3.0, 1.2, 2.9, 6.6};
   const Pose T = make_pose({0.58, 0.1, -0.05}, rotation_by({0, 0, 0.005}));
   const ClosureResult result = find_closure(wall_with_fins(1, fins_x_m), seen_from(wall_with_fins(2, fins_x_m), T),
@@ -224,7 +224,7 @@ TEST(Closure, AGuessThatIsOffAlongAWallSlidesToWhereItFits) {
 
 // A fin and ribs determine the position to a millimeter. But the ribs are regular, and one fin is small. So the cloud
 // fits at the next ribs about as well, and the closure does not constrain the direction along the wall.
-TEST(Closure, WhatFitsAtTheNextRibsTellsNothingOfTheWayAlongTheWall) {
+TEST(Closure, RegularRibsLeaveWallDirectionUnconstrained) {
   const auto ribbed = [](unsigned seed) {
     const double fin_x_m[] = {-7.4};
     Points points = wall_with_fins(seed, fin_x_m);
@@ -240,14 +240,14 @@ TEST(Closure, WhatFitsAtTheNextRibsTellsNothingOfTheWayAlongTheWall) {
   for (const int axis : {1, 2}) EXPECT_GT((result.constrained * Vector6::Unit(axis)).norm(), 0.9) << axis;
 }
 
-TEST(Closure, AFloorAloneLeavesTooMuchOpenHoweverRightTheGuess) {
+TEST(Closure, RefusesFloorAloneForExactGuess) {
   std::mt19937 random(6);
   Points floor;
   add_floor(floor, 12.0, random);
   EXPECT_NE(find_closure(floor, floor, Pose::Identity(), ClosureConfig{}, 0.5).verdict, ClosureVerdict::kClosed);
 }
 
-TEST(Closure, FartherThanTheGuessCanBeOffNothingIsClosed) {
+TEST(Closure, ClosesNothingBeyondGuessError) {
   const Pose T = make_pose({0.9, 0.2, 0.1}, rotation_by({0, 0, 0.02}));
   const Points older = yard(1), newer = seen_from(yard(2), T);
   EXPECT_EQ(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.7).verdict, ClosureVerdict::kMoved);
@@ -260,7 +260,7 @@ TEST(Closure, FartherThanTheGuessCanBeOffNothingIsClosed) {
 
 // One shelf higher the view is much the same. A search would choose the height where more of the points meet cells of
 // its grid.
-TEST(Closure, ANearlyRightGuessKeepsTheShelf) {
+TEST(Closure, KeepsShelfOfNearlyRightGuess) {
   const auto shelves = [](double lowest_m, double highest_m, unsigned seed) {
     std::mt19937 random(seed);
     Points points;
@@ -301,7 +301,7 @@ TEST(Closure, RefusesAnotherPlace) {
   EXPECT_NE(find_closure(yard(1), other, Pose::Identity(), {}).verdict, ClosureVerdict::kClosed);
 }
 
-TEST(Closure, RefusesABareFloorAndASingleWall) {
+TEST(Closure, RefusesBareFloorAndSingleWall) {
   std::mt19937 random(6);
   Points floor;
   add_floor(floor, 12.0, random);
@@ -312,7 +312,7 @@ TEST(Closure, RefusesABareFloorAndASingleWall) {
   EXPECT_TRUE(verdict == ClosureVerdict::kRival || verdict == ClosureVerdict::kOpen) << static_cast<int>(verdict);
 }
 
-TEST(FindInMap, FindsTheSubmapTheHeadingAndThePlaceWithoutAnyGuess) {
+TEST(FindInMap, FindsSubmapHeadingAndPlaceUnguided) {
   const Points first = yard(1), second = seen_from(yard(2), make_pose({4, -3, 0.5}, rotation_by({0, 0, 0.7})));
   Points far(first.size(), Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < far.size(); ++i) far[i] = {first[i].y() * 0.6F, first[i].x() * 0.8F, first[i].z()};
@@ -329,7 +329,7 @@ TEST(FindInMap, FindsTheSubmapTheHeadingAndThePlaceWithoutAnyGuess) {
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.003);
 }
 
-TEST(FindInMap, TakesNothingWhereTwoPlacesLookAlike) {
+TEST(FindInMap, RefusesTwoSimilarPlaces) {
   const Points there = yard(1);
   const std::vector<MapPart> twice = {
       {Pose::Identity(), there},
@@ -341,7 +341,7 @@ TEST(FindInMap, TakesNothingWhereTwoPlacesLookAlike) {
   EXPECT_EQ(find_in_map(same, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kClosed);
 }
 
-TEST(FindInMap, TakesNothingInAHallThatLooksTheSameTurnedAround) {
+TEST(FindInMap, RefusesRotationallySymmetricHall) {
   std::mt19937 random(1);
   Points hall;
   add_floor(hall, 9.0, random);
@@ -354,7 +354,7 @@ TEST(FindInMap, TakesNothingInAHallThatLooksTheSameTurnedAround) {
   EXPECT_EQ(find_in_map(parts, hall, global_closure_config()).result.verdict, ClosureVerdict::kRival);
 }
 
-TEST(Closure, TellsHowMuchOfItIsKnownAndHowMuchOfThatLiesOnSurfaces) {
+TEST(Closure, ReportsOverlapAndSurfaceShare) {
   const Points older = yard(1);
   Points newer = yard(2);
   std::mt19937 random(32);

@@ -21,7 +21,7 @@ std::vector<Eigen::Vector3f> cloud_of_yard_m(const Pose& T_world_submap) {
   return {way.points_submap_m(0).begin(), way.points_submap_m(0).end()};
 }
 
-TEST(CompactCloud, EveryVoxelHasItsPointBackToHalfAStep) {
+TEST(CompactCloud, RestoresPointsToHalfAStep) {
   const std::vector<Eigen::Vector3f> cloud_m = cloud_of_yard_m(testing::level_at(8, 0, 2, 0.4));
   const double voxel_m = 0.5;
   for (const int bits : {3, 5}) {
@@ -53,14 +53,14 @@ TEST(CompactCloud, EveryVoxelHasItsPointBackToHalfAStep) {
   }
 }
 
-TEST(CompactCloud, PointsBeyondTheOctreeAreLeftOut) {
+TEST(CompactCloud, DropsPointsBeyondTheOctree) {
   const std::vector<Eigen::Vector3f> cloud_m = {{63.9F, -63.9F, 0.0F}, {64.1F, 0.0F, 0.0F}, {0.0F, -64.1F, 0.0F}};
   const std::vector<PackedPoints> parts = pack_points(cloud_m, 0.5, 5, 1000);
   ASSERT_EQ(parts.size(), 1U);
   EXPECT_EQ(parts[0].num_points, 1);
 }
 
-TEST(CompactCloud, WhateverBytesComeTheyAreReadOrRefused) {
+TEST(CompactCloud, DecodesOrRefusesArbitraryBytes) {
   const std::vector<PackedPoints> parts = pack_points(cloud_of_yard_m(testing::level_at(8, 0, 2, 0.0)), 0.5, 5, 300);
   std::mt19937 random(3);
   int refused = 0;
@@ -85,7 +85,7 @@ TEST(CompactCloud, WhateverBytesComeTheyAreReadOrRefused) {
   EXPECT_FALSE(unpack_points(parts[0].data, parts[0].num_points, 0.5, 11, read_m));
 }
 
-TEST(SubmapLook, HangsOnThePlaceAndNotOnTheHeading) {
+TEST(SubmapLook, DependsOnPlaceNotHeading) {
   const auto look_at = [](double x_m, double yaw_rad) {
     return look_of(cloud_of_yard_m(testing::level_at(x_m, 0, 2, yaw_rad)), 0.5, 25.0);
   };
@@ -95,7 +95,7 @@ TEST(SubmapLook, HangsOnThePlaceAndNotOnTheHeading) {
   EXPECT_LT(likeness(here, look_at(36, 0.0)), 0.9) << "walls in other directions, of other heights";
 }
 
-TEST(SubmapLook, IsTheSameWhenItWasTold) {
+TEST(SubmapLook, SurvivesQuantization) {
   const SubmapLook look = look_of(cloud_of_yard_m(testing::level_at(2, 0, 2, 0.3)), 0.5, 25.0);
   const std::vector<std::uint8_t> directions = look.directions.quantized();
   const std::optional<SubmapLook> told = SubmapLook::from_quantized(directions, look.heights);

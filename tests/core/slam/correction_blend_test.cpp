@@ -50,7 +50,7 @@ Peaks peaks_of(const std::vector<Vector3>& p) {
   return peaks;
 }
 
-TEST(CorrectionBlend, AsPrintedItShowsSevenPercentAtOnce) {
+TEST(CorrectionBlend, StepsSevenPercentInPrintedForm) {
   CorrectionBlend blend = blend_of(BlendForm::kPrinted);
   blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
   EXPECT_NEAR(blend.advance(0).translation().x(), 1.0 - 1.0 / (1.0 + 1.5 * std::exp(-3.0)), 1e-12);
@@ -60,7 +60,7 @@ TEST(CorrectionBlend, AsPrintedItShowsSevenPercentAtOnce) {
   EXPECT_EQ(blend.advance(7 * kNsPerSecond).translation().x(), 1.0) << "the rest comes at once as well";
 }
 
-TEST(CorrectionBlend, AsReleasedItShowsOnePercentAtOnce) {
+TEST(CorrectionBlend, StepsOnePercentInReleasedForm) {
   CorrectionBlend blend = blend_of(BlendForm::kReleased);
   blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
   EXPECT_NEAR(blend.advance(0).translation().x(), 1.0 / (1.0 + std::exp(4.5)), 1e-12);
@@ -71,7 +71,7 @@ TEST(CorrectionBlend, AsReleasedItShowsOnePercentAtOnce) {
   EXPECT_TRUE(blend.is_done());
 }
 
-TEST(CorrectionBlend, TheFormsOfTheDocumentTurnAlongTheShortestArcWithTheSameWeight) {
+TEST(CorrectionBlend, DocumentFormsTurnAlongShortestArc) {
   CorrectionBlend blend = blend_of(BlendForm::kReleased);
   const Pose T = make_pose({1, 2, 3}, rotation_by({0, 0, 0.8}));
   blend.head_for(0, T, {100, 0, 0});
@@ -80,7 +80,7 @@ TEST(CorrectionBlend, TheFormsOfTheDocumentTurnAlongTheShortestArcWithTheSameWei
   EXPECT_LT((half.translation() - Vector3(0.5, 1.0, 1.5)).norm(), 1e-12);
 }
 
-TEST(CorrectionBlend, AnotherClosureOfTheDocumentStartsFromThePoseThatIsShown) {
+TEST(CorrectionBlend, DocumentFormsRestartFromShownPose) {
   CorrectionBlend blend = blend_of(BlendForm::kReleased);
   blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
   const double before_m = blend.advance(4 * kNsPerSecond).translation().x();
@@ -88,7 +88,7 @@ TEST(CorrectionBlend, AnotherClosureOfTheDocumentStartsFromThePoseThatIsShown) {
   EXPECT_NEAR(blend.advance(4 * kNsPerSecond).translation().x(), before_m * (1.0 - 1.0 / (1.0 + std::exp(4.5))), 1e-12);
 }
 
-TEST(CorrectionBlend, OfOneMeterControlSeesNoStepAndTheLimits) {
+TEST(CorrectionBlend, BlendsOneMeterSmoothlyWithinLimits) {
   CorrectionBlend blend = blend_of(BlendForm::kLimited);
   const Vector3 p_local_m(30, -20, 5);
   blend.advance(0);
@@ -103,7 +103,7 @@ TEST(CorrectionBlend, OfOneMeterControlSeesNoStepAndTheLimits) {
   EXPECT_EQ(blend.advance(12 * kNsPerSecond).matrix(), shifted({0.6, 0, 0.8}).matrix());
 }
 
-TEST(CorrectionBlend, TheFormsOfTheDocumentBreakTheseLimits) {
+TEST(CorrectionBlend, DocumentFormsExceedTheLimits) {
   for (const BlendForm form : {BlendForm::kPrinted, BlendForm::kReleased}) {
     CorrectionBlend blend = blend_of(form);
     std::vector<Vector3> places(4, Vector3::Zero());
@@ -115,7 +115,7 @@ TEST(CorrectionBlend, TheFormsOfTheDocumentBreakTheseLimits) {
   }
 }
 
-TEST(CorrectionBlend, ATurnIsSeenWithinTheLimitsWhereTheVehicleIsAndNearIt) {
+TEST(CorrectionBlend, TurnsWithinLimitsNearTheVehicle) {
   CorrectionBlendConfig config;
   CorrectionBlend blend(config);
   const Vector3 p_local_m(80, 60, 5);
@@ -131,7 +131,7 @@ TEST(CorrectionBlend, ATurnIsSeenWithinTheLimitsWhereTheVehicleIsAndNearIt) {
   }
 }
 
-TEST(CorrectionBlend, AClosureAmidABlendGoesOnWithThePoseAndTheRateThatAreShown) {
+TEST(CorrectionBlend, ContinuesPoseAndRateAtClosures) {
   CorrectionBlend blend = blend_of(BlendForm::kLimited);
   const Vector3 p_local_m(20, 10, 3);
   std::vector<Vector3> places(1, p_local_m);
@@ -153,7 +153,7 @@ TEST(CorrectionBlend, AClosureAmidABlendGoesOnWithThePoseAndTheRateThatAreShown)
   EXPECT_LT((blend.advance(60 * kNsPerSecond).matrix() - T.matrix()).norm(), 1e-12);
 }
 
-TEST(CorrectionBlend, ManyClosuresAtAnyTimeNeverBreakTheLimits) {
+TEST(CorrectionBlend, KeepsLimitsUnderManyClosures) {
   CorrectionBlend blend = blend_of(BlendForm::kLimited);
   std::vector<Vector3> places(1, Vector3::Zero());
   TimeNs t = 0;
@@ -189,7 +189,7 @@ double peak_turn_radps2(CorrectionBlend& blend, TimeNs from, TimeNs to, Matrix3&
   return peak_radps2;
 }
 
-TEST(CorrectionBlend, AmidALargeTurnAnotherOneAboutAnotherAxisShowsNoStepOfTheRate) {
+TEST(CorrectionBlend, KeepsRateContinuousBetweenLargeTurns) {
   CorrectionBlendConfig config;
   config.lever_m = 1.0;
   CorrectionBlend blend(config);

@@ -38,7 +38,7 @@ struct PlainFlight {
 
 double sigma_of(double information) { return 1.0 / std::sqrt(information); }
 
-TEST(GlobalGraph, AStartThatWasToldIsExactAndAnotherOneIsAGuessThatStandsUpright) {
+TEST(GlobalGraph, HoldsKnownStartsAndGuessesUpright) {
   const Pose T_world_local = make_pose({10, 20, 30}, rotation_by({0, 0, 1.0}));
   for (const bool pose_known : {true, false}) {
     PlainFlight flight({}, pose_known);
@@ -58,7 +58,7 @@ TEST(GlobalGraph, AStartThatWasToldIsExactAndAnotherOneIsAGuessThatStandsUpright
   }
 }
 
-TEST(GlobalGraph, NodesAreJoinedByWhatWasFlownWithTheDoubtOfTheWay) {
+TEST(GlobalGraph, JoinsNodesByOdometryWithCovariance) {
   GlobalSlamConfig config;
   config.node_every_m = 0.02;
   PlainFlight flight(config);
@@ -91,7 +91,7 @@ TEST(GlobalGraph, NodesAreJoinedByWhatWasFlownWithTheDoubtOfTheWay) {
   EXPECT_EQ(flight.slam.graph().gravity_factors().size(), 4U);
 }
 
-TEST(GlobalGraph, ANodeComesAfterEnoughMotionAndNotTwiceAtOnce) {
+TEST(GlobalGraph, AddsNodesAfterMotionAndTime) {
   PlainFlight flight({});
   for (const double way_m : {0.0, 0.49, 0.5, 0.99, 1.0})
     flight.node_at(make_pose({way_m, 0, 1}, Eigen::Quaterniond::Identity()));
@@ -101,7 +101,7 @@ TEST(GlobalGraph, ANodeComesAfterEnoughMotionAndNotTwiceAtOnce) {
   EXPECT_EQ(flight.slam.num_nodes(), 3) << "what is not newer is none";
 }
 
-TEST(GlobalGraph, ASubmapHasTheWayThatItMayAndTheNextOneBeginsThere) {
+TEST(GlobalGraph, LimitsSubmapLengthAndStartsAnother) {
   for (const auto& [to_m, num] :
        std::vector<std::pair<double, int>>{{8.0, 1}, {8.5, 2}, {16.5, 2}, {17.0, 3}, {25.5, 4}}) {
     PlainFlight flight({});
@@ -127,7 +127,7 @@ GnssSample fix_at(TimeNs t, const Vector3& p_world_m, const Vector3& sigma_m = V
   return {t, p_world_m, Vector3::Zero(), sigma_m, Vector3::Ones()};
 }
 
-TEST(GlobalGraph, AFixHoldsAtItsShareOfTheWayBetweenTwoNodes) {
+TEST(GlobalGraph, PlacesFixesProportionallyBetweenTwoNodes) {
   GlobalSlamConfig config;
   config.gnss.weighting = GnssWeighting::kPerAxis;
   config.gnss.a = 2.0;
@@ -162,7 +162,7 @@ TEST(GlobalGraph, AFixHoldsAtItsShareOfTheWayBetweenTwoNodes) {
   EXPECT_TRUE(blind.slam.graph().position_factors().empty());
 }
 
-TEST(GlobalGraph, WithFixesItIsOptimizedAsOftenAsItMayAndKnownAfterTheLatency) {
+TEST(GlobalGraph, OptimizesPeriodicallyAndAppliesAfterLatency) {
   GlobalSlamConfig config;
   config.optimize_every_s = 1.0;
   config.latency_s = 0.3;
@@ -181,7 +181,7 @@ TEST(GlobalGraph, WithFixesItIsOptimizedAsOftenAsItMayAndKnownAfterTheLatency) {
   EXPECT_TRUE(without.corrections.empty()) << "nothing new, nothing to optimize";
 }
 
-TEST(GlobalGraph, AStartThatNobodyToldIsFittedToTheFifthFixOnALongEnoughWay) {
+TEST(GlobalGraph, FitsUnknownStartsToFifthFix) {
   const Pose T = make_pose({200, -100, 30}, rotation_by({0, 0, 1.2}));
   for (const auto& [spread_m, fitted_at] : std::vector<std::pair<double, int>>{{0.1, 6}, {1.5, 12}}) {
     GlobalSlamConfig config;

@@ -106,7 +106,7 @@ struct Flight {
   }
 };
 
-TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
+TEST(GlobalSlam, ClosesLoopAndReportsDriftedFrame) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
   Flight flight(GlobalSlam(config, true));
@@ -130,7 +130,7 @@ TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
 }
 
 // Present points stand still in the vehicle's local frame. Old submaps move to their places relative to them.
-TEST(GlobalSlam, WhenALoopIsClosedOldSubmapsMoveInTheLocalFrameAndTheNewestStandsStill) {
+TEST(GlobalSlam, ClosureMovesOldSubmapsNotNewest) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
   Flight flight(GlobalSlam(config, true));
@@ -154,7 +154,7 @@ TEST(GlobalSlam, WhenALoopIsClosedOldSubmapsMoveInTheLocalFrameAndTheNewestStand
   EXPECT_EQ(T_newest.linear(), Matrix3::Identity()) << "as local SLAM placed it";
 }
 
-TEST(GlobalSlam, SubmapsMoveWhenTheCorrectionBecomesKnown) {
+TEST(GlobalSlam, MovesSubmapsWhenCorrectionBecomesKnown) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
   config.latency_s = 3.0;
@@ -175,7 +175,7 @@ TEST(GlobalSlam, SubmapsMoveWhenTheCorrectionBecomesKnown) {
 }
 
 // Round after round through the same yard. Clouds of later rounds hold nothing new.
-TEST(GlobalSlam, MemoryGrowsWithTheSpaceAndNotWithTheWay) {
+TEST(GlobalSlam, MemoryGrowsWithSpaceNotDistance) {
   const auto points_after = [](double rounds, double covered_share) {
     GlobalSlamConfig config;
     config.closure_gap_m = 20.0;
@@ -190,7 +190,7 @@ TEST(GlobalSlam, MemoryGrowsWithTheSpaceAndNotWithTheWay) {
 }
 
 // A drift of 3 mm a meter comes to 0.5 m over the flight: closures hold it.
-TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingAndLoopsAreStillClosed) {
+TEST(GlobalSlam, BoundsStationaryGraphWhileClosingLoops) {
   GlobalSlamConfig config;
   config.visits_kept = 2;
   config.searches = 1;
@@ -222,7 +222,7 @@ TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingAndLoopsAreStillClosed) {
 }
 
 // The limit also holds without closures.
-TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingWithoutClosures) {
+TEST(GlobalSlam, BoundsGraphInPlaceWithoutClosures) {
   GlobalSlamConfig config;
   config.visits_kept = 2;
   config.searches = 0;
@@ -239,7 +239,7 @@ TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingWithoutClosures) {
 }
 
 // The flight leaves a known place for a larger round and comes back to it.
-TEST(GlobalSlam, TheWayBackToAKnownPlaceStillClosesTheLoop) {
+TEST(GlobalSlam, ClosesLoopWhenRevisitingKnownPlace) {
   GlobalSlamConfig config;
   config.visits_kept = 2;
   config.closure_gap_m = 20.0;
@@ -264,7 +264,7 @@ TEST(GlobalSlam, TheWayBackToAKnownPlaceStillClosesTheLoop) {
   EXPECT_GE(on_the_round, 30) << "new space stays";
 }
 
-TEST(GlobalSlam, ASubmapThatSeesOtherThingsThanBeforeStays) {
+TEST(GlobalSlam, KeepsSubmapOfChangedSurroundings) {
   GlobalSlamConfig config;
   config.visits_kept = 1;
   config.searches = 0;
@@ -280,7 +280,7 @@ TEST(GlobalSlam, ASubmapThatSeesOtherThingsThanBeforeStays) {
 }
 
 // During a hover of an hour with GNSS the last fixes are kept: the next node uses the newest fix that is not newer.
-TEST(GlobalSlam, FixesOfALongHoverLeaveTheNextNodeItsFix) {
+TEST(GlobalSlam, KeepsNextNodesFixAfterHovering) {
   Flight flight(GlobalSlam({}, true));
   flight.fly(0.0, Vector3::Zero());
   TimeNs t = flight.t;
@@ -294,7 +294,7 @@ TEST(GlobalSlam, FixesOfALongHoverLeaveTheNextNodeItsFix) {
   EXPECT_EQ(fixes[0].p_world_m.x(), 35'993.0) << "the newest that is not newer than the scan";
 }
 
-TEST(GlobalSlam, WhatIsForgottenOfASubmapIsKnownInAnOlderOne) {
+TEST(GlobalSlam, ForgetsOnlyWhatOlderSubmapsKnow) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
   Flight flight(GlobalSlam(config, true));
@@ -316,7 +316,7 @@ TEST(GlobalSlam, WhatIsForgottenOfASubmapIsKnownInAnOlderOne) {
   EXPECT_LT(missing, seen / 100);
 }
 
-TEST(GlobalSlam, ClosesALoopWhereNobodyToldTheStartToo) {
+TEST(GlobalSlam, ClosesLoopFromUnknownStart) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
   Flight flight(GlobalSlam(config, false));
@@ -332,7 +332,7 @@ TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
   EXPECT_GE(flight.slam.num_submaps(), 3);
 }
 
-TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
+TEST(GlobalSlam, FitsUnknownStartToEnuAxes) {
   GlobalSlamConfig config;
   config.optimize_every_s = 2.0;
   Flight flight(GlobalSlam(config, false));
@@ -343,7 +343,7 @@ TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
   EXPECT_NEAR(yaw_of(flight.correction->linear()), 1.2, 0.02);
 }
 
-TEST(GlobalSlam, FixesThatAreNewerThanTheScansWaitForTheirNode) {
+TEST(GlobalSlam, HoldsNewerFixesForTheirNode) {
   GlobalSlamConfig config;
   config.optimize_every_s = 2.0;
   Flight flight(GlobalSlam(config, false));
@@ -353,7 +353,7 @@ TEST(GlobalSlam, FixesThatAreNewerThanTheScansWaitForTheirNode) {
   EXPECT_LT((*flight.correction * on_square_m(30.0) - T * on_square_m(30.0)).norm(), 0.1);
 }
 
-TEST(GlobalSlam, ACorrectionIsKnownOnlyAfterItsLatency) {
+TEST(GlobalSlam, AppliesCorrectionOnlyAfterLatency) {
   GlobalSlamConfig config;
   config.optimize_every_s = 2.0;
   TimeNs learned[2] = {};
@@ -373,7 +373,7 @@ std::shared_ptr<const SavedMap> map_of_the_yard() {
   return flight.slam.saved_map();
 }
 
-TEST(GlobalSlam, KeepsItsGraphAndItsCloudsForLaterFlights) {
+TEST(GlobalSlam, SavesGraphAndCloudsForReuse) {
   const auto map = map_of_the_yard();
   EXPECT_EQ(fault_of(*map), "");
   EXPECT_EQ(map->nodes.size(), 61U);
@@ -388,7 +388,7 @@ TEST(GlobalSlam, KeepsItsGraphAndItsCloudsForLaterFlights) {
   }
 }
 
-TEST(GlobalSlam, ALaterFlightThatWasToldNothingFindsItselfInThatMap) {
+TEST(GlobalSlam, LocatesUninformedFlightInLoadedMap) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   for (const double yaw_rad : {0.3, 2.0, -2.6}) {
@@ -431,7 +431,7 @@ void turn_at_one_place(Flight& flight, int num_scans) {
   }
 }
 
-TEST(GlobalSlam, OneThatHoversFindsItselfAsSoonAsItHasTurned) {
+TEST(GlobalSlam, LocatesHoveringVehicleOnceItTurns) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   Flight flight(GlobalSlam(config, false));
@@ -443,7 +443,7 @@ TEST(GlobalSlam, OneThatHoversFindsItselfAsSoonAsItHasTurned) {
   EXPECT_LE(flight.slam.num_nodes(), 10);
 }
 
-TEST(GlobalSlam, OneThatHoversElsewhereStopsToLook) {
+TEST(GlobalSlam, StopsSearchingWhenHoveringElsewhere) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   Flight flight(GlobalSlam(config, false));
@@ -453,7 +453,7 @@ TEST(GlobalSlam, OneThatHoversElsewhereStopsToLook) {
   EXPECT_EQ(flight.slam.num_nodes(), 10) << "memory does not grow with time";
 }
 
-TEST(GlobalSlam, ElsewhereItDoesNotFindItselfAndLeavesTheMapAsItIs) {
+TEST(GlobalSlam, LeavesMapUnchangedWhenElsewhere) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   Flight flight(GlobalSlam(config, false));
@@ -467,7 +467,7 @@ TEST(GlobalSlam, ElsewhereItDoesNotFindItselfAndLeavesTheMapAsItIs) {
   EXPECT_EQ(flight.slam.saved_map(), config.loaded_map);
 }
 
-TEST(GlobalSlam, AFlightWhoseStartWasToldKnowsAtOnceWhereTheGivenSubmapsLie) {
+TEST(GlobalSlam, PlacesLoadedSubmapsFromKnownStart) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   Flight flight(GlobalSlam(config, true));
@@ -481,7 +481,7 @@ TEST(GlobalSlam, AFlightWhoseStartWasToldKnowsAtOnceWhereTheGivenSubmapsLie) {
 }
 
 // The map that a later flight saves has the cells that mappers of both flights have seen.
-TEST(GlobalSlam, ALaterFlightKeepsTheCellsOfTheEarlierOne) {
+TEST(GlobalSlam, KeepsCellsOfEarlierFlight) {
   const auto piece_of = [](int submap) {
     CellBlock block;
     block.free[0] = 1;
@@ -508,7 +508,7 @@ TEST(GlobalSlam, ALaterFlightKeepsTheCellsOfTheEarlierOne) {
   EXPECT_EQ(pieces_of(*saved).size(), saved->submaps.size()) << "submaps without cells have those of their points";
 }
 
-TEST(GlobalSlam, AFlightWhoseStartWasToldClosesLoopsWithAnEarlierOne) {
+TEST(GlobalSlam, KnownStartClosesLoopsAcrossFlights) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();
   Flight flight(GlobalSlam(config, true));

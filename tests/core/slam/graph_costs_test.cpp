@@ -35,7 +35,7 @@ Vector3 turn_from(const Pose& a, const Pose& b) {
   return turn.axis() * std::remainder(turn.angle(), 2.0 * M_PI);
 }
 
-TEST(GraphCosts, SmallResidualsHaveTheRightDerivativesToo) {
+TEST(GraphCosts, DerivativesAreCorrectForSmallResiduals) {
   // Below a thousandth of a radian they come from a series.
   const PriorFactor prior{0, make_pose({1, 2, 3}, rotation_by({0.3, -0.2, 0.9})), Matrix6::Identity()};
   constexpr double kStep = 1e-5;
@@ -51,7 +51,7 @@ TEST(GraphCosts, SmallResidualsHaveTheRightDerivativesToo) {
   }
 }
 
-TEST(GraphCosts, APullBeyondTheScaleIsConstant) {
+TEST(GraphCosts, HuberForceIsConstantBeyondScale) {
   // A prior of weight 1 at the origin; what pulls at it is 50 m away, and its weight is 10 /m.
   for (const double huber : {1.0, 3.0}) {
     PoseGraph fixes;
@@ -81,7 +81,7 @@ TEST(GraphCosts, APullBeyondTheScaleIsConstant) {
   EXPECT_NEAR(near.pose(0).translation().x(), 0.05 * 100.0 / 101.0, 1e-9);
 }
 
-TEST(GraphCosts, WhatIsLinearIsSolvedInOneStep) {
+TEST(GraphCosts, SolvesLinearProblemsInOneStep) {
   // Two poses side by side, each with a spring, a fix between them and one edge: two unknowns along each axis, and a
   // minimum in closed form.
   for (const double beta : {0.0, 0.25, 0.8}) {
@@ -115,7 +115,7 @@ TEST(GraphCosts, WhatIsLinearIsSolvedInOneStep) {
   }
 }
 
-TEST(GraphCosts, NearItsMinimumAStepLeavesTheSquareOfTheError) {
+TEST(GraphCosts, ConvergesQuadraticallyNearTheMinimum) {
   std::mt19937 random(22);
   std::vector<Pose> truth;
   PoseGraph graph;
@@ -143,7 +143,7 @@ TEST(GraphCosts, NearItsMinimumAStepLeavesTheSquareOfTheError) {
   }
 }
 
-TEST(GraphCosts, NeverGrowHoweverFarOffTheEstimateIs) {
+TEST(GraphCosts, NeverGrowFromAnyInitialEstimate) {
   std::mt19937 random(23);
   for (int trial = 0; trial < 10; ++trial) {
     PoseGraph graph;
@@ -168,7 +168,7 @@ TEST(GraphCosts, NeverGrowHoweverFarOffTheEstimateIs) {
   }
 }
 
-TEST(GraphCosts, ItEndsWithTheFirstStepThatIsSmall) {
+TEST(GraphCosts, StopsAfterTheFirstSmallStep) {
   const auto iterations = [](double step_min) {
     PoseGraph graph;
     for (int i = 0; i < 2; ++i) graph.add_pose(at_place({0.5 * i, 0, 0}));
@@ -190,7 +190,7 @@ TEST(GraphCosts, ItEndsWithTheFirstStepThatIsSmall) {
   EXPECT_FALSE(graph.optimize(one).converged);
 }
 
-TEST(GraphCosts, NobodyClaimsToBeBetterThanThreeMillimeters) {
+TEST(GraphCosts, LimitsGnssPrecisionToThreeMillimeters) {
   GnssFactorConfig config;
   config.weighting = GnssWeighting::kPerAxis;
   const Vector3 weight = gnss_weight_1_m(config, {0.001, 0.0031, 0.02});
@@ -205,7 +205,7 @@ double sum_of_squares(const std::vector<MatchedPosition>& points, const Pose& T)
   return sum;
 }
 
-TEST(GraphCosts, NoOtherHeadingOrPlaceFitsWeightedPointsBetter) {
+TEST(GraphCosts, WeightedAlignmentMinimizesSquaredError) {
   std::mt19937 random(24);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 40; ++trial) {

@@ -28,7 +28,7 @@ PoseGraph chain(int count) {
   return graph;
 }
 
-TEST(GraphWays, AlongAChainItIsTheWayThatWasFlown) {
+TEST(GraphWays, FollowFlownWaysAlongChains) {
   const std::vector<double> way_m = shortest_path_lengths_m(chain(11), 10);
   for (std::size_t i = 0; i < way_m.size(); ++i) EXPECT_DOUBLE_EQ(way_m[i], 2.0 * static_cast<double>(10 - i));
 }
@@ -42,7 +42,7 @@ TEST(GraphWays, AClosureCountsNothing) {
   EXPECT_DOUBLE_EQ(way_m[5], 10.0);  // equal in both directions
 }
 
-TEST(GraphWays, AClosureThatLeavesADirectionOpenLeadsNowhere) {
+TEST(GraphWays, IgnoreClosuresWithAnOpenDirection) {
   PoseGraph graph = chain(11);
   Matrix6 open = Matrix6::Identity();
   open(1, 1) = 0.0;
@@ -50,13 +50,13 @@ TEST(GraphWays, AClosureThatLeavesADirectionOpenLeadsNowhere) {
   EXPECT_DOUBLE_EQ(shortest_path_lengths_m(graph, 10)[1], 18.0);
 }
 
-TEST(GraphWays, WhereNoFactorLeadsItIsInfinite) {
+TEST(GraphWays, AreInfiniteWithoutAConnectingFactor) {
   PoseGraph graph = chain(3);
   graph.add_pose(Pose::Identity());
   EXPECT_TRUE(std::isinf(shortest_path_lengths_m(graph, 0)[3]));
 }
 
-TEST(GraphWays, AreThoseOfRelaxingEveryEdgeUntilNothingChanges) {
+TEST(GraphWays, MatchRelaxationOfEveryEdge) {
   const Random random(7, "graph_ways");
   for (std::uint32_t trial = 0; trial < 20; ++trial) {
     constexpr int kPoses = 40;

@@ -83,7 +83,7 @@ TEST(GridCost, ThePointsTermHasItsDerivatives) {
   EXPECT_GT(num_sloped, 100);
 }
 
-TEST(GridCost, TheTermsOfThePredictionHaveTheirDerivatives) {
+TEST(GridCost, MatchesDerivativesOfThePredictionTerms) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 50; ++trial) {
@@ -104,7 +104,7 @@ TEST(GridCost, TheTermsOfThePredictionHaveTheirDerivatives) {
   }
 }
 
-TEST(GridsMatch, EvidenceIsTheGradientOfItsCost) {
+TEST(GridsMatch, DerivesEvidenceFromTheCostGradient) {
   const GridSubmap submap = submap_of(kChamber, 4);
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 400, 4);
   const std::array<GridCloud, 2> clouds{GridCloud{&submap.high, points_body_m, 1.0},
@@ -170,14 +170,14 @@ GridMatchConfig of_points_alone() {
   return config;
 }
 
-TEST(GridsMatch, FindsADisplacementToMillimetersWhereWallsLieInTheMiddleOfCells) {
+TEST(GridsMatch, FindsDisplacementForCellCenteredWalls) {
   // Whole numbers of cells of both grids, 0.1 and 0.45 m, from where the submap begins.
   const Found worst = worst_of(SyntheticRoom::box({-5.4, -4.5, -1.8}, {6.3, 3.6, 2.7}), of_points_alone());
   EXPECT_LT(worst.off_m, 0.005);
   EXPECT_LT(worst.off_rad, 0.001);
 }
 
-TEST(GridsMatch, ElsewhereItIsOffByAsMuchAsWallsLieBesideTheMiddleOfTheirCells) {
+TEST(GridsMatch, ErrsByWallOffsetWithinCells) {
   const Found both = worst_of(kChamber, of_points_alone());
   EXPECT_LT(both.off_m, 0.5 * 0.45);
   EXPECT_LT(both.off_rad, 0.01);
@@ -188,7 +188,7 @@ TEST(GridsMatch, ElsewhereItIsOffByAsMuchAsWallsLieBesideTheMiddleOfTheirCells) 
   EXPECT_LT(alone.off_rad, 0.005);
 }
 
-TEST(GridsMatch, ItsWeightsHoldItToThePrediction) {
+TEST(GridsMatch, IsHeldToPredictionByWeights) {
   const GridSubmap submap = submap_of(kChamber);
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 3000, 20);
   const std::array<GridCloud, 2> clouds{GridCloud{&submap.high, points_body_m, 1.0},
@@ -215,7 +215,7 @@ TEST(GridsMatch, ItsWeightsHoldItToThePrediction) {
   EXPECT_LT(last_m, 1e-3);
 }
 
-TEST(GridsMatch, WithoutAnythingInSightItStaysAtThePrediction) {
+TEST(GridsMatch, StaysAtPredictionWithoutOverlap) {
   const GridSubmap submap = submap_of(kChamber, 1);
   const Pose T_far = make_pose({100, 0, 0}, rotation_by({0.1, 0, 0}));
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 300, 21);

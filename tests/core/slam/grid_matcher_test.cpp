@@ -62,7 +62,7 @@ struct GridFlight {
   }
 };
 
-TEST(GridMatcher, AtRestAScanGoesIntoTheMapEveryHalfSecond) {
+TEST(GridMatcher, InsertsRestingScansEveryHalfSecond) {
   GridMatchingConfig config;
   config.insert_after_m = config.insert_after_deg = 10.0;
   GridFlight rest(kWorkshop, at_rest, config);
@@ -71,7 +71,7 @@ TEST(GridMatcher, AtRestAScanGoesIntoTheMapEveryHalfSecond) {
   for (const ScanOutcome& outcome : rest.outcomes) EXPECT_TRUE(outcome.used);
 }
 
-TEST(GridMatcher, ScansAreMatchedToTheOlderSubmap) {
+TEST(GridMatcher, MatchesScansToOlderSubmap) {
   // Two scans of where the vehicle is make the older one; both take a third of where it is not.
   GridMatchingConfig config;
   config.submaps.scans = 2;
@@ -108,7 +108,7 @@ Pose circling(double t_s) {
                    rotation_by({0, 0, angle}) * rotation_by({0.05 * std::sin(ramp_s), 0, 0}));
 }
 
-TEST(GridMatcher, KeepsToAWayThroughARoom) {
+TEST(GridMatcher, TracksPathThroughRoom) {
   GridFlight flight(kWorkshop, circling);
   flight.flight.gyro_bias_radps = {0.004, -0.003, 0.005};
   flight.flight.accel_bias_mps2 = {0.05, -0.04, 0.06};
@@ -130,7 +130,7 @@ TEST(GridMatcher, HasTheSameBitsAgain) {
   EXPECT_EQ(one.slam.filter().covariance(), other.slam.filter().covariance());
 }
 
-TEST(GridMatcher, TellsThatAnAisleIsOpenAndARoomIsNot) {
+TEST(GridMatcher, DetectsDegenerateAisleButNotRoom) {
   SyntheticRoom aisle = SyntheticRoom::box({-300.0, -2.1, -0.2}, {300.0, 2.2, 3.7});
   GridFlight flight(aisle, at_rest);
   flight.fly(100);
@@ -142,7 +142,7 @@ TEST(GridMatcher, TellsThatAnAisleIsOpenAndARoomIsNot) {
   for (const ScanOutcome& outcome : room.outcomes) EXPECT_EQ(outcome.fit.num_degenerate, 0);
 }
 
-TEST(GridMatcher, AScanOfUnknownSpaceMovesNothing) {
+TEST(GridMatcher, IgnoresScansOfUnknownSpace) {
   GridFlight flight(kWorkshop, at_rest);
   flight.fly(5);
   // Far away from the map.
@@ -176,7 +176,7 @@ Matrix6 random_spd(std::mt19937& random) {
 }
 
 // With the Kalman gain the update equals that by evidence of the same information.
-TEST(InertialFilterTake, WithTheBestGainItIsTheUpdateByEvidence) {
+TEST(InertialFilterTake, EqualsEvidenceUpdateWithBestGain) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 10; ++trial) {
     InertialFilter weighed = in_flight(), updated = in_flight();
@@ -204,7 +204,7 @@ TEST(InertialFilterTake, WithTheBestGainItIsTheUpdateByEvidence) {
   }
 }
 
-TEST(InertialFilterTake, ThePoseIsTheOneThatWasFoundAndAWorseGainLeavesMoreDoubt) {
+TEST(InertialFilterTake, SetsPoseWithGainDependentCovariance) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 10; ++trial) {
     const Matrix6 information = random_spd(random);

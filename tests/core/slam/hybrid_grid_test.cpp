@@ -43,14 +43,14 @@ TEST(OddsTable, MultipliesOdds) {
   }
 }
 
-TEST(HybridGrid, CellsAreCenteredAtTheirIndexTimesTheResolution) {
+TEST(HybridGrid, CentersCellsAtMultiplesOfResolution) {
   const HybridGrid grid(0.45);
   EXPECT_EQ(grid.cell_at({0.0, 0.22, -0.22}), Eigen::Vector3i::Zero());
   EXPECT_EQ(grid.cell_at({0.23, -0.23, 0.67}), Eigen::Vector3i(1, -1, 1));
   EXPECT_EQ(grid.center_m({2, -1, 0}), Vector3(0.9, -0.45, 0.0));
 }
 
-TEST(HybridGrid, DoesNotHangOnTheOrderOfTheScansPoints) {
+TEST(HybridGrid, IsIndependentOfPointOrder) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, 2.0);
   std::vector<Vector3> points_m(3000);
@@ -96,7 +96,7 @@ HybridGrid random_grid(double resolution_m, unsigned seed) {
   return grid;
 }
 
-TEST(HybridGrid, InterpolationHasTheCellsValuesAtTheirCentersAndNoSlopeThere) {
+TEST(HybridGrid, InterpolatesCellCentersExactlyWithoutSlope) {
   const HybridGrid grid = random_grid(0.25, 5);
   for (int x = -9; x <= 9; ++x) {
     for (int y = -9; y <= 9; ++y) {
@@ -109,7 +109,7 @@ TEST(HybridGrid, InterpolationHasTheCellsValuesAtTheirCentersAndNoSlopeThere) {
   }
 }
 
-TEST(HybridGrid, InterpolationIsSmoothAndItsSlopeIsThatOfItsValues) {
+TEST(HybridGrid, InterpolatesSmoothlyWithConsistentSlope) {
   const HybridGrid grid = random_grid(0.25, 6);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-2.2, 2.2);
@@ -141,7 +141,7 @@ std::vector<Vector3> around(const Vector3& middle_m, double range_m, int num = 2
   return points_m;
 }
 
-TEST(GridSubmaps, ScansGoIntoBothAndTheOlderOneIsTheMapUntilTheNewerIsFull) {
+TEST(GridSubmaps, FillBothAndMatchTheOlder) {
   GridSubmapConfig config;
   config.scans = 4;
   GridSubmaps submaps(config);
@@ -162,7 +162,7 @@ TEST(GridSubmaps, ScansGoIntoBothAndTheOlderOneIsTheMapUntilTheNewerIsFull) {
   EXPECT_EQ(submaps.newer().origin_local_m.x(), 13.0);
 }
 
-TEST(GridSubmaps, FarPointsGoIntoTheCoarserGridOnly) {
+TEST(GridSubmaps, RestrictFarPointsToCoarseGrid) {
   GridSubmaps submaps(GridSubmapConfig{});
   const Vector3 at_m(5, 0, 0);
   std::vector<Vector3> points_m{{5, 19.9, 0}, {5, 20.1, 0}};
@@ -177,7 +177,7 @@ TEST(GridSubmaps, FarPointsGoIntoTheCoarserGridOnly) {
   EXPECT_TRUE(known(submap.low, points_m[1]));
 }
 
-TEST(GridSubmaps, MemoryDoesNotGrowWithTheWay) {
+TEST(GridSubmaps, KeepMemoryBoundedOverDistance) {
   GridSubmapConfig config;
   config.scans = 10;
   GridSubmaps submaps(config);

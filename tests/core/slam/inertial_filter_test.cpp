@@ -36,7 +36,7 @@ Filter::Error between(const Filter::State& from, const Filter::State& to) {
   return d;
 }
 
-TEST(InertialFilter, TransitionIsTheDerivativeOfTheMotion) {
+TEST(InertialFilter, TransitionIsDerivativeOfMotion) {
   const Vector3 measured_omega(0.7, -1.2, 2.0), measured_force(1.0, -2.0, 11.0);
   constexpr double kDt_s = 0.004, kStep = 1e-5;
   const auto advanced = [&](const Filter::State& s) {
@@ -55,7 +55,7 @@ TEST(InertialFilter, TransitionIsTheDerivativeOfTheMotion) {
   }
 }
 
-TEST(InertialFilter, AtRestUnderATiltedGravityItStaysWhereItIs) {
+TEST(InertialFilter, StaysAtRestUnderTiltedGravity) {
   Filter::State state;
   state.tilt_local = {0.1, -0.05};
   const Vector3 force = -state.gravity_local_mps2();
@@ -73,7 +73,7 @@ Filter flown_filter() {
   return filter;
 }
 
-TEST(InertialFilter, AnUpdateIsThatOfTheKalmanFilter) {
+TEST(InertialFilter, UpdatesAsKalmanFilter) {
   Filter filter = flown_filter();
   const Filter::State prior = filter.state();
   const Filter::Covariance P = filter.covariance();
@@ -113,7 +113,7 @@ TEST(InertialFilter, EvidenceThatIsEmptyChangesNothing) {
   EXPECT_LT((filter.covariance() - P).norm(), 1e-12);
 }
 
-TEST(InertialFilter, WithoutScansItSaysHowFastItsPoseGetsWorse) {
+TEST(InertialFilter, WithoutScansGrowsPoseUncertainty) {
   Filter filter = flown_filter();
   const double before_m = std::sqrt(filter.pose_covariance().diagonal().head<3>().maxCoeff());
   for (int i = 101; i <= 350; ++i) filter.predict({i * 4'000'000, {0, 0, 0}, {0, 0, 9.81}});
@@ -122,7 +122,7 @@ TEST(InertialFilter, WithoutScansItSaysHowFastItsPoseGetsWorse) {
   EXPECT_TRUE(filter.is_sound());
 }
 
-TEST(InertialFilter, AfterAGapItNoLongerKnowsWhereItFlewNorWhereItTurned) {
+TEST(InertialFilter, LosesVelocityAndAttitudeAfterGap) {
   const auto spread_after = [](TimeNs gap) {
     Filter filter = flown_filter();
     filter.predict({400'000'000 + gap, {0, 0, 0}, {0, 0, 9.81}});
@@ -137,7 +137,7 @@ TEST(InertialFilter, AfterAGapItNoLongerKnowsWhereItFlewNorWhereItTurned) {
   EXPECT_LT(gap.y(), 0.5);
 }
 
-TEST(InertialFilter, SamplesThatAreNotFiniteOrNotNewAreNone) {
+TEST(InertialFilter, IgnoresNonFiniteOrStaleSamples) {
   Filter filter = flown_filter();
   const Vector3 p_m = filter.state().nav.p_m;
   filter.predict({500'000'000, {std::nan(""), 0, 0}, {0, 0, 9.81}});
@@ -147,7 +147,7 @@ TEST(InertialFilter, SamplesThatAreNotFiniteOrNotNewAreNone) {
 
 // The difference of the covariances of two filters that differ in one noise is the effect of that noise: white noise of
 // the accelerometer, integrated once and twice.
-TEST(InertialFilter, NoiseOfTheAccelerometerGrowsAsItsIntegrals) {
+TEST(InertialFilter, IntegratesAccelerometerNoise) {
   constexpr double kNoise = 0.5, kDuration_s = 2.0;
   const auto after_flight = [](double accel_noise_mps2_sqrt_hz) {
     InertialConfig config;
@@ -166,7 +166,7 @@ TEST(InertialFilter, NoiseOfTheAccelerometerGrowsAsItsIntegrals) {
   }
 }
 
-TEST(InertialFilter, WithoutTiltAStepIsThatOfTheStrapdown) {
+TEST(InertialFilter, WithoutTiltMatchesStrapdown) {
   Filter::State state = some_state();
   state.tilt_local.setZero();
   NavState nav = state.nav;
@@ -180,7 +180,7 @@ TEST(InertialFilter, WithoutTiltAStepIsThatOfTheStrapdown) {
   EXPECT_GT((next.nav.p_m - before.p_m).norm(), 0.01);
 }
 
-TEST(InertialFilter, WhatIsExactInTheTransitionIsExact) {
+TEST(InertialFilter, LinearPartsOfTransitionAreExact) {
   // The motion within a step is linear in velocity, accelerometer biases and tilt.
   const Vector3 omega(0.7, -1.2, 2.0), force(1.0, -2.0, 11.0);
   constexpr double kDt_s = 0.05, kStep = 1e-4;
@@ -214,7 +214,7 @@ TEST(InertialFilter, ATiltOfGravityStaysOne) {
   EXPECT_LT(steep.gravity_local_mps2().z(), 0.0);
 }
 
-TEST(InertialFilter, BeginsAsUnsureAsItIsTold) {
+TEST(InertialFilter, StartsWithConfiguredUncertainty) {
   InertialConfig config;
   config.start_velocity_sigma_mps = 0.3;
   config.start_accel_bias_sigma_mps2 = 0.2;
@@ -230,7 +230,7 @@ TEST(InertialFilter, BeginsAsUnsureAsItIsTold) {
   EXPECT_LT((filter.T_local_body().translation() - Vector3(1, 2, 3)).norm(), 1e-15);
 }
 
-TEST(InertialFilter, ItsFirstSampleOnlySaysWhatTimeItIs) {
+TEST(InertialFilter, FirstSampleOnlySetsTime) {
   Filter filter({}, make_pose({1, 2, 3}, Eigen::Quaterniond::Identity()));
   const Filter::Covariance P = filter.covariance();
   filter.predict_to(1'000'000'000);
@@ -252,7 +252,7 @@ TEST(InertialFilter, ItsFirstSampleOnlySaysWhatTimeItIs) {
 }
 
 // The difference of two filters that differ in one noise is the effect of that noise.
-TEST(InertialFilter, TheOtherNoisesGrowWithTheTime) {
+TEST(InertialFilter, GrowsOtherNoisesWithTime) {
   constexpr double kDt_s = 0.05;
   const auto after = [](double gyro, double accel_walk, double gyro_walk) {
     InertialConfig config;
@@ -275,7 +275,7 @@ TEST(InertialFilter, TheOtherNoisesGrowWithTheTime) {
   expect_added(after(0, 0, 0.1), Filter::kGyroBias, 0.01 * kDt_s);
 }
 
-TEST(InertialFilter, FromATenthOfASecondOnAGapCostsWhatMayHaveHappenedInIt) {
+TEST(InertialFilter, InflatesCovarianceAfterTenthSecondGap) {
   const auto after = [](double dt_s) {
     Filter filter({}, Pose::Identity());
     filter.predict({1, Vector3::Zero(), {0, 0, 9.81}});
@@ -292,7 +292,7 @@ TEST(InertialFilter, FromATenthOfASecondOnAGapCostsWhatMayHaveHappenedInIt) {
   }
 }
 
-TEST(InertialFilter, BegunAgainItKnowsWhatItLearnedAndIsTwiceAsUnsureOfIt) {
+TEST(InertialFilter, RestartKeepsEstimatesWithDoubledUncertainty) {
   const Filter learned = flown_filter();
   Filter again({}, make_pose({1, 2, 3}, rotation_by({0, 0, 0.5})));
   again.begin_with(learned, {0.4, -0.3, 0.2});
@@ -307,7 +307,7 @@ TEST(InertialFilter, BegunAgainItKnowsWhatItLearnedAndIsTwiceAsUnsureOfIt) {
   EXPECT_LT((again.covariance() - expected).norm(), 1e-15);
 }
 
-TEST(InertialFilter, WhereTheMapBeginsItsPoseIsExact) {
+TEST(InertialFilter, PoseIsExactAtMapOrigin) {
   Filter filter = flown_filter();
   const Filter::Covariance P = filter.covariance();
   filter.anchor_pose();
@@ -319,7 +319,7 @@ TEST(InertialFilter, WhereTheMapBeginsItsPoseIsExact) {
   }
 }
 
-TEST(InertialFilter, IsSoundWhileAllThatItTellsIsFinite) {
+TEST(InertialFilter, IsSoundWhileStateIsFinite) {
   EXPECT_TRUE(flown_filter().is_sound());
   Filter lost = flown_filter();
   lost.update(

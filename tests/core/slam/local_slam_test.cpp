@@ -83,7 +83,7 @@ int kept_near(const Vector3& place_m, const std::vector<SeenVehicle>& others, do
   return kept;
 }
 
-TEST(LocalSlam, WhatItSeesOfOtherVehiclesIsLeftOut) {
+TEST(LocalSlam, IgnoresReturnsFromOtherVehicles) {
   const Vector3 on_wall_m(7.4, 1.0, 1.5);  // reported position of a vehicle
   const int all = kept_near(on_wall_m, {});
   ASSERT_GT(all, 20);
@@ -97,7 +97,7 @@ TEST(LocalSlam, WhatItSeesOfOtherVehiclesIsLeftOut) {
   EXPECT_EQ(kept_near(on_wall_m, {{kSeen, Vector3::Constant(NAN), Vector3::Zero()}}), all);
 }
 
-TEST(LocalSlam, AtRestAScanGoesIntoTheMapEverySecondButTheFirstTenAtOnce) {
+TEST(LocalSlam, InsertsScansEverySecondAtRest) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
   EXPECT_TRUE(slam.started());
@@ -109,7 +109,7 @@ TEST(LocalSlam, AtRestAScanGoesIntoTheMapEverySecondButTheFirstTenAtOnce) {
   EXPECT_GT(outcomes.back().num_iterations, 0);
 }
 
-TEST(LocalSlam, WithoutTheImuAScanIsOfNoUse) {
+TEST(LocalSlam, IgnoresScansWithoutImu) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
   const ScanOutcome outcome = slam.add(flight.scan(kLidarTick));
@@ -117,7 +117,7 @@ TEST(LocalSlam, WithoutTheImuAScanIsOfNoUse) {
   EXPECT_EQ(map_of(slam).num_cells(), 0U);
 }
 
-TEST(LocalSlam, TakesNoMorePointsThanItMay) {
+TEST(LocalSlam, RespectsItsPointLimit) {
   LocalSlamConfig config = from_the_first_scan_on();
   config.match_points = 333;
   config.map_points = 444;
@@ -137,7 +137,7 @@ TEST(LocalSlam, TakesNoMorePointsThanItMay) {
   }
 }
 
-TEST(LocalSlam, WhileItsSpeedIsNotKnownItsFirstScansMakeTheMapAnew) {
+TEST(LocalSlam, RebuildsMapWhileSpeedIsUnknown) {
   // A scan is smeared when the speed may be off by more than 0.3 m/s: what it made of the map counts no more then.
   const auto points_of_a_wall = [](double sigma_mps) {
     LocalSlamConfig config = from_the_first_scan_on();
@@ -152,7 +152,7 @@ TEST(LocalSlam, WhileItsSpeedIsNotKnownItsFirstScansMakeTheMapAnew) {
   EXPECT_GT(points_of_a_wall(0.31), 20.0F);
 }
 
-TEST(LocalSlam, StartsOverWithWhatItsFirstScansTaught) {
+TEST(LocalSlam, RestartsWithKnowledgeFromFirstScans) {
   LocalSlamConfig config;
   config.start_scans = 3;
   SyntheticFlight flight = flight_in(kStore, standing);
@@ -173,7 +173,7 @@ TEST(LocalSlam, StartsOverWithWhatItsFirstScansTaught) {
             sigma_before);
 }
 
-TEST(LocalSlam, ItsDoubtIsMoreThanThatOfTheFilterAndHardlyGrowsWhileItStands) {
+TEST(LocalSlam, UncertaintyExceedsFilterAndSettles) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
   outcomes_of(slam, flight, 5);
@@ -188,7 +188,7 @@ TEST(LocalSlam, ItsDoubtIsMoreThanThatOfTheFilterAndHardlyGrowsWhileItStands) {
 }
 
 // Each inherited error is transformed by the lever from its place; the covariances add up.
-TEST(MapDrift, IsTheSumOfWhatItInheritedCarriedByTheWaySince) {
+TEST(MapDrift, SumsInheritedErrorsAlongTheWay) {
   const Vector3 start_m(1, 2, 3);
   MapDrift drift(start_m);
   EXPECT_TRUE(drift.covariance(Matrix3::Identity()).isZero());

@@ -33,7 +33,7 @@ struct TwoWays {
   }
 };
 
-TEST(MapJoin, TrueClosuresLeadAroundTheirLoopAndFalseOnesDoNot) {
+TEST(MapJoin, ClosesLoopsForTrueClosuresOnly) {
   const TwoWays ways;
   const MapJoinConfig config;
   EXPECT_LT(loop_chi2(ways.closure(1, 6), ways.closure(4, 3), ways.own, ways.others, config), 1e-12);
@@ -42,7 +42,7 @@ TEST(MapJoin, TrueClosuresLeadAroundTheirLoopAndFalseOnesDoNot) {
   EXPECT_GT(loop_chi2(ways.closure(1, 6, turned), ways.closure(4, 3), ways.own, ways.others, config), config.chi2_max);
 }
 
-TEST(MapJoin, TheLoopIsAsLongAsItsErrorsInStandardDeviations) {
+TEST(MapJoin, MeasuresTheLoopInStandardDeviations) {
   // Without odometry and rotations in between, two closures that differ by d have d^2 / (2 sigma^2).
   TwoWays ways;
   MapJoinConfig config;
@@ -54,7 +54,7 @@ TEST(MapJoin, TheLoopIsAsLongAsItsErrorsInStandardDeviations) {
   EXPECT_NEAR(chi2, 0.3 * 0.3 / (2.0 * 0.1 * 0.1), 1e-6);
 }
 
-TEST(MapJoin, TheLargestSetThatAgreesIsTaken) {
+TEST(MapJoin, TakesTheLargestConsistentSet) {
   const TwoWays ways;
   const std::vector<MapClosure> closures = {ways.closure(1, 6), ways.closure(2, 2, level_at(5.7, 0, 0, 0)),
                                             ways.closure(3, 4), ways.closure(5, 3), ways.closure(6, 1)};
@@ -71,7 +71,7 @@ TEST(MapJoin, OneClosureIsNeverEnough) {
   EXPECT_TRUE(agreeing_closures(twice, ways.own, ways.others, {}).empty()) << "the same cloud of the other";
 }
 
-TEST(MapJoin, InDoubtBetweenTwoSetsNeitherIsTaken) {
+TEST(MapJoin, TakesNeitherOfTwoAmbiguousSets) {
   const TwoWays ways;
   const Pose aisle = level_at(0, 5.68, 0, 0);  // equal offset of both closures in the second set
   const auto shifted = [&](int i, int j) {
@@ -87,7 +87,7 @@ TEST(MapJoin, InDoubtBetweenTwoSetsNeitherIsTaken) {
   EXPECT_TRUE(agreeing_closures(closures, ways.own, ways.others, {}).size() == 4U) << "four against two";
 }
 
-TEST(MapJoin, WhatIsNotKnownOfTheOtherIsLeftOut) {
+TEST(MapJoin, OmitsUnknownPosesOfTheOther) {
   TwoWays ways;
   ways.others[4].known = false;
   const std::vector<MapClosure> closures = {
@@ -95,7 +95,7 @@ TEST(MapJoin, WhatIsNotKnownOfTheOtherIsLeftOut) {
   EXPECT_EQ(agreeing_closures(closures, ways.own, ways.others, {}), (std::vector<int>{0, 2}));
 }
 
-TEST(MapJoin, ThePoseOfTheFramesComesOut) {
+TEST(MapJoin, FindsThePoseBetweenTheFrames) {
   const TwoWays ways;
   const std::vector<MapClosure> closures = {ways.closure(1, 6), ways.closure(5, 3)};
   const MapJoin joined = join_maps(closures, std::vector<int>{0, 1}, ways.own, ways.others, {});
@@ -106,7 +106,7 @@ TEST(MapJoin, ThePoseOfTheFramesComesOut) {
   }
 }
 
-TEST(MapJoin, MoreClosuresAreBetterAndTheCovarianceIsNotSurerThanThat) {
+TEST(MapJoin, ImprovesWithClosuresAndStaysConsistent) {
   const TwoWays ways;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;

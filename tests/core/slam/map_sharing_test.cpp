@@ -98,7 +98,7 @@ double error_m(const Pair& pair, int self) {
   return (joined.T_local_otherlocal * p_m - T_true * p_m).norm();
 }
 
-TEST(MapSharing, TwoThatWereToldNothingFindHowTheirFramesLie) {
+TEST(MapSharing, AlignsFramesWithoutPriorKnowledge) {
   Pair pair = two_in_the_yard(quick_config());
   pair.run_until_joined(30.0);
   ASSERT_TRUE(pair.joined());
@@ -115,7 +115,7 @@ TEST(MapSharing, TwoThatWereToldNothingFindHowTheirFramesLie) {
   EXPECT_GT(overlays[0].positions.size(), 4U);
 }
 
-TEST(MapSharing, WhatMovesInTheOtherGraphMovesTheJoinedFrames) {
+TEST(MapSharing, FollowsCorrectionsOfTheOtherGraph) {
   Pair pair = two_in_the_yard(quick_config());
   pair.run_until_joined(30.0);
   ASSERT_TRUE(pair.joined());
@@ -141,7 +141,7 @@ TEST(MapSharing, LostMessagesAreSaidAgain) {
   EXPECT_LT(error_m(pair, 0), 0.1);
 }
 
-TEST(MapSharing, AChunkThatWasLostIsAskedForAndOnlyThat) {
+TEST(MapSharing, RequestsOnlyLostChunks) {
   Pair pair = two_in_the_yard(quick_config());
   int lost_submap = -1, lost_chunk = -1;
   std::vector<std::pair<int, int>> sent;
@@ -185,7 +185,7 @@ TEST(MapSharing, TheBudgetIsKept) {
   }
 }
 
-TEST(MapSharing, OnASlowLinkItTakesLongerAndComesToTheSame) {
+TEST(MapSharing, ReachesSameResultOverSlowLink) {
   MapSharingConfig config = quick_config();
   double joined_s[2] = {};
   int i = 0;

@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(NearPoints, HoldWhatLiesWithinAVoxelAndNothingBeyondThree) {
+TEST(NearPoints, ContainCloseButNoDistantPoints) {
   constexpr double kVoxel_m = 0.2;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-3.0, 3.0);

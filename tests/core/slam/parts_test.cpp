@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(SymmetricEigen, GivesBackTheMatrixWithValuesInRisingOrder) {
+TEST(SymmetricEigen, ReconstructsMatrixWithAscendingEigenvalues) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 200; ++trial) {
@@ -26,14 +26,14 @@ TEST(SymmetricEigen, GivesBackTheMatrixWithValuesInRisingOrder) {
   }
 }
 
-TEST(SymmetricEigen, OfADiagonalMatrixAndOfZeroIsExact) {
+TEST(SymmetricEigen, IsExactForDiagonalMatrices) {
   const SymmetricEigen<3> eigen = symmetric_eigen<3>(Vector3(3.0, 1.0, 2.0).asDiagonal());
   EXPECT_EQ(eigen.values, Vector3(1.0, 2.0, 3.0));
   EXPECT_EQ(eigen.vectors.col(0).cwiseAbs(), Vector3(0.0, 1.0, 0.0));
   EXPECT_EQ(symmetric_eigen<3>(Matrix3::Zero()).values, Vector3::Zero());
 }
 
-TEST(RotationVector, IsTheInverseOfTheRotationByIt) {
+TEST(RotationVector, InvertsItsRotation) {
   for (const double angle : {0.0, 1e-9, 1e-5, 0.1, 1.0, 3.0, 3.14}) {
     const Vector3 v = angle * Vector3(0.36, -0.48, 0.8);
     const Eigen::Quaterniond q = rotation_by(v);
@@ -42,7 +42,7 @@ TEST(RotationVector, IsTheInverseOfTheRotationByIt) {
   }
 }
 
-TEST(VoxelThinner, GivesThePointsThemselvesInPlaceOfOlderOnes) {
+TEST(VoxelThinner, ReplacesThePreviousOutput) {
   const std::vector<Eigen::Vector3f> points{{0.1F, 0.1F, 0.1F}, {0.2F, 0.1F, 0.1F}, {1.5F, 0.1F, 0.1F}};
   std::vector<Eigen::Vector3f> kept(7, Eigen::Vector3f(9, 9, 9));
   VoxelThinner thinner;
@@ -50,7 +50,7 @@ TEST(VoxelThinner, GivesThePointsThemselvesInPlaceOfOlderOnes) {
   EXPECT_EQ(kept, (std::vector<Eigen::Vector3f>{points[0], points[2]}));
 }
 
-TEST(VoxelThinner, KeepsTheFirstPointInEveryCubeInTheirOrder) {
+TEST(VoxelThinner, KeepsFirstPointPerCubeOrdered) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
   std::vector<Eigen::Vector3f> points(5000);
@@ -125,7 +125,7 @@ TEST(Undistort, KeepsAWallFlatUnderMotion) {
   EXPECT_TRUE(points.empty()) << "nothing is nearer than 5 m";
 }
 
-TEST(MotionHistory, ACorrectionMovesThePastAsAWhole) {
+TEST(MotionHistory, ShiftsThePastRigidlyUponCorrection) {
   MotionHistory motion;
   for (int i = 0; i <= 10; ++i) motion.push(i * 4'000'000, Vector3(0.1 * i, 0.0, 0.0), rotation_by({0, 0, 0.01 * i}));
   const Pose before = motion.at(6'000'000).inverse() * motion.at(35'000'000);
@@ -135,7 +135,7 @@ TEST(MotionHistory, ACorrectionMovesThePastAsAWhole) {
   EXPECT_GT(motion.at(0).translation().norm(), 5.0);
 }
 
-TEST(MotionHistory, TellsEveryInstantThatItKnowsInWhateverOrderTheyAreAsked) {
+TEST(MotionHistory, AnswersKnownInstantsInAnyOrder) {
   constexpr TimeNs kTick = 4'000'000;
   constexpr int kPushed = 3000, kKept = 1024;
   const auto pose_at = [](TimeNs t) {

@@ -87,7 +87,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_TRUE(H.factorize(2.0)) << "and is as new afterwards";
 }
 
-TEST(PoseGraph, AWorkspaceThatServedAnotherGraphChangesNoBit) {
+TEST(PoseGraph, IsBitIdenticalWithReusedWorkspace) {
   std::mt19937 random(3);
   GraphWorkspace workspace;
   for (const int num : {30, 8, 50}) {  // more, fewer, and more again
@@ -170,7 +170,7 @@ TEST(PoseGraph, FindsTheKnownOptimum) {
 
 // A stiff trajectory of 400 m has to rotate by 0.4 rad about a prior at its far end. Straight steps bend it, so that
 // the cost rises.
-TEST(PoseGraph, AWayThatTurnsAsAWholeComesToRestInAFewSteps) {
+TEST(PoseGraph, ConvergesQuicklyAfterGlobalRotation) {
   PoseGraph graph;
   constexpr int kPoses = 400;
   const Matrix6 stiff = 1e6 * Matrix6::Identity();
@@ -190,7 +190,7 @@ TEST(PoseGraph, AWayThatTurnsAsAWholeComesToRestInAFewSteps) {
   for (int i = 0; i < kPoses; i += 50) EXPECT_LT(distance(graph.pose(i), truth[i]), 1e-4) << i;
 }
 
-TEST(PoseGraph, SharesAnErrorAmongEqualEdgesOfALine) {
+TEST(PoseGraph, SharesErrorAmongEqualEdges) {
   // Four edges of 1 m in a row, and one of 4.5 m over the whole: each takes its fifth of the half meter.
   PoseGraph graph;
   for (int i = 0; i <= 4; ++i) graph.add_pose(make_pose({1.0 * i, 0, 0}, Eigen::Quaterniond::Identity()));
@@ -203,7 +203,7 @@ TEST(PoseGraph, SharesAnErrorAmongEqualEdgesOfALine) {
   for (int i = 0; i <= 4; ++i) EXPECT_NEAR(graph.pose(i).translation().x(), 1.1 * i, 1e-7);
 }
 
-TEST(PoseGraph, OneGrossOutlierDoesNotBendARobustGraph) {
+TEST(PoseGraph, ResistsASingleGrossOutlier) {
   for (const bool robust : {false, true}) {
     Loop loop(60, 4, 0.02);
     for (int i = 0; i < 60; i += 3) loop.graph.add(loop.edge(i, (i + 20) % 60));
@@ -221,7 +221,7 @@ TEST(PoseGraph, OneGrossOutlierDoesNotBendARobustGraph) {
   }
 }
 
-TEST(PoseGraph, GravityTakesOutATiltThatEdgesLeaveOpen) {
+TEST(PoseGraph, RemovesUnobservedTiltByGravity) {
   Loop loop(20, 5, 0.01);
   loop.graph.clear_priors();
   Matrix6 weak = 1e6 * Matrix6::Identity();
@@ -238,7 +238,7 @@ TEST(PoseGraph, GravityTakesOutATiltThatEdgesLeaveOpen) {
   }
 }
 
-TEST(PoseGraph, GnssPullsTheTrajectoryBetweenItsKeyFrames) {
+TEST(PoseGraph, AppliesGnssBetweenKeyFrames) {
   Loop loop(40, 6, 0.0);
   loop.graph.clear_priors();
   const Pose shift = make_pose({30, -20, 4}, rotation_by({0, 0, 0.3}));
@@ -253,7 +253,7 @@ TEST(PoseGraph, GnssPullsTheTrajectoryBetweenItsKeyFrames) {
   for (int i = 0; i < 40; ++i) EXPECT_LT(distance(loop.graph.pose(i), shift * loop.truth[i]), 1e-4);
 }
 
-TEST(PoseGraph, AFixAtAKeyFrameCountsOnceWhateverItsShare) {
+TEST(PoseGraph, CountsAKeyFrameFixOnce) {
   // With a prior of equal weight the pose settles halfway, in a single step because the problem is linear.
   for (const double beta : {0.0, 0.3, 0.5, 1.0}) {
     PoseGraph graph;
@@ -270,7 +270,7 @@ TEST(PoseGraph, AFixAtAKeyFrameCountsOnceWhateverItsShare) {
   }
 }
 
-TEST(PoseGraph, WeightsOfGnssAreThoseOfTheDocument) {
+TEST(PoseGraph, WeightsGnssAsDocumented) {
   GnssFactorConfig config;
   const Vector3 sigma_m(1.0, 2.0, 4.0);
   config.a = 3.0;
@@ -284,7 +284,7 @@ TEST(PoseGraph, WeightsOfGnssAreThoseOfTheDocument) {
   EXPECT_TRUE(gnss_weight_1_m(config, Vector3::Zero()).allFinite());
 }
 
-TEST(PoseGraph, AFixThatIsFarOffPullsLessWithHubersLoss) {
+TEST(PoseGraph, DownweightsDistantFixesByHuberLoss) {
   double pulled_m[2];
   for (const bool robust : {false, true}) {
     Loop loop(10, 7, 0.0);
@@ -298,7 +298,7 @@ TEST(PoseGraph, AFixThatIsFarOffPullsLessWithHubersLoss) {
   EXPECT_LT(pulled_m[1], 0.2 * pulled_m[0]);
 }
 
-TEST(PoseGraph, TheLocalFrameIsFittedToEastNorthUpByHeadingAndPlace) {
+TEST(PoseGraph, FitsLocalFrameToEnu) {
   std::mt19937 random(8);
   std::normal_distribution<double> normal(0.0, 0.5);
   const Pose T = make_pose({100, -50, 7}, rotation_by({0, 0, 2.0}));
@@ -323,7 +323,7 @@ TEST(PoseGraph, GivesTheSameBitsTwice) {
   for (int i = 0; i < 80; ++i) EXPECT_EQ(a.graph.pose(i).matrix(), b.graph.pose(i).matrix());
 }
 
-TEST(PoseGraph, ATruncatedGraphIsTheOneThatTheFirstPosesMake) {
+TEST(PoseGraph, MatchesAPrefixGraphWhenTruncated) {
   std::mt19937 random(3);
   PoseGraph graph, first;
   constexpr int kPoses = 9, kKept = 6;

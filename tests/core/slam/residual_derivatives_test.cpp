@@ -73,7 +73,7 @@ class ResidualDerivatives : public ::testing::Test {
   std::mt19937 random_{11};
 };
 
-TEST_F(ResidualDerivatives, OfARelativePoseAreThoseOfItsDefinition) {
+TEST_F(ResidualDerivatives, RelativePoseMatchesItsDefinition) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose T_from = pose(), T_to = pose();
     // The residual is a rotation of 0.02 to 2.5 rad.
@@ -90,7 +90,7 @@ TEST_F(ResidualDerivatives, OfARelativePoseAreThoseOfItsDefinition) {
   }
 }
 
-TEST_F(ResidualDerivatives, OfAPlaceInTheWorldAreThoseOfItsDefinition) {
+TEST_F(ResidualDerivatives, WorldPositionMatchesItsDefinition) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose T = pose();
     const PriorFactor factor{0, T * make_pose(vector(2.0), rotation_by(uniform(0.02, 2.5) * vector(1.0).normalized())),
@@ -104,7 +104,7 @@ TEST_F(ResidualDerivatives, OfAPlaceInTheWorldAreThoseOfItsDefinition) {
   }
 }
 
-TEST_F(ResidualDerivatives, OfGravityAreThoseOfItsDefinition) {
+TEST_F(ResidualDerivatives, GravityMatchesItsDefinition) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose T = pose();
     const GravityFactor factor{0, vector(1.0).normalized(), 0.01};
@@ -117,7 +117,7 @@ TEST_F(ResidualDerivatives, OfGravityAreThoseOfItsDefinition) {
 }
 
 // Its derivatives are (1 - beta) and beta times the weights [Orsulic 2021, eqs. 3 and 4].
-TEST_F(ResidualDerivatives, OfAFixBetweenTwoPosesAreThoseOfItsDefinition) {
+TEST_F(ResidualDerivatives, FixBetweenPosesMatchesItsDefinition) {
   for (int trial = 0; trial < 200; ++trial) {
     const Pose T_before = pose(), T_after = pose();
     const PositionFactor factor{0, 1, uniform(0.0, 1.0), vector(50.0), vector(3.0).cwiseAbs()};

@@ -53,7 +53,7 @@ Pose with(Pose T, int row, int column, double value) {
   return T;
 }
 
-TEST(SavedMap, IsWithoutFaultWhenAllFitsTogether) {
+TEST(SavedMap, IsFaultlessWhenConsistent) {
   EXPECT_EQ(MapParts().fault(), "");
   EXPECT_EQ(fault_of(SavedMap()), "") << "nothing is no fault";
   EXPECT_EQ(fault_with([](MapParts& m) { m.position.after = 0; }), "") << "a fix at a pose";
@@ -107,14 +107,14 @@ SavedMap two_submaps() {
   return map;
 }
 
-TEST(SavedMap, ItsPointsLieWhereTheirSubmapsDo) {
+TEST(SavedMap, PlacesPointsWithTheirSubmaps) {
   const std::vector<Eigen::Vector3f> points = points_world_m(two_submaps());
   ASSERT_EQ(points.size(), 3U);
   EXPECT_LT((points[0] - Eigen::Vector3f(8, 1, 3)).norm(), 1e-5F);
   EXPECT_LT((points[2] - Eigen::Vector3f(-1, 18, -2)).norm(), 1e-5F);
 }
 
-TEST(SavedMap, ItsVoxelsAreOccupiedAndLieInTheFrameThatIsAskedFor) {
+TEST(SavedMap, PlacesOccupiedVoxelsInRequestedFrame) {
   MapVoxels copy;
   append_voxels(two_submaps(), make_pose({-7.7, 0.1, 0.1}, Eigen::Quaterniond::Identity()), copy);
   EXPECT_EQ(copy.edge_m, 0.5);

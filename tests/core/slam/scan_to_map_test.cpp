@@ -39,7 +39,7 @@ std::vector<Eigen::Vector3f> in_body(const std::vector<Vector3>& points_world_m,
 
 const SyntheticRoom kRoom = SyntheticRoom::box({-5.3, -4.1, -0.2}, {6.4, 5.2, 3.7});
 
-TEST(SurfaceMap, KnowsThePlaneOfAWallAndItsScatter) {
+TEST(SurfaceMap, FindsPlaneAndScatterOfWalls) {
   SurfaceMap map({});
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-4.0, 4.0);
@@ -66,7 +66,7 @@ TEST(SurfaceMap, KnowsThePlaneOfAWallAndItsScatter) {
   EXPECT_EQ(map.find(Vector3(50.0, 0.0, 0.0)), nullptr);
 }
 
-TEST(SurfaceMap, GoesDownToSmallCellsOnlyWhereThereIsNoPlane) {
+TEST(SurfaceMap, SubdividesOnlyWherePlanesAreMissing) {
   SurfaceMap map({});
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(0.0, 10.0);
@@ -88,7 +88,7 @@ TEST(SurfaceMap, GoesDownToSmallCellsOnlyWhereThereIsNoPlane) {
   EXPECT_GT(map.num_cells(), known + 500);
 }
 
-TEST(SurfaceMap, ForgetsWhatIsFarAndKeepsWhatIsNear) {
+TEST(SurfaceMap, ForgetsFarAndKeepsNearSurfaces) {
   SurfaceMapConfig config;
   config.keep_radius_m = 10.0;
   SurfaceMap map(config);
@@ -109,7 +109,7 @@ TEST(SurfaceMap, ForgetsWhatIsFarAndKeepsWhatIsNear) {
   EXPECT_EQ(map.find({52.0, 0.3, 1.0}), nullptr);
 }
 
-TEST(SurfaceMap, TellsAStemFromAWallAndFromATrunkThatLies) {
+TEST(SurfaceMap, DistinguishesStemsFromWallsAndLogs) {
   SurfaceMap map({});
   std::mt19937 random(6);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -156,7 +156,7 @@ double cost(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points_bo
   return sum;
 }
 
-TEST(ScanToMap, GradientAndInformationAreTheDerivativesOfTheCost) {
+TEST(ScanToMap, GradientAndInformationMatchTheCost) {
   SurfaceMap map({});
   map.insert(seen_from(kRoom, Pose::Identity(), 0.0, 1), Vector3::Zero());
   const Pose T_true = make_pose({0.4, -0.3, 0.2}, rotation_by({0.1, -0.05, 0.7}));
@@ -203,7 +203,7 @@ TEST(ScanToMap, RecoversAKnownMotion) {
       0.0015);
 }
 
-TEST(ScanToMap, AFitterThatIsUsedAgainSaysTheSameToTheLastBit) {
+TEST(ScanToMap, RepeatsBitwiseWithAReusedFitter) {
   SurfaceMap room_map({}), other_map({});
   room_map.insert(seen_from(kRoom, Pose::Identity(), 0.02, 1), Vector3::Zero());
   other_map.insert(seen_from(kRoom, Pose::Identity(), 0.05, 2, 300), Vector3::Zero());
@@ -221,7 +221,7 @@ TEST(ScanToMap, AFitterThatIsUsedAgainSaysTheSameToTheLastBit) {
   }
 }
 
-TEST(ScanToMap, CountsTheDirectionsThatAScanLeavesOpen) {
+TEST(ScanToMap, CountsOpenDirectionsOfScans) {
   const auto degenerate = [](const SyntheticRoom& room) {
     SurfaceMap map({});
     for (unsigned seed = 1; seed <= 4; ++seed)
@@ -259,7 +259,7 @@ SurfaceMap map_of(const SyntheticRoom& room) {
 
 const std::vector<Vector3> kFewStems = {{9, 2, 0}, {-3, 10, 0}, {-8, -6, 0}, {4, -9, 0}, {-11, 3, 0}};
 
-TEST(ScanToMap, OverOpenGroundAFewStemsHoldWhatTheGroundLeavesOpen) {
+TEST(ScanToMap, ConstrainsOpenGroundByFewStems) {
   const SyntheticRoom room = open_ground(kFewStems);
   const SurfaceMap map = map_of(room);
   const auto points = in_body(seen_from(room, Pose::Identity(), 0.02, 9, kManyBeams), Pose::Identity());
@@ -280,7 +280,7 @@ TEST(ScanToMap, OverOpenGroundAFewStemsHoldWhatTheGroundLeavesOpen) {
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(T.linear())).norm(), 0.0015);
 }
 
-TEST(ScanToMap, OneStemAloneLeavesTheTurnAroundItOpen) {
+TEST(ScanToMap, LeavesRotationAroundOneStemOpen) {
   const Vector3 stem_m(6.0, 2.0, 0.0);
   const SyntheticRoom room = open_ground({stem_m});
   const SurfaceMap map = map_of(room);
@@ -296,7 +296,7 @@ TEST(ScanToMap, OneStemAloneLeavesTheTurnAroundItOpen) {
   EXPECT_LT(around_it, 0.05 * toward.dot(fit.evidence.information * toward));
 }
 
-TEST(ScanToMap, TellsNothingOfDirectionsThatAreOpen) {
+TEST(ScanToMap, ClaimsNothingAboutOpenDirections) {
   SyntheticRoom aisle = kRoom;
   aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
   SurfaceMap map({});
@@ -308,7 +308,7 @@ TEST(ScanToMap, TellsNothingOfDirectionsThatAreOpen) {
   EXPECT_LT(along.norm(), 0.05 * fit.evidence.information.col(1).head<3>().norm());
 }
 
-TEST(ScanToMap, APointFarOffEverySurfaceHardlyCounts) {
+TEST(ScanToMap, DownweightsPointsFarFromEverySurface) {
   SurfaceMap map({});
   for (unsigned seed = 1; seed <= 4; ++seed)
     map.insert(seen_from(kRoom, Pose::Identity(), 0.01, seed), Vector3::Zero());

@@ -45,7 +45,7 @@ struct ToldSlam {
   }
 };
 
-TEST(SlamLimits, WithoutScansItWarnsAndThenGivesUpWhenScansThatMayStillComeCannotBeMeant) {
+TEST(SlamLimits, WarnsThenGivesUpWithoutScans) {
   // Latency, then the time that it waits, and a tick.
   EXPECT_NEAR(ToldSlam().until_s("SLAM flies by the IMU alone", false, 2.0), 0.03 + 0.35, 0.0041);
   EXPECT_NEAR(ToldSlam().until_s("SLAM is lost: no scan fits", true, 5.0), 0.03 + 3.0, 0.0041);
@@ -79,7 +79,7 @@ TEST(SlamLimits, TooUncertainIsNotValid) {
   EXPECT_NEAR(expected_m, 0.12, 0.01) << s;
 }
 
-TEST(SlamLimits, CarriesItsStateFromTheLastSampleOnButNotForLong) {
+TEST(SlamLimits, ExtrapolatesBrieflyPastTheLastSample) {
   ToldSlam slam;
   slam.setup.T_local_body_start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
   slam.tick();
@@ -102,7 +102,7 @@ TEST(SlamLimits, CarriesItsStateFromTheLastSampleOnButNotForLong) {
   EXPECT_NEAR(yaw_of(turning.tick({}, false).T_local_body.linear()) - yaw_rad, 0.5 * 0.008, 1e-9);
 }
 
-TEST(SlamLimits, ItsHeadingInTheWorldIsThatOfTheCompassWhateverItBeganWith) {
+TEST(SlamLimits, TakesWorldHeadingFromTheCompass) {
   ToldSlam slam;
   slam.setup.start_known = StartKnown::kPosition;
   slam.setup.T_local_body_start = make_pose({7, 8, 9}, rotation_by({0, 0, 0.4}));
@@ -119,7 +119,7 @@ TEST(SlamLimits, ItsHeadingInTheWorldIsThatOfTheCompassWhateverItBeganWith) {
   EXPECT_EQ(slam.tick([](Observation& o) { o.compass.push_back({o.t, 0.5, 0.01}); }).correction_revision, 1U);
 }
 
-TEST(SlamLimits, AScanIsMatchedWhenItsLatencyIsOver) {
+TEST(SlamLimits, MatchesAScanAfterItsLatency) {
   testing::SyntheticFlight flight(testing::SyntheticRoom::box({-5, -5, -1}, {6, 5, 3}), [](double) {
     return make_pose({0, 0, 1}, Eigen::Quaterniond::Identity());
   });

@@ -100,7 +100,7 @@ SyntheticFlight biased_flight(SyntheticFlight::PoseAt at, unsigned seed = 1) {
   return flight;
 }
 
-TEST(Slam, FollowsAFlightToACentimeterThoughTheImuIsBiased) {
+TEST(Slam, FollowsAFlightDespiteImuBias) {
   SyntheticFlight flight = biased_flight(loop_at);
   const Result result = fly(flight, {});
   EXPECT_TRUE(result.always_valid) << result.fault;
@@ -111,7 +111,7 @@ TEST(Slam, FollowsAFlightToACentimeterThoughTheImuIsBiased) {
   EXPECT_LT(result.largest_step_m, 0.004) << "a scan moves the pose by millimeters: control sees no jump";
 }
 
-TEST(Slam, AScanThatTakesHalfASecondOnBoardIsMatchedAsOfItsOwnInstant) {
+TEST(Slam, MatchesDelayedScansAtOwnTime) {
   for (const double latency_s : {0.15, 0.5}) {
     SyntheticFlight flight = biased_flight(loop_at);
     Course course;
@@ -126,7 +126,7 @@ TEST(Slam, AScanThatTakesHalfASecondOnBoardIsMatchedAsOfItsOwnInstant) {
   }
 }
 
-TEST(Slam, TheLatencyChangesWhenAScanCountsAndNotWhatItSays) {
+TEST(Slam, LatencyOnlyDelaysScans) {
   // Equal scans and IMU samples, so equal maps and states, reported later.
   constexpr TimeNs kLate = 200'000'000;
   LocalSlamConfig config;
@@ -147,7 +147,7 @@ TEST(Slam, TheLatencyChangesWhenAScanCountsAndNotWhatItSays) {
   for (std::size_t i = 0; i < late_poses.size(); ++i) EXPECT_EQ(prompt_poses[i].matrix(), late_poses[i].matrix()) << i;
 }
 
-TEST(Slam, MoreSamplesThanItKeepsMakeAScanOldNotWrong) {
+TEST(Slam, SkipsScansOlderThanItsSamples) {
   SyntheticFlight flight = biased_flight(loop_at);
   SlamToNow slam(LocalSlamConfig{}, 1e6, flight.at(0), 0.3);
   constexpr auto kSamples = static_cast<TimeNs>(SlamToNow::kMostSamples);
@@ -172,7 +172,7 @@ TEST(Slam, ItsCovarianceIsHonest) {
   EXPECT_LT(nees, 9.0);
 }
 
-TEST(Slam, SurvivesASecondWithoutLidarAndSaysSo) {
+TEST(Slam, ReportsAndSurvivesSecondWithoutLidar) {
   SyntheticFlight flight = biased_flight(loop_at);
   Course course;
   course.blind_from_s = 8.0;
@@ -183,7 +183,7 @@ TEST(Slam, SurvivesASecondWithoutLidarAndSaysSo) {
   EXPECT_EQ(result.warnings, "SLAM flies by the IMU alone;");
 }
 
-TEST(Slam, WithoutLidarForLongItIsLost) {
+TEST(Slam, IsLostAfterLongLidarOutage) {
   SyntheticFlight flight = biased_flight(loop_at);
   Course course;
   course.blind_from_s = 4.0;
@@ -193,7 +193,7 @@ TEST(Slam, WithoutLidarForLongItIsLost) {
   EXPECT_EQ(result.fault, "SLAM is lost: no scan fits");
 }
 
-TEST(Slam, CountsScansThatItDoesNotRecognizeAndNamesTheSetting) {
+TEST(Slam, CountsUnrecognizedScansAndNamesSetting) {
   SyntheticFlight flight = biased_flight(loop_at);
   Course course;
   course.duration_s = 4.0;
@@ -205,7 +205,7 @@ TEST(Slam, CountsScansThatItDoesNotRecognizeAndNamesTheSetting) {
   EXPECT_LE(counter.count, counter.of);
 }
 
-TEST(Slam, AScanWithoutReturnsIsNotOneThatItDoesNotRecognize) {
+TEST(Slam, IgnoresEmptyScansWhenCountingUnrecognized) {
   SyntheticFlight flight = biased_flight(loop_at);
   Course course;
   course.duration_s = 4.0;
@@ -216,7 +216,7 @@ TEST(Slam, AScanWithoutReturnsIsNotOneThatItDoesNotRecognize) {
   EXPECT_GT(counter.of, 0U);
 }
 
-TEST(Slam, FollowsATurnOfThreeRadiansPerSecond) {
+TEST(Slam, FollowsThreeRadiansPerSecondTurns) {
   SyntheticFlight flight = biased_flight([](double t_s) {
     const double turn = t_s < 1.0 ? 0.0 : 3.0 * (t_s - 1.0 - 0.5 * (1.0 - std::exp(-2.0 * (t_s - 1.0))));
     return make_pose({0.0, 0.0, 2.0}, rotation_by({0.0, 0.0, turn}));
@@ -229,7 +229,7 @@ TEST(Slam, FollowsATurnOfThreeRadiansPerSecond) {
   EXPECT_LT(result.worst_rad, 0.006);
 }
 
-TEST(Slam, BeginsInFlightAtASpeedThatNobodyTold) {
+TEST(Slam, StartsInFlightAtUnknownSpeed) {
   SyntheticFlight flight = biased_flight([](double t_s) {
     return make_pose({-5.0 + 2.0 * t_s, 1.0 - 0.5 * t_s, 2.0}, rotation_by({0.0, 0.0, 0.2 * t_s}));
   });
@@ -242,7 +242,7 @@ TEST(Slam, BeginsInFlightAtASpeedThatNobodyTold) {
   EXPECT_LT(result.worst_m, 0.03);
 }
 
-TEST(Slam, OverOpenGroundAFewStemsAreEnough) {
+TEST(Slam, NeedsFewStemsOverOpenGround) {
   SyntheticRoom field;
   field.walls.push_back({Vector3::UnitZ(), -2.0});
   for (const auto& [x_m, y_m] : {std::pair{5.0, 2.0},
@@ -267,7 +267,7 @@ TEST(Slam, OverOpenGroundAFewStemsAreEnough) {
   EXPECT_EQ(fly(again, course).warnings, "SLAM is degenerate: the scans leave a direction open;") << "planes alone";
 }
 
-TEST(Slam, InAnAisleItSaysThatOneDirectionIsOpen) {
+TEST(Slam, ReportsOpenDirectionInAnAisle) {
   // The columns of beams make upright lines on its walls, which look like stems. But no beam passes beside them.
   SyntheticRoom aisle = kHall;
   aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
@@ -286,7 +286,7 @@ TEST(Slam, InAnAisleItSaysThatOneDirectionIsOpen) {
   EXPECT_LT(along_m, 4.0 * std::sqrt(e.covariance(0, 0)));
 }
 
-TEST(Slam, WithNothingInRangeItFliesByTheImuAndThenGivesUp) {
+TEST(Slam, CoastsThenGivesUpWithoutReturns) {
   SyntheticFlight flight(SyntheticRoom{}, [](double) { return make_pose({0, 0, 2}, Eigen::Quaterniond::Identity()); });
   Course course;
   course.duration_s = 6.0;
@@ -315,7 +315,7 @@ TEST(Slam, GivesTheSameBitsTwice) {
   EXPECT_EQ(a.covariance, b.covariance);
 }
 
-TEST(Slam, AVehicleThatWasToldNothingLearnsItsHeadingByCompassAndItsPlaceByGnss) {
+TEST(Slam, LearnsPoseFromCompassAndGnss) {
   AgentSetup setup;
   setup.start_known = StartKnown::kNothing;
   const auto estimator = make_slam_estimator(SlamConfig{}, setup);
@@ -336,7 +336,7 @@ TEST(Slam, AVehicleThatWasToldNothingLearnsItsHeadingByCompassAndItsPlaceByGnss)
 }
 
 // A map without points, in which relocalization is impossible.
-TEST(Slam, WhoHasAMapLooksForItselfUnlessItsStartWasToldWhateverElseItHas) {
+TEST(Slam, RelocalizesInMapUnlessStartKnown) {
   using Search = StateEstimator::Search;
   auto map = std::make_shared<SavedMap>();
   map->graph.add_pose(Pose::Identity());
@@ -376,7 +376,7 @@ TEST(Slam, WhoHasAMapLooksForItselfUnlessItsStartWasToldWhateverElseItHas) {
   }
 }
 
-TEST(Slam, ListensToTheLidarsThatAreNamed) {
+TEST(Slam, UsesOnlyTheNamedLidars) {
   SyntheticFlight flight = biased_flight(loop_at);
   Course course;
   course.duration_s = 1.0;
@@ -387,7 +387,7 @@ TEST(Slam, ListensToTheLidarsThatAreNamed) {
   EXPECT_EQ(fly(again, course).warnings, "");
 }
 
-TEST(Slam, ItsPlaceIsThatOfTheFirstFixThatIsANumber) {
+TEST(Slam, TakesPositionFromFirstFiniteFix) {
   AgentSetup setup;
   setup.start_known = StartKnown::kNothing;
   const auto estimator = make_slam_estimator(SlamConfig{}, setup);

@@ -111,7 +111,7 @@ std::vector<Vector3> patch(int num, double height_m = 0.5) {
   return points;
 }
 
-TEST(SurfaceCells, TakeNoMorePointsThanTheyMay) {
+TEST(SurfaceCells, LimitTheNumberOfPoints) {
   SurfaceMapConfig config = one_level();
   config.points_per_cell = 40;
   SurfaceMap map(config);
@@ -135,7 +135,7 @@ std::vector<Vector3> blob(int num, const Vector3& around_m) {
   return points;
 }
 
-TEST(SurfaceCells, AreNoFinerThanRaysFromFarAwayAre) {
+TEST(SurfaceCells, LimitResolutionByRange) {
   // At the center of a smallest cell of 0.25 m, and of all cells above it.
   const Vector3 at_m = Vector3::Constant(kFace_m + 0.125);
   for (const auto& [range_m, levels] : std::vector<std::pair<double, std::size_t>>{
@@ -146,7 +146,7 @@ TEST(SurfaceCells, AreNoFinerThanRaysFromFarAwayAre) {
   }
 }
 
-TEST(SurfaceCells, ThatLieFartherThanTheRadiusAreForgottenAndNoOthers) {
+TEST(SurfaceCells, AreForgottenOnlyBeyondTheRadius) {
   SurfaceMapConfig config = one_level(1.0);
   config.keep_radius_m = 6.0;
   SurfaceMap map(config);
@@ -179,7 +179,7 @@ TEST(SurfaceCells, ThatLieFartherThanTheRadiusAreForgottenAndNoOthers) {
   EXPECT_EQ(map.find(middles_m[0]), nullptr);
 }
 
-TEST(SurfaceCells, ALargeMapFindsEachOfItsCells) {
+TEST(SurfaceCells, AreAllFoundInLargeMap) {
   // More cells than its table begins with.
   SurfaceMap map(one_level(0.5));
   std::vector<Vector3> points;
@@ -201,7 +201,7 @@ TEST(SurfaceCells, ALargeMapFindsEachOfItsCells) {
   EXPECT_LE(static_cast<double>(map.bytes()), 1.1 * least);
 }
 
-TEST(SurfaceCells, OfSeveralSizesTheLargestPlaneIsTold) {
+TEST(SurfaceCells, ReturnTheLargestPlaneAcrossSizes) {
   // A wall and a bush in one cell of 2 m: the wall has its plane in a smaller cell, and the bush has none.
   SurfaceMap map({});
   std::mt19937 random(32);

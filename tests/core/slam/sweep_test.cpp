@@ -51,7 +51,7 @@ struct ToldMotion {
 
 double apart(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).norm(); }
 
-TEST(MotionHistory, IsStraightBetweenWhatItWasToldWhateverTheSignOfAnAttitude) {
+TEST(MotionHistory, InterpolatesLinearlyForEitherQuaternionSign) {
   const ToldMotion motion(1);
   std::mt19937 random(2);
   for (int i = 0; i < 400; ++i) {
@@ -63,7 +63,7 @@ TEST(MotionHistory, IsStraightBetweenWhatItWasToldWhateverTheSignOfAnAttitude) {
   }
 }
 
-TEST(MotionHistory, KnowsWhatItCoversAndTakesNothingOlder) {
+TEST(MotionHistory, CoversItsIntervalAndRejectsOlder) {
   MotionHistory history;
   EXPECT_TRUE(history.empty());
   EXPECT_FALSE(history.covers(5));
@@ -79,7 +79,7 @@ TEST(MotionHistory, KnowsWhatItCoversAndTakesNothingOlder) {
   EXPECT_EQ(history.at(9).translation().x(), 4.0);
 }
 
-TEST(MotionHistory, AnotherSpeedTurnsThePastAboutAnInstant) {
+TEST(MotionHistory, VelocityChangeShiftsThePastLinearly) {
   ToldMotion motion(3);
   MotionHistory changed = motion.history;
   const Vector3 by_mps(0.5, -0.2, 0.1);
@@ -130,7 +130,7 @@ std::shared_ptr<Scan> random_sweep(unsigned seed, bool rows_in_turn, TimeNs dura
   return scan;
 }
 
-TEST(Undistort, CarriesEveryBeamFromWhenItWasFired) {
+TEST(Undistort, CarriesBeamsFromTheirFiringTime) {
   const ToldMotion motion(5, 60);
   for (const bool rows_in_turn : {false, true}) {
     for (const TimeNs duration : {TimeNs{0}, 100 * kSweepMs}) {
@@ -165,7 +165,7 @@ TEST(Undistort, CarriesEveryBeamFromWhenItWasFired) {
   }
 }
 
-TEST(Undistort, WhatLiesAtTheRadiiThemselvesCounts) {
+TEST(Undistort, IncludesPointsAtBothRadii) {
   MotionHistory still;
   still.push(0, Vector3::Zero(), Eigen::Quaterniond::Identity());
   auto beams = std::make_shared<BeamTable>();
@@ -184,7 +184,7 @@ TEST(Undistort, WhatLiesAtTheRadiiThemselvesCounts) {
   EXPECT_EQ(points[1].x(), 5.0F);
 }
 
-TEST(VoxelThinner, CountsCubesOnBothSidesOfZeroAndFarAway) {
+TEST(VoxelThinner, ThinsAcrossZeroAndFarAway) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
   for (const float half_m : {0.5F, 50.0F, 3000.0F}) {

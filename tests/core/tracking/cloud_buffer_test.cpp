@@ -29,7 +29,7 @@ LocalCloud scattered(std::uint32_t num_points, TimeNs stamp) {
   return cloud;
 }
 
-TEST(BufferedCloud, SelectsWhatASearchThroughAllFinds) {
+TEST(BufferedCloud, MatchesBruteForceSelection) {
   for (const std::uint32_t num_points : {0U, 1U, 63U, 64U, 65U, 500U}) {
     const LocalCloud cloud = scattered(num_points, 0);
     BufferedCloud buffered;
@@ -64,7 +64,7 @@ TEST(BufferedCloud, SelectAppends) {
   EXPECT_EQ(indices.size(), 1U + 9U) << "all but the one that is not finite";
 }
 
-TEST(BufferedCloud, IsAsOfTheMiddleOfItsSweep) {
+TEST(BufferedCloud, RefersToMiddleOfSweep) {
   LocalCloud cloud = scattered(3, 1'000);
   auto scan = std::make_shared<Scan>(*cloud.scan);
   scan->duration = 100;

@@ -58,7 +58,7 @@ TEST(CloudBuffer, SelectsWhatBruteForceSelects) {
   }
 }
 
-TEST(CloudTracker, FollowsATargetFromOneDetectionOn) {
+TEST(CloudTracker, FollowsTargetFromSingleDetection) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 v(4.0, -1.0, 0.3);
   const auto truth = [&](TimeNs t) { return Vector3(Vector3(6, 10, 5) + v * to_seconds(t)); };
@@ -78,7 +78,7 @@ TEST(CloudTracker, FollowsATargetFromOneDetectionOn) {
 }
 
 // The track of one of two neighboring targets carries the marker's reflectivity and the measured position.
-TEST(CloudTracker, ATrackTellsTheBrightestReturnOfItsTargetAndWhereItWasMeasured) {
+TEST(CloudTracker, ReportsBrightestReturnAndMeasurementPosition) {
   CloudTracker tracker = make(told_at_once());
   const auto marked = [](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
   const auto plain = [](TimeNs t) { return Vector3(8.0, 1.5 + 0.5 * to_seconds(t), 5.0); };
@@ -103,7 +103,7 @@ TEST(CloudTracker, ATrackTellsTheBrightestReturnOfItsTargetAndWhereItWasMeasured
 }
 
 // Two parts 0.4 m apart: with d_cluster of Table II the track sits on one of them.
-TEST(CloudTracker, ATargetOfPartsIsFollowedAtItsMiddle) {
+TEST(CloudTracker, TracksCenterOfMultipartTarget) {
   for (const double cluster_distance_m : {CloudTrackerConfig{}.cluster_distance_m, 0.25}) {
     CloudTrackerConfig config = told_at_once();
     config.cluster_distance_m = cluster_distance_m;
@@ -183,7 +183,7 @@ TEST(CloudTracker, IsAlgorithm2AsPrinted) {
   }
 }
 
-TEST(CloudTracker, ALateDetectionArrivesWhereAnEarlyOneWouldBe) {
+TEST(CloudTracker, TreatsLateDetectionLikeEarlyOne) {
   const auto truth = [](TimeNs t) { return Vector3(8.0 + 5.0 * to_seconds(t), 3.0, 5.0); };
   CloudTracker early = make(told_at_once()), late = make(told_at_once());
   const Detection detection = detection_at(truth(3 * kScan), 3 * kScan);
@@ -229,7 +229,7 @@ TEST(CloudTracker, CountsWhatCameTooLate) {
   EXPECT_EQ(count_of("buffer_size"), 1U);
 }
 
-TEST(CloudTracker, ALateDetectionOfATrackedTargetIsCountedForIt) {
+TEST(CloudTracker, AssignsLateDetectionToTrackedTarget) {
   const auto truth = [](TimeNs t) { return Vector3(8.0 + 5.0 * to_seconds(t), 3.0, 5.0); };
   CloudTracker tracker = make(told_at_once());
   for (int k = 1; k <= 20; ++k) {
@@ -243,7 +243,7 @@ TEST(CloudTracker, ALateDetectionOfATrackedTargetIsCountedForIt) {
   EXPECT_EQ(tracks[0].num_detections, 16);
 }
 
-TEST(CloudTracker, ADetectionWithNothingBehindItIsForgotten) {
+TEST(CloudTracker, ForgetsDetectionsWithoutSupportingReturns) {
   CloudTrackerConfig config = told_at_once();
   config.buffer_size = 40;
   CloudTracker tracker = make(config);
@@ -255,7 +255,7 @@ TEST(CloudTracker, ADetectionWithNothingBehindItIsForgotten) {
   EXPECT_EQ(tracker.num_tracks(), 1);
 }
 
-TEST(CloudTracker, ATrackWithoutMeasurementsEndsWhenItsRadiusDoes) {
+TEST(CloudTracker, EndsUnmeasuredTrackAtRadiusLimit) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 p(8, 3, 5);
   int k = 1;
@@ -280,7 +280,7 @@ TEST(CloudTracker, ATrackWithoutMeasurementsEndsWhenItsRadiusDoes) {
   EXPECT_LT(expected, 40) << "a ghost must not stay";
 }
 
-TEST(CloudTracker, ATargetThatComesBackIsTrackedAgain) {
+TEST(CloudTracker, ReacquiresReturningTarget) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 p(8, 3, 5);
   std::uint32_t first_id = 0;
@@ -386,7 +386,7 @@ TEST(CloudTracker, CrossingTargetsKeepTheirTracks) {
   EXPECT_LE(exclusive, nearest);
 }
 
-TEST(CloudTracker, AHiddenTargetDoesNotTakeItsNeighborsPlace) {
+TEST(CloudTracker, KeepsHiddenTargetOffItsNeighbor) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 a(10, 0, 5), b(10, 1.8, 5);
   for (int k = 1; k <= 30; ++k) {
@@ -427,7 +427,7 @@ TEST(CloudTracker, AnyNumberOfTargets) {
 }
 
 // A sweep of 100 ms sees a target of 8 m/s at one moment of it: the track holds for that moment, not for the stamp.
-TEST(CloudTracker, ATrackHoldsForTheMomentAtWhichItsTargetWasSeen) {
+TEST(CloudTracker, StampsTracksWhenTargetIsSeen) {
   CloudTracker tracker = make(told_at_once());
   const auto truth = [](double t) { return Vector3(-10.0 + 8.0 * t, 12.0, 5.0); };
   for (int k = 1; k <= 30; ++k) {
@@ -442,7 +442,7 @@ TEST(CloudTracker, ATrackHoldsForTheMomentAtWhichItsTargetWasSeen) {
   }
 }
 
-TEST(CloudTracker, WithSigmaWTheFarAndTheWideAreLessCertain) {
+TEST(CloudTracker, SigmaWPenalizesRangeAndSize) {
   CloudTrackerConfig config = told_at_once();
   config.measurement.noise = TrackMeasurementConfig::Noise::kSigmaW;
   config.measurement.sensor.sigma_attitude_rad.setConstant(0.02);
@@ -542,7 +542,7 @@ TEST(CloudTracker, AllocatesNothingOnceWarm) {
   EXPECT_EQ(tracks.size(), 2U);
 }
 
-TEST(CloudTrackerConfig, SearchRadiusMustFitTheLargestSphere) {
+TEST(CloudTrackerConfig, RequiresSearchRadiusForLargestSphere) {
   CloudTrackerConfig config;
   EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing());
   config.search_radius_min_m = 6.0;

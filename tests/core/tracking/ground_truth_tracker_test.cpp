@@ -56,7 +56,7 @@ TEST(GroundTruthTracker, FollowsEachNeighborByItsName) {
   EXPECT_GE(track.measured_covariance(0, 0), 1e-4) << "never surer than the sensor";
 }
 
-TEST(GroundTruthTracker, TellsNothingNewBetweenSamplesAndForgetsAfterItsTimeout) {
+TEST(GroundTruthTracker, HoldsBetweenSamplesUntilItsTimeout) {
   GroundTruthTrackerConfig config;
   config.timeout_s = 0.5;
   Watcher watcher(config);
@@ -69,7 +69,7 @@ TEST(GroundTruthTracker, TellsNothingNewBetweenSamplesAndForgetsAfterItsTimeout)
   EXPECT_FALSE(watcher.step(600'000'000, {}));
 }
 
-TEST(GroundTruthTracker, WhatIsFarOrNotFiniteOrOlderIsLeftOut) {
+TEST(GroundTruthTracker, IgnoresFarInvalidOrOlderSamples) {
   GroundTruthTrackerConfig config;
   config.range_max_m = 20.0;
   Watcher watcher(config);

@@ -24,7 +24,7 @@ CloudTracker followed(Filter filter) {
   return tracker;
 }
 
-TEST(CloudTracker, TellsWhatItsMotionModelsBelieve) {
+TEST(CloudTracker, ReportsBeliefsOfItsMotionModels) {
   const CloudTracker tracker = followed(make_imm_filter({}));
   std::vector<Track> tracks;
   std::vector<TrackModes> modes;
@@ -40,7 +40,7 @@ TEST(CloudTracker, TellsWhatItsMotionModelsBelieve) {
   EXPECT_LT((mixture_m - tracks[0].position_m).norm(), 1e-9);
 }
 
-TEST(CloudTracker, AFilterOfOneModelTellsNoModes) {
+TEST(CloudTracker, ReportsNoModesWithOneModel) {
   std::vector<TrackModes> modes(3);
   followed(make_kalman_filter({})).publish_modes(modes);
   EXPECT_TRUE(modes.empty());

@@ -53,7 +53,7 @@ TEST(Transition, OfConstantVelocityIsALine) {
   EXPECT_TRUE(x.isApprox(state({2.6, 0.0, 5.4}, {4, -5, 6}, Vector3::Zero()), 1e-12));
 }
 
-TEST(Transition, OfTheCoordinatedTurnIsACircleInAnyPlane) {
+TEST(Transition, FollowsACircleInAnyPlane) {
   const Matrix3 R =
       (Eigen::AngleAxisd(0.7, Vector3::UnitX()) * Eigen::AngleAxisd(1.1, Vector3::UnitY())).toRotationMatrix();
   Matrix9 turn = Matrix9::Zero();
@@ -65,13 +65,13 @@ TEST(Transition, OfTheCoordinatedTurnIsACircleInAnyPlane) {
   }
 }
 
-TEST(Transition, OfAVerySlowTurnIsThatOfConstantAcceleration) {
+TEST(Transition, ApproachesConstantAccelerationForVanishingTurns) {
   EXPECT_LT((coordinated_turn_transition(0.1, 2e-3) - constant_acceleration_transition(0.1)).norm(), 1e-5);
   EXPECT_EQ(coordinated_turn_transition(0.1, 0.0), constant_acceleration_transition(0.1));
 }
 
 // From a ten-thousandth of a radian on the closed form is used. Its terms equal those of the series.
-TEST(Transition, OfASlowTurnIsThatOfTheSeries) {
+TEST(Transition, MatchesSeriesForSlowTurns) {
   for (const double angle : {9e-5, 1.1e-4, 1e-2}) {
     const double dt_s = 0.1, w = angle / dt_s;
     const Matrix9 A = coordinated_turn_transition(dt_s, w), straight = constant_acceleration_transition(dt_s);
@@ -88,7 +88,7 @@ TEST(Transition, OfASlowTurnIsThatOfTheSeries) {
 }
 
 // A mode that explains nothing keeps a millionth, so that it can come back.
-TEST(ImmFilter, NoModeIsGivenUpForGood) {
+TEST(ImmFilter, KeepsEveryModeRecoverable) {
   const auto filter = make_imm_filter({});
   MotionState belief = filter->start(Vector3::Zero(), 0.01 * Matrix3::Identity());
   belief.modes[0].mean[0] = belief.modes[1].mean[1] = 50.0;
@@ -100,7 +100,7 @@ TEST(ImmFilter, NoModeIsGivenUpForGood) {
   EXPECT_GT(belief.mode_probability[2], 0.99);
 }
 
-TEST(CorrectBelief, ABeliefThatIsNoGaussianAnyMoreExplainsNothing) {
+TEST(CorrectBelief, RejectsBeliefsWithIndefiniteCovariance) {
   MotionBelief belief;
   belief.covariance.topLeftCorner<3, 3>() = -2.0 * Matrix3::Identity();
   const MotionBelief before = belief;
@@ -116,7 +116,7 @@ TEST(Transition, TwoStepsAreOneLongOne) {
                   .isApprox(coordinated_turn_transition(0.5, 1.3), 1e-12));
 }
 
-TEST(ProcessNoise, GrowsWithTimeOrIsTheSameInEveryStep) {
+TEST(ProcessNoise, GrowsWithTimeOrPerStep) {
   const ProcessNoise noise{0.01, 0.2, 0.3};
   EXPECT_TRUE((noise.covariance(0.04, 0.1) + noise.covariance(0.06, 0.1)).isApprox(noise.covariance(0.1, 0.1), 1e-12));
   EXPECT_NEAR(noise.covariance(0.1, 0.1)(4, 4), 0.04, 1e-15);
@@ -124,7 +124,7 @@ TEST(ProcessNoise, GrowsWithTimeOrIsTheSameInEveryStep) {
 }
 
 // A filter's last estimate is the minimum of the sum of all weighted squares: prior, every step, every measurement.
-TEST(KalmanFilter, IsTheLeastSquaresSolutionOfTheWholeHistory) {
+TEST(KalmanFilter, MatchesBatchLeastSquares) {
   constexpr int kSteps = 7;
   const Random random(3, "test.kalman");
   const KalmanConfig config;
@@ -160,7 +160,7 @@ TEST(KalmanFilter, IsTheLeastSquaresSolutionOfTheWholeHistory) {
   EXPECT_LT((ours.belief.covariance - covariance.bottomRightCorner<9, 9>()).norm(), 1e-6);
 }
 
-TEST(KalmanFilter, ItsCovarianceIsHonestForTargetsThatMoveAsItThinks) {
+TEST(KalmanFilter, IsConsistentForModelConformingTargets) {
   constexpr int kRuns = 600, kSteps = 40;
   const KalmanConfig config;
   const auto filter = make_kalman_filter(config);
@@ -193,7 +193,7 @@ TEST(KalmanFilter, ItsCovarianceIsHonestForTargetsThatMoveAsItThinks) {
   EXPECT_NEAR(position_nees, 3.0, 3.5 * std::sqrt(2.0 * 3.0 / kRuns));
 }
 
-TEST(KalmanFilter, LikelihoodIsTheGaussianDensityOfTheMeasurement) {
+TEST(KalmanFilter, MatchesGaussianDensityOfTheMeasurement) {
   MotionBelief belief;
   belief.covariance = 0.4 * Matrix9::Identity();
   belief.covariance(0, 1) = belief.covariance(1, 0) = 0.1;
@@ -215,7 +215,7 @@ TEST(KalmanFilter, CovariancesStayPositiveWhateverComes) {
   }
 }
 
-TEST(ImmFilter, ModesChangeAsTheirMarkovChainSays) {
+TEST(ImmFilter, SwitchesModesByItsMarkovChain) {
   ImmConfig config;
   config.mean_sojourn_s = 1.5;
   const auto filter = make_imm_filter(config);
@@ -233,7 +233,7 @@ TEST(ImmFilter, ModesChangeAsTheirMarkovChainSays) {
 }
 
 // One step against the definition: a mixture of nine (mode before, mode after), whose moments each mode keeps.
-TEST(ImmFilter, OneStepHasTheMomentsOfTheMixture) {
+TEST(ImmFilter, MatchesMixtureMomentsInOneStep) {
   const ImmConfig config;
   const auto filter = make_imm_filter(config);
   const Random random(5, "test.imm");
@@ -322,7 +322,7 @@ TEST(ImmFilter, RecognizesStraightFlightAndTurns) {
 }
 
 // Straight lines and sharp turns by turns: what interception meets (sec. VI-B).
-TEST(ImmFilter, FollowsAManeuveringTargetBetterThanOneModel) {
+TEST(ImmFilter, TracksManeuversBetterThanOneModel) {
   KalmanConfig one;
   const auto kalman = make_kalman_filter(one);
   const auto imm = make_imm_filter({});

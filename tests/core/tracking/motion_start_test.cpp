@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-TEST(InitialSpread, IsThePositionsBesideTheTwoThatAreTold) {
+TEST(InitialSpread, CombinesPositionSpreadWithConfiguredSigmas) {
   InitialSpread spread;
   spread.sigma_velocity_mps = 3.0;
   spread.sigma_acceleration_mps2 = 5.0;
@@ -39,14 +39,14 @@ TEST(InitialSpread, SpreadsThePositionByTheParabola) {
   EXPECT_LT((state.belief.position_covariance() - expected * Matrix3::Identity()).norm(), 1e-9);
 }
 
-TEST(ProcessNoise, EachOfTheThreeIsItsOwnSquare) {
+TEST(ProcessNoise, SquaresEachOfItsSigmas) {
   const ProcessNoise noise{0.1, 0.2, 0.3};
   Vector9 variance;
   variance << 0.01, 0.01, 0.01, 0.04, 0.04, 0.04, 0.09, 0.09, 0.09;
   EXPECT_LT((noise.covariance(0.2, 0.1) - 2.0 * Matrix9(variance.asDiagonal())).norm(), 1e-12);
 }
 
-TEST(TurnRate, OfASlowTargetIsZeroAndOfAWildOneIsBounded) {
+TEST(TurnRate, VanishesWhenSlowAndStaysBounded) {
   const auto rate = [](double v, double a) {
     Vector9 mean = Vector9::Zero();
     mean[3] = v;

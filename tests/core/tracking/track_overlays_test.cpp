@@ -26,7 +26,7 @@ Drawn drawn(const TrackOverlays& pictures, const std::vector<Track>& tracks) {
   return {overlays.at(0), overlays.at(1), overlays.at(2)};
 }
 
-TEST(TrackOverlays, TheEllipsesAreThreeStandardDeviationsFarFromTheTrack) {
+TEST(TrackOverlays, DrawEllipsesAtThreeStandardDeviations) {
   std::vector<Track> tracks = {track_at(1, {10, 20, 30}, {0, 0, 0}, {0, 0, 0})};
   // Axes that are none of the frame's.
   const Matrix3 R = Eigen::AngleAxisd(0.6, Vector3(1, 2, 3).normalized()).toRotationMatrix();
@@ -55,7 +55,7 @@ TEST(TrackOverlays, TheEllipsesAreThreeStandardDeviationsFarFromTheTrack) {
   }
 }
 
-TEST(TrackOverlays, PathsAreApartAndEndWithTheirTracks) {
+TEST(TrackOverlays, DrawSeparatePathsUntilTracksEnd) {
   TrackOverlays pictures;
   std::vector<Track> tracks = {track_at(1, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}),
                                track_at(2, {0, 50, 0}, {0, 0, 0}, {0, 0, 0})};

@@ -48,7 +48,7 @@ TEST(PointCovariance, JacobianAgreesWithNumericalDifferentiation) {
   }
 }
 
-TEST(PointCovariance, AlongTheRayItIsRangeAndPositionAcrossItAttitudeTimesRange) {
+TEST(PointCovariance, SeparatesRadialAndLateralError) {
   MeasurementNoise noise;
   const Matrix3 Sigma = point_covariance(Vector3::UnitX(), 20.0, Matrix3::Identity(), noise.Sigma_w());
   EXPECT_NEAR(Sigma(0, 0), 0.03 * 0.03 + 0.05 * 0.05, 1e-12);
@@ -65,7 +65,7 @@ TEST(ErrorDistribution, IsotropicCaseIsTheMaxwellDistribution) {
   EXPECT_NEAR(error.variance_m2(), 0.25 * (3.0 - 8.0 / M_PI), 1e-12);
 }
 
-TEST(ErrorDistribution, OneDimensionalCaseIsTheHalfNormalDistribution) {
+TEST(ErrorDistribution, OneDimensionalCaseIsHalfNormal) {
   Matrix3 Sigma = Matrix3::Zero();
   Sigma(1, 1) = 4.0;
   const ErrorDistribution error(Sigma);
@@ -74,7 +74,7 @@ TEST(ErrorDistribution, OneDimensionalCaseIsTheHalfNormalDistribution) {
   EXPECT_NEAR(error.cdf(2.0), std::erf(1.0 / std::sqrt(2.0)), 1e-12);
 }
 
-TEST(ErrorDistribution, CdfIsTheIntegralOfThePdfAndQuantileItsInverse) {
+TEST(ErrorDistribution, CdfIntegratesPdfAndInvertsQuantile) {
   const ErrorDistribution error(random_covariance(3, 0.1));
   double sum = 0.0;
   constexpr int kSteps = 4000;
@@ -89,7 +89,7 @@ TEST(ErrorDistribution, NoErrorIsNegative) {
   EXPECT_EQ(error.cdf(-0.1), 0.0);
 }
 
-TEST(ErrorDistribution, MeanIsNearMonteCarloForAnyCovariance) {
+TEST(ErrorDistribution, MeanMatchesMonteCarlo) {
   // The Nakagami form matches two moments; its mean is within a few per cent for any shape of ellipsoid.
   for (int k = 0; k < 5; ++k) {
     const Matrix3 Sigma = random_covariance(k, 0.05);
@@ -112,7 +112,7 @@ TEST(BoxProbability, IndependentAxesMultiply) {
   EXPECT_NEAR(box_probability(Vector3::Zero(), sigma.cwiseAbs2().asDiagonal(), box), expected, 1e-9);
 }
 
-TEST(BoxProbability, OrthantOfAnEquicorrelatedNormalIsKnown) {
+TEST(BoxProbability, MatchesTheKnownEquicorrelatedOrthant) {
   // P(all x > 0) = 1/8 + 3 arcsin(rho) / (4 pi)
   for (const double rho : {-0.45, 0.0, 0.5, 0.95}) {
     Matrix3 Sigma = Matrix3::Constant(rho);
@@ -123,7 +123,7 @@ TEST(BoxProbability, OrthantOfAnEquicorrelatedNormalIsKnown) {
   }
 }
 
-TEST(BoxProbability, AgreesWithMonteCarloForThinEllipsoids) {
+TEST(BoxProbability, MatchesMonteCarloForThinEllipsoids) {
   const Eigen::AlignedBox3d box(Vector3(-0.3, -0.5, -0.2), Vector3(0.7, 0.5, 0.8));
   for (int k = 0; k < 6; ++k) {
     const Matrix3 Sigma = random_covariance(k, k < 3 ? 0.2 : 1e-3);
@@ -136,7 +136,7 @@ TEST(BoxProbability, AgreesWithMonteCarloForThinEllipsoids) {
   }
 }
 
-TEST(BoxProbability, BoxesThatTileSpaceSumToOne) {
+TEST(BoxProbability, SumsToOneOverATiling) {
   const Matrix3 Sigma = random_covariance(9, 0.01);
   double sum = 0.0;
   for (int x = -3; x < 3; ++x) {
@@ -150,14 +150,14 @@ TEST(BoxProbability, BoxesThatTileSpaceSumToOne) {
   EXPECT_NEAR(sum, 1.0, 2e-6);
 }
 
-TEST(BoxProbability, ADegenerateCovarianceIsAPointMass) {
+TEST(BoxProbability, DegenerateCovarianceIsAPointMass) {
   const Eigen::AlignedBox3d box(Vector3::Constant(-1.0), Vector3::Constant(1.0));
   EXPECT_NEAR(box_probability(Vector3::Zero(), Matrix3::Zero(), box), 1.0, 1e-9);
   EXPECT_EQ(box_probability(Vector3::Constant(2.0), Matrix3::Zero(), box), 0.0);
 }
 
 // The axes may be integrated over in any order.
-TEST(BoxProbability, DoesNotDependOnTheOrderOfTheAxes) {
+TEST(BoxProbability, IsIndependentOfAxisOrder) {
   for (int k = 0; k < 16; ++k) {
     const Matrix3 Sigma = random_covariance(100 + k, k % 4 == 0 ? 0.5 : k % 4 == 1 ? 0.1 : k % 4 == 2 ? 0.01 : 1e-3);
     const Vector3 mean = 0.5 * normals(k, 60);
@@ -176,7 +176,7 @@ TEST(BoxProbability, DoesNotDependOnTheOrderOfTheAxes) {
 }
 
 // All of it lies on a line, of which the box cuts out a piece. Of the variance beside it, rounding leaves 1e-15.
-TEST(BoxProbability, OfALineIsThatOfThePieceInTheBox) {
+TEST(BoxProbability, LineDistributionMatchesItsSegmentInside) {
   const auto Phi = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
   for (int k = 0; k < 20; ++k) {
     const Vector3 along = normals(k, 70);
@@ -193,7 +193,7 @@ TEST(BoxProbability, OfALineIsThatOfThePieceInTheBox) {
 }
 
 // For a coordinate without variance, the box includes its lower face and excludes its upper one.
-TEST(BoxProbability, ACertainCoordinateIsInOrOut) {
+TEST(BoxProbability, CertainCoordinateIsInsideOrOutside) {
   for (int axis = 0; axis < 3; ++axis) {
     Vector3 variance(0.3, 0.5, 0.7);
     variance[axis] = 0.0;
@@ -222,7 +222,7 @@ TEST(BoxProbability, IsAccurateInTheTails) {
   }
 }
 
-TEST(ErrorDistribution, PdfIsTheSlopeOfTheCdf) {
+TEST(ErrorDistribution, PdfIsTheDerivativeOfCdf) {
   const ErrorDistribution error(random_covariance(4, 0.2));
   for (const double at_m : {0.05, 0.3, 0.9, 1.7, 3.0}) {
     EXPECT_NEAR(error.pdf(at_m), (error.cdf(at_m + 1e-5) - error.cdf(at_m - 1e-5)) / 2e-5, 1e-7) << at_m;
@@ -230,7 +230,7 @@ TEST(ErrorDistribution, PdfIsTheSlopeOfTheCdf) {
   EXPECT_NEAR(error.cdf(50.0), 1.0, 1e-12);
 }
 
-TEST(CorrectVoxel, IsTheBoxInWhichThePointWasMeasured) {
+TEST(CorrectVoxel, IsTheMeasuredPointsBox) {
   for (int k = 0; k < 10; ++k) {
     const Vector3 p = 4.0 * normals(k, 90);
     const Matrix3 Sigma = random_covariance(300 + k, 0.1);
@@ -242,7 +242,7 @@ TEST(CorrectVoxel, IsTheBoxInWhichThePointWasMeasured) {
   }
 }
 
-TEST(CorrectVoxel, ProbabilityFallsWithDistanceAndGrowsWithTheVoxel) {
+TEST(CorrectVoxel, IsLikelierWhenNearOrLarge) {
   const MeasurementNoise noise;
   double previous = 1.0;
   for (const double range_m : {5.0, 20.0, 50.0, 80.0}) {

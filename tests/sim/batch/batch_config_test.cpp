@@ -56,7 +56,7 @@ TEST(BatchConfig, NamesAreWords) {
   EXPECT_FALSE(is_fine(config));
 }
 
-TEST(BatchConfig, EveryVariantHasAScenarioAndANameOfItsOwn) {
+TEST(BatchConfig, VariantsHaveUniqueNamesAndScenarios) {
   BatchConfig config = batch();
   config.variants.resize(2);
   config.variants[0].name = "a";
@@ -92,7 +92,7 @@ ParameterConfig parameter(Law law, double min, double max) {
   return p;
 }
 
-TEST(BatchConfig, ALawHasWhatItNeedsAndNothingElse) {
+TEST(BatchConfig, ValidatesTheBoundsOfEachLaw) {
   EXPECT_TRUE(is_fine(parameter(Law::kValues, 5, 1))) << "its bounds do not matter";
   EXPECT_TRUE(is_fine(parameter(Law::kNormal, 5, 1)));
   for (const Law law : {Law::kUniform, Law::kLogUniform, Law::kInteger}) {
@@ -115,7 +115,7 @@ TEST(BatchConfig, ALawHasWhatItNeedsAndNothingElse) {
   EXPECT_THAT(problems_in(p), ::testing::ElementsAre("key: expected the key that is swept"));
 }
 
-TEST(BatchConfig, AColumnIsNamedByTheLastWordOfItsKey) {
+TEST(BatchConfig, NamesColumnsByTheLastWord) {
   ParameterConfig p = parameter(Law::kUniform, 0, 1);
   test::CheckingVisitor visitor;
   p.visit(visitor);
@@ -129,7 +129,7 @@ TEST(BatchConfig, AColumnIsNamedByTheLastWordOfItsKey) {
   EXPECT_EQ(p.name, "mine");
 }
 
-TEST(BatchConfig, ANormalLawIsSampledAndColumnsDiffer) {
+TEST(BatchConfig, SamplesNormalLawsWithDistinctColumns) {
   for (const auto method : {SweepConfig::Method::kGrid, SweepConfig::Method::kList,
                             SweepConfig::Method::kLatinHypercube, SweepConfig::Method::kRandom}) {
     SweepConfig sweep;
@@ -145,7 +145,7 @@ TEST(BatchConfig, ANormalLawIsSampledAndColumnsDiffer) {
   }
 }
 
-TEST(BatchConfig, SeedsAreWholeNumbersThatADatabaseHolds) {
+TEST(BatchConfig, SeedsAreIntegersADatabaseHolds) {
   for (const char* seed : {"0", "7", "9223372036854775807"}) {
     SeedsConfig seeds;
     seeds.list = {"1", seed};
@@ -163,7 +163,7 @@ TEST(BatchConfig, SeedsAreWholeNumbersThatADatabaseHolds) {
   EXPECT_FALSE(is_fine(seeds));
 }
 
-TEST(BatchConfig, NothingBreaksOutOfItsLineOfAJobScript) {
+TEST(BatchConfig, RefusesTextThatBreaksJobScripts) {
   SlurmConfig slurm;
   EXPECT_TRUE(is_fine(slurm)) << "empty names are the cluster's defaults";
   slurm.partition = "a,b-1";
@@ -186,7 +186,7 @@ TEST(BatchConfig, NothingBreaksOutOfItsLineOfAJobScript) {
   EXPECT_FALSE(is_fine(slurm));
 }
 
-TEST(BatchConfig, AReportShowsMetricsThatThereAre) {
+TEST(BatchConfig, ReportRefusesUnknownMetrics) {
   const BatchFolder folder;
   EXPECT_NO_THROW(folder.plan("report: {metrics: [path_length_m, a.path_length_m], worst_by: path_length_m}\n"));
   EXPECT_NO_THROW(folder.plan("report: {worst_by: a.path_length_m}\n"));
@@ -211,7 +211,7 @@ std::string line_of(const std::string& script, const std::string& option) {
 }
 
 /// As described on the page about clusters.
-TEST(Slurm, TasksAreAsManyAsTheEpisodesNeed) {
+TEST(Slurm, CreatesTheTasksThatEpisodesNeed) {
   const BatchFolder folder;
   struct Case {
     int episodes, per_task, cpus, tasks, each;
@@ -231,7 +231,7 @@ TEST(Slurm, TasksAreAsManyAsTheEpisodesNeed) {
   }
 }
 
-TEST(Slurm, TasksHaveTheTimeThatTheirEpisodesTakeAtMost) {
+TEST(Slurm, TaskTimeCoversItsEpisodesMaximum) {
   const BatchFolder folder;
   const auto minutes = [&](const std::string& text) {
     const SlurmScripts job = make_slurm_scripts(folder.plan("seeds: {count: 25}\n" + text), "out", "/bin/swiftlet");
@@ -248,7 +248,7 @@ TEST(Slurm, TasksHaveTheTimeThatTheirEpisodesTakeAtMost) {
   EXPECT_EQ(minutes("timeout_s: 60\nslurm: {time_limit_min: 0.5}\n"), 1);
 }
 
-TEST(Slurm, OnlyWhatIsAskedForIsInTheScript) {
+TEST(Slurm, ScriptHoldsOnlyRequestedOptions) {
   const BatchFolder folder;
   const auto array = [&](const std::string& text) {
     return make_slurm_scripts(folder.plan("seeds: {count: 25}\n" + text), "out", "/bin/swiftlet").array;
@@ -277,7 +277,7 @@ TEST(Slurm, OnlyWhatIsAskedForIsInTheScript) {
 }
 
 /// An sbatch of our own in the path.
-TEST(Slurm, JobsAreSubmittedOneAfterTheOther) {
+TEST(Slurm, SubmitsJobsSequentially) {
   const BatchFolder folder;
   const std::string path = std::getenv("PATH");
   const auto with_sbatch = [&](const std::string& script) {
@@ -311,7 +311,7 @@ std::string difference(const std::string& then, const std::string& now) {
   return first_difference(parse_document(then, {"a", "."}), parse_document(now, {"b", "."}), "set");
 }
 
-TEST(Difference, IsTheFirstValueThatIsNotTheSame) {
+TEST(Difference, IsTheFirstDifferingValue) {
   EXPECT_EQ(difference("{a: 1, b: [1, {c: x}]}", "{b: [1, {c: x}], a: 1}"), "") << "the order of keys means nothing";
   EXPECT_EQ(difference("{a: 1, b: 2}", "{a: 1, b: 3}"), "set.b: \"2\" then, \"3\" now");
   EXPECT_EQ(difference("{a: 1, b: 2}", "{a: 1}"), "set.b: \"2\" then, nothing now");
@@ -323,7 +323,7 @@ TEST(Difference, IsTheFirstValueThatIsNotTheSame) {
   EXPECT_EQ(difference("{a: ~}", "{a: ~}"), "");
 }
 
-TEST(ChangePlaces, AMessageOfSeveralLinesHasAPlaceForEachThatIsAChange) {
+TEST(ChangePlaces, LocatesEachChangeInMultilineMessage) {
   const Node batch = parse_document(
       "set: {a: 1}\nvariants:\n  - name: x\n  - {name: y, set: {b: 2}}\n"
       "sweep: {parameters: [{values: [1]}, {key: c, values: [1]}]}\n",

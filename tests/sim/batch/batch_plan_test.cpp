@@ -22,7 +22,7 @@ constexpr const char* kTwoByThree =
     "sweep:\n  parameters:\n    - {key: 'vehicles[*].start.yaw_deg', values: [0, 90, 180]}\nseeds: {first: 5, count: "
     "4}\n";
 
-TEST(BatchPlan, EpisodesAreEveryPointSeedAndVariantNumberedInThatOrder) {
+TEST(BatchPlan, NumbersEpisodesByPointSeedVariant) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kTwoByThree);
   ASSERT_EQ(plan.num_episodes(), 24U);
@@ -38,7 +38,7 @@ TEST(BatchPlan, EpisodesAreEveryPointSeedAndVariantNumberedInThatOrder) {
   EXPECT_EQ(e.point, 1U);
 }
 
-TEST(BatchPlan, AnEpisodesScenarioHasAllItsChanges) {
+TEST(BatchPlan, AppliesAllChangesOfAnEpisode) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(std::string(kTwoByThree) + "set: {duration_s: 0.4}\n");
   const Scenario scenario = plan.scenario_of(plan.episode(11));
@@ -48,7 +48,7 @@ TEST(BatchPlan, AnEpisodesScenarioHasAllItsChanges) {
   EXPECT_EQ(scenario.vehicles[1].start.yaw_deg, 90.0);
 }
 
-TEST(BatchPlan, TheCommandOfAnEpisodeMakesTheSameScenario) {
+TEST(BatchPlan, EpisodeCommandReproducesTheScenario) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kTwoByThree);
   EXPECT_EQ(plan.command_of(plan.episode(11)),
@@ -56,7 +56,7 @@ TEST(BatchPlan, TheCommandOfAnEpisodeMakesTheSameScenario) {
                 " --set 'wind.mean_mps=[9, 0, 0]' --set 'vehicles[*].start.yaw_deg=90' --seed 6");
 }
 
-TEST(BatchPlan, ABatchWithTheNameOfItsScenarioIsNotTakenForIt) {
+TEST(BatchPlan, DistinguishesBatchFromEquallyNamedScenario) {
   const BatchFolder folder;
   folder.write("forest_patrol.yaml", "name: test\nscenario: forest_patrol\nseeds: {count: 3}\n");
   const BatchPlan plan(folder.path("forest_patrol.yaml"));
@@ -64,7 +64,7 @@ TEST(BatchPlan, ABatchWithTheNameOfItsScenarioIsNotTakenForIt) {
   EXPECT_EQ(plan.scenario_of(plan.episode(0)).name, "forest_patrol");
 }
 
-TEST(BatchPlan, ZippedSeedsGiveEveryPointItsOwn) {
+TEST(BatchPlan, GivesEachPointItsZippedSeed) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(
       "sweep: {method: random, samples: 7, parameters: [{key: 'wind.mean_mps[0]', law: uniform}]}\nseeds: {pairing: "
@@ -81,7 +81,7 @@ TEST(BatchPlan, ZippedSeedsGiveEveryPointItsOwn) {
       InputError);
 }
 
-TEST(BatchPlan, AChangeThatTheScenarioDoesNotTakeIsNamedByItsPlaceInTheBatchFile) {
+TEST(BatchPlan, LocatesRefusedChangesInBatchFile) {
   const BatchFolder folder;
   const auto refused = [&](const std::string& text, const ConfigChanges& overrides = {}) -> std::string {
     folder.write("batch.yaml", "name: test\nscenario: hover\n" + text);
@@ -102,7 +102,7 @@ TEST(BatchPlan, AChangeThatTheScenarioDoesNotTakeIsNamedByItsPlaceInTheBatchFile
   EXPECT_THAT(refused("", {{"set.wnd", "3"}}), HasSubstr("wnd"));
 }
 
-TEST(BatchPlan, MistakesAreFoundBeforeAnythingIsFlown) {
+TEST(BatchPlan, FindsMistakesBeforeAnyFlight) {
   const BatchFolder folder;
   const auto refused = [&](const std::string& text) -> std::string {
     try {
@@ -125,7 +125,7 @@ TEST(BatchPlan, MistakesAreFoundBeforeAnythingIsFlown) {
   EXPECT_THAT(refused("sweep: {parameters: [{key: duration_s}]}\n"), HasSubstr("values"));
 }
 
-TEST(BatchPlan, TheFingerprintFollowsTheMeaningAndNothingElse) {
+TEST(BatchPlan, FingerprintFollowsMeaningOnly) {
   const BatchFolder folder;
   const std::string original = folder.plan(kTwoByThree).fingerprint();
   EXPECT_EQ(
@@ -155,7 +155,7 @@ TEST(BatchPlan, TheFingerprintFollowsTheMeaningAndNothingElse) {
   EXPECT_NE(folder.plan(kTwoByThree).fingerprint(), original);
 }
 
-TEST(BatchPlan, AModelThatOnlyTheSweepNamesCounts) {
+TEST(BatchPlan, FingerprintIncludesModelsOfTheSweep) {
   const BatchFolder folder;
   const std::string text = "sweep: {parameters: [{key: 'vehicles[0].model', values: [x500, mine.yaml]}]}\n";
   // Files in changes are looked for where the program runs.
@@ -168,7 +168,7 @@ TEST(BatchPlan, AModelThatOnlyTheSweepNamesCounts) {
   std::filesystem::current_path(before);
 }
 
-TEST(BatchPlan, ShardsAreADivisionOfAllEpisodesAndKeepWorldsTogether) {
+TEST(BatchPlan, PartitionsEpisodesIntoShardsByWorld) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kTwoByThree);
   for (const int count : {1, 2, 5, 24, 30}) {
@@ -188,7 +188,7 @@ TEST(BatchPlan, ShardsAreADivisionOfAllEpisodesAndKeepWorldsTogether) {
   }
 }
 
-TEST(BatchPlan, EpisodesThatMayShareAWorldAreOneGroup) {
+TEST(BatchPlan, GroupsEpisodesThatShareAWorld) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kTwoByThree);
   EXPECT_EQ(plan.group_of(plan.episode(0)), plan.group_of(plan.episode(1)));  // variants
@@ -198,7 +198,7 @@ TEST(BatchPlan, EpisodesThatMayShareAWorldAreOneGroup) {
   EXPECT_EQ(fixed.group_of(fixed.episode(0)), fixed.group_of(fixed.episode(2)));
 }
 
-TEST(BatchPlan, NothingOfAFileBecomesACommandOfTheJobScript) {
+TEST(BatchPlan, PreventsCommandInjectionIntoJobScripts) {
   const BatchFolder folder;
   for (const std::string slurm : {R"(partition: "gpu\nrm -rf x")", R"(account: "a\nid")", R"(account: "a b")",
                                   R"(options: ["--constraint=avx2\necho pwned"])", R"(options: [echo])"}) {
@@ -211,7 +211,7 @@ TEST(BatchPlan, NothingOfAFileBecomesACommandOfTheJobScript) {
 }
 
 // A worker's own limit has to act before Slurm kills the whole task.
-TEST(BatchPlan, WorkersOfAClusterGetLessMemoryThanSlurmGivesThem) {
+TEST(BatchPlan, ReservesMemoryBelowTheSlurmLimit) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan("slurm: {memory_per_cpu_mb: 2000}\n");
   const std::string script = make_slurm_scripts(plan, "out", "/bin/swiftlet").array;
@@ -223,7 +223,7 @@ TEST(BatchPlan, WorkersOfAClusterGetLessMemoryThanSlurmGivesThem) {
   EXPECT_GT(limit_mb, 1500);
 }
 
-TEST(Shell, QuotesWhatAShellWouldTakeForSomethingElse) {
+TEST(Shell, QuotesSpecialCharacters) {
   for (const char* plain : {"run-09.yaml", "/a_b/Az.Z0", "x=1,2:3@4%5+6"}) EXPECT_EQ(in_shell_quotes(plain), plain);
   EXPECT_EQ(in_shell_quotes("a b"), "'a b'");
   EXPECT_EQ(in_shell_quotes(""), "''");

@@ -12,7 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(BatchReference, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+TEST(BatchReference, NumericKeysAcceptExactlyTheirBounds) {
   std::size_t num_keys = 0;
   const auto visit = [](ConfigVisitor& v) {
     BatchConfig fresh;

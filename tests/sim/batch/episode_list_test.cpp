@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(EpisodeList, NumbersAndRangesComeInOrderAndOnce) {
+TEST(EpisodeList, SortsNumbersAndRangesWithoutDuplicates) {
   EXPECT_THAT(parse_episodes("7", 8), ElementsAre(7));
   EXPECT_THAT(parse_episodes("17,3,15-18,0", 19), ElementsAre(0, 3, 15, 16, 17, 18));
 }
@@ -23,7 +23,7 @@ TEST(EpisodeList, WhatIsNoListIsRefused) {
   }
 }
 
-TEST(EpisodeList, AnEpisodeThatDoesNotExistIsToldWithWhatDoes) {
+TEST(EpisodeList, RefusesMissingEpisodeAndNamesRange) {
   try {
     parse_episodes("3,90-100", 100);
     FAIL() << "100 is none of 100 episodes";

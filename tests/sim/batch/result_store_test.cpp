@@ -99,7 +99,7 @@ std::array<unsigned char, 512> page_of_one_child(int child) {
   return page;
 }
 
-TEST_F(Stranger, AListThatIsNoneIsToldWithItsPlace) {
+TEST_F(Stranger, RefusesMalformedListsWithTheirPlace) {
   for (const char* list : {"{\"a\": 1}", "[1, 2]", "[\"fast\"", "no list"}) {
     run(std::string("UPDATE batch SET value = '") + list + "' WHERE key = 'variants'");
     EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.info(); }),
@@ -112,7 +112,7 @@ TEST_F(Stranger, NoQueryOfTheirsIsRun) {
   EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results of a batch, found something else"));
 }
 
-TEST_F(Stranger, ADatabaseOfAnotherProgramIsRefusedInOurWords) {
+TEST_F(Stranger, RefusesForeignDatabasesInOwnWords) {
   const auto other = HasSubstr("results.sqlite: expected results of a batch, found something else");
   const auto read_all = [](const ResultStore& store) {
     (void)store.info();
@@ -129,7 +129,7 @@ TEST_F(Stranger, ADatabaseOfAnotherProgramIsRefusedInOurWords) {
   EXPECT_THAT(refusal(read_all), HasSubstr("found something else, which is no database of SQLite"));
 }
 
-TEST_F(Stranger, ATreeThatNamesItsPagesManyTimesIsNotReadForEver) {
+TEST_F(Stranger, LimitsReadsOfRepeatedPages) {
   run("PRAGMA page_size = 512; VACUUM; CREATE TABLE room(x)");
   run("INSERT INTO room VALUES(zeroblob(5000))");
   const int root = run("SELECT rootpage FROM sqlite_schema WHERE name = 'episodes'");
@@ -191,7 +191,7 @@ class Stored : public ::testing::Test {
   ResultStore store_{file_, ResultStore::Mode::kCreate};
 };
 
-TEST_F(Stored, EverythingComesBackAsItWasGiven) {
+TEST_F(Stored, RoundTripsEverything) {
   EXPECT_FALSE(store_.info().has_value());
   store_.set_info(info_with_two_parameters());
   const auto info = store_.info();
@@ -229,7 +229,7 @@ TEST_F(Stored, EverythingComesBackAsItWasGiven) {
   EXPECT_FALSE(store_.episode(3).has_value());
 }
 
-TEST_F(Stored, AnEpisodeThatIsAddedAgainReplacesItself) {
+TEST_F(Stored, ReplacesAnEpisodeAddedAgain) {
   store_.set_info(info_with_two_parameters());
   store_.add(row_of(1, "failed"));
   EpisodeRow again = row_of(1);
@@ -242,7 +242,7 @@ TEST_F(Stored, AnEpisodeThatIsAddedAgainReplacesItself) {
   EXPECT_EQ(store_.count_by_status(), (std::map<std::string, std::uint64_t>{{"done", 1}}));
 }
 
-TEST_F(Stored, WhatIsNotDoneCanBeRemoved) {
+TEST_F(Stored, RemovesUnfinishedEpisodes) {
   store_.set_info(info_with_two_parameters());
   store_.add(row_of(0));
   store_.add(row_of(1, "failed"));
@@ -256,7 +256,7 @@ TEST_F(Stored, WhatIsNotDoneCanBeRemoved) {
   EXPECT_EQ(store_.episode(1)->metrics.size(), 4U) << "nothing of the earlier one is left";
 }
 
-TEST_F(Stored, TheDumpHoldsAllButWhatBelongsToTheMachine) {
+TEST_F(Stored, DumpExcludesMachineSpecificData) {
   store_.set_info(info_with_two_parameters());
   store_.add(row_of(1));
   const std::string before = store_.dump();
@@ -277,7 +277,7 @@ TEST_F(Stored, TheDumpHoldsAllButWhatBelongsToTheMachine) {
   EXPECT_NE(store_.dump(), before);
 }
 
-TEST_F(Stored, IsOneFileWhenItIsClosedAndIsNotMadeTwice) {
+TEST_F(Stored, IsOneFileCreatedOnlyOnce) {
   store_.set_info(info_with_two_parameters());
   store_.close();
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
@@ -289,7 +289,7 @@ TEST_F(Stored, IsOneFileWhenItIsClosedAndIsNotMadeTwice) {
   EXPECT_NO_THROW(ResultStore(folder_.path() / "new.sqlite", ResultStore::Mode::kAppend));
 }
 
-TEST_F(Stored, CsvFilesHaveTheMetricsAsColumnsAndAsRows) {
+TEST_F(Stored, WritesMetricsAsColumnsAndRows) {
   store_.set_info(info_with_two_parameters());
   EpisodeRow first = row_of(0);
   first.metrics.erase(first.metrics.begin() + 1);
@@ -319,7 +319,7 @@ TEST_F(Stored, CsvFilesHaveTheMetricsAsColumnsAndAsRows) {
             "1,\"odd, quoted\",4,4611686018427387905,,count,7,\n");
 }
 
-TEST(EpisodeRow, AgreesOnlyWithOneThatSaysTheSame) {
+TEST(EpisodeRow, AgreesOnlyWithEqualRows) {
   const EpisodeRow row = row_of(1);
   EXPECT_TRUE(row.agrees_with(row));
   const auto differs = [&](const auto& change) {
@@ -350,7 +350,7 @@ TEST(EpisodeRow, AgreesOnlyWithOneThatSaysTheSame) {
   EXPECT_TRUE(row.agrees_with(elsewhere));
 }
 
-TEST_F(Stranger, AFormatOrANumberThatIsNoneIsRefused) {
+TEST_F(Stranger, RefusesInvalidFormatsAndNumbers) {
   run("UPDATE batch SET value = 'many' WHERE key = 'num_episodes'");
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.info(); }),
               HasSubstr("batch.num_episodes: expected a whole number, found \"many\""));

@@ -85,7 +85,7 @@ std::string refusal(const std::function<void()>& action) {
   return "";
 }
 
-TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
+TEST(RunBatch, MatchesEachScenarioRunAlone) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
   const BatchOutcome outcome = run_plan(plan, folder.path("out"));
@@ -104,7 +104,7 @@ TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
 }
 
 // Task 3 of an array of five is lost and submitted again: its environment counts one task, or those of a new array.
-TEST(RunBatch, APartOfAnotherDivisionThanTheStoredOnesIsRefused) {
+TEST(RunBatch, RefusesPartOfDifferentDivision) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan("seeds: {count: 10}\n");
   const auto fly = [&](Shard shard) {
@@ -143,7 +143,7 @@ TEST(RunBatch, LinksInItsDirectoryAreRefused) {
   EXPECT_TRUE(fs::is_empty(outside));
 }
 
-TEST(RunBatch, TheResultsDoNotDependOnTheNumberOfWorkers) {
+TEST(RunBatch, IsIndependentOfWorkerCount) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
   const auto one = run_plan(plan, folder.path("one"));
@@ -151,7 +151,7 @@ TEST(RunBatch, TheResultsDoNotDependOnTheNumberOfWorkers) {
   EXPECT_EQ(dump(one.database), dump(three.database));
 }
 
-TEST(RunBatch, VariantsOfASeedShareTheirRandomNumbers) {
+TEST(RunBatch, SharesRandomNumbersAmongSeedVariants) {
   const BatchFolder folder;
   const BatchPlan plan =
       folder.plan("variants: [{name: a}, {name: same}, {name: longer, set: {duration_s: 0.3}}]\nseeds: {count: 2}\n");
@@ -162,7 +162,7 @@ TEST(RunBatch, VariantsOfASeedShareTheirRandomNumbers) {
   EXPECT_NE(all[0].state_hash, all[2].state_hash);
 }
 
-TEST(RunBatch, TheWorldIsBuiltOnceAWorkerWhenEpisodesShareIt) {
+TEST(RunBatch, BuildsSharedWorldOncePerWorker) {
   const BatchFolder folder;
   const auto built = [&](const std::string& text, const std::string& out) {
     int count = 0;
@@ -174,7 +174,7 @@ TEST(RunBatch, TheWorldIsBuiltOnceAWorkerWhenEpisodesShareIt) {
   EXPECT_EQ(built(std::string(kBatch) + "set: {world_seed: 9}\n", "one_world"), 1);
 }
 
-TEST(RunBatch, AFailureIsRecordedWithTheCommandThatRepeatsIt) {
+TEST(RunBatch, RecordsFailureWithReproducingCommand) {
   const BatchFolder folder;
   // The second point starts both vehicles in one place.
   const BatchPlan plan = folder.plan(
@@ -190,7 +190,7 @@ TEST(RunBatch, AFailureIsRecordedWithTheCommandThatRepeatsIt) {
   EXPECT_THAT(row.command, HasSubstr("--set 'vehicles[1].start.position_m[0]=0' --seed 2"));
 }
 
-TEST(RunBatch, AnEpisodeThatTakesTooLongIsRecordedAsThat) {
+TEST(RunBatch, RecordsEpisodesThatTimeOut) {
   const BatchFolder folder;
   const BatchPlan plan =
       folder.plan("timeout_s: 2\nsweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n");
@@ -220,7 +220,7 @@ TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
   EXPECT_EQ(run_plan(plan, folder.path("out"), resuming()).progress.flown, 0U);
 }
 
-TEST(RunBatch, ChosenEpisodesAreFlownAloneAndTheRestLater) {
+TEST(RunBatch, RunsChosenEpisodesAndRestLater) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
   BatchOptions options;
@@ -237,7 +237,7 @@ TEST(RunBatch, ChosenEpisodesAreFlownAloneAndTheRestLater) {
   EXPECT_EQ(dump(rest.database), dump(run_plan(plan, folder.path("whole")).database));
 }
 
-TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
+TEST(RunBatch, NeitherOverwritesNorMixesResults) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
   run_plan(plan, folder.path("out"));
@@ -253,7 +253,7 @@ TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
   EXPECT_EQ(run_plan(same, folder.path("out"), resuming()).progress.flown, 0U);
 }
 
-TEST(RunBatch, OnlyFailuresAreFlownAgainOnRequest) {
+TEST(RunBatch, RetriesOnlyFailuresOnRequest) {
   const BatchFolder folder;
   const std::string text = "sweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n";
   run_plan(folder.plan("timeout_s: 2\n" + text), folder.path("out"));
@@ -262,7 +262,7 @@ TEST(RunBatch, OnlyFailuresAreFlownAgainOnRequest) {
   EXPECT_EQ(run_plan(plan, folder.path("out"), retrying()).progress.flown, 1U);
 }
 
-TEST(RunBatch, CsvFilesHaveARowForEveryEpisodeAndMetric) {
+TEST(RunBatch, WritesCsvRowPerEpisodeMetric) {
   const BatchFolder folder;
   const auto outcome = run_plan(folder.plan(kBatch), folder.path("out"));
   const auto lines = [&](const char* name) {
@@ -313,7 +313,7 @@ class Merge : public ::testing::Test {
   std::filesystem::path whole_;
 };
 
-TEST_F(Merge, UnitesShardsInAnyOrderToWhatOneMachineGives) {
+TEST_F(Merge, MatchesSingleMachineInAnyOrder) {
   EXPECT_EQ(find_databases({folder_.path("out")}).size(), 3U);
   const MergeOutcome outcome = merge_batches(find_databases({folder_.path("out")}), folder_.path("out"));
   EXPECT_EQ(outcome.episodes, 12U);
@@ -324,7 +324,7 @@ TEST_F(Merge, UnitesShardsInAnyOrderToWhatOneMachineGives) {
   EXPECT_TRUE(std::filesystem::exists(folder_.path("other/episodes.csv")));
 }
 
-TEST_F(Merge, TellsWhatIsMissingAndAddsToWhatIsThere) {
+TEST_F(Merge, ReportsMissingAndExtendsExisting) {
   const MergeOutcome part = merge_batches({shards_[0], shards_[2]}, folder_.path("part"));
   EXPECT_EQ(part.episodes, 8U);
   EXPECT_EQ(part.first_missing.size(), 4U);
@@ -333,7 +333,7 @@ TEST_F(Merge, TellsWhatIsMissingAndAddsToWhatIsThere) {
   EXPECT_EQ(dump(folder_.path("part/results.sqlite")), dump(whole_));
 }
 
-TEST_F(Merge, IsRefusedWhileABatchWritesThere) {
+TEST_F(Merge, RefusesWhileBatchIsWriting) {
   int started[2], ended[2];
   ASSERT_EQ(pipe(started) | pipe(ended), 0);
   const pid_t batch = fork();
@@ -357,7 +357,7 @@ TEST_F(Merge, IsRefusedWhileABatchWritesThere) {
   for (const int fd : {started[0], started[1], ended[0]}) close(fd);
 }
 
-TEST_F(Merge, RemovesWhatAKilledMergeLeftAndNothingElse) {
+TEST_F(Merge, RemovesOnlyRemnantsOfKilledMerge) {
   const fs::path out = folder_.path("after_a_kill");
   const std::vector<std::string> left = {".results.merging-17.sqlite", ".results.merging-17.sqlite-wal",
                                          ".results.merging-17.sqlite-shm", ".results.merging-4242.sqlite-journal"};
@@ -390,7 +390,7 @@ TEST_F(Merge, OverlapsThatAgreeAreOne) {
   EXPECT_EQ(dump(folder_.path("twice/results.sqlite")), dump(whole_));
 }
 
-TEST_F(Merge, OverlapsThatDisagreeAreRefusedAndLeaveNothing) {
+TEST_F(Merge, RefusesConflictingOverlapsWithoutTrace) {
   {
     ResultStore store(shards_[1], ResultStore::Mode::kAppend);
     EpisodeRow row = store.episodes().front();
@@ -406,7 +406,7 @@ TEST_F(Merge, OverlapsThatDisagreeAreRefusedAndLeaveNothing) {
     EXPECT_EQ(entry.path().filename(), ".results.sqlite.lock");
 }
 
-TEST_F(Merge, AnEpisodeThatIsDoneWinsOverOneThatIsNot) {
+TEST_F(Merge, PrefersFinishedOverUnfinishedEpisodes) {
   {
     ResultStore store(shards_[1], ResultStore::Mode::kAppend);
     EpisodeRow row = store.episodes().front();

@@ -28,7 +28,7 @@ TEST(Shard, IsTypedFromOne) {
 
 TEST(Shard, WithoutAClusterIsTheWhole) { EXPECT_TRUE(shard_in({}).whole()); }
 
-TEST(Shard, ASlurmArrayTellsItWhateverItsFirstNumberAndStep) {
+TEST(Shard, ReadsSlurmArrayWithAnyStride) {
   const Shard shard = shard_in({{"SLURM_ARRAY_TASK_ID", "14"},
                                 {"SLURM_ARRAY_TASK_COUNT", "4"},
                                 {"SLURM_ARRAY_TASK_MIN", "10"},
@@ -39,7 +39,7 @@ TEST(Shard, ASlurmArrayTellsItWhateverItsFirstNumberAndStep) {
   EXPECT_EQ(shard.count, 4);
 }
 
-TEST(Shard, ASlurmArrayWithHolesIsRefused) {
+TEST(Shard, RefusesSlurmArrayWithHoles) {
   EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "7"},
                          {"SLURM_ARRAY_TASK_COUNT", "2"},
                          {"SLURM_ARRAY_TASK_MIN", "3"},
@@ -52,7 +52,7 @@ TEST(Shard, ASlurmArrayWithHolesIsRefused) {
                InputError);
 }
 
-TEST(Shard, ATaskSubmittedAgainAloneIsNotTheWhole) {
+TEST(Shard, RefusesTaskResubmittedAlone) {
   const auto alone = [](const std::string& id) {
     return std::map<std::string, std::string>{{"SLURM_ARRAY_TASK_ID", id},
                                               {"SLURM_ARRAY_TASK_COUNT", "1"},
@@ -65,7 +65,7 @@ TEST(Shard, ATaskSubmittedAgainAloneIsNotTheWhole) {
   EXPECT_THROW(shard_in(alone("7")), InputError);
 }
 
-TEST(Shard, LargeNumbersAreRefusedOrCountedExactly) {
+TEST(Shard, RefusesOrCountsLargeNumbersExactly) {
   const std::string most = "2147483647", least = "-2147483648";
   EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", most},
                          {"SLURM_ARRAY_TASK_COUNT", most},
@@ -96,7 +96,7 @@ TEST(Shard, OfAtMostTenMillions) {
   EXPECT_THROW(shard_in({{"PMI_RANK", "-1"}, {"PMI_SIZE", "3"}}), InputError);
 }
 
-TEST(Shard, OfAnArrayWhoseBoundsAreNotToldItCountsFromZero) {
+TEST(Shard, CountsArrayWithoutBoundsFromZero) {
   EXPECT_EQ(shard_in({{"SLURM_ARRAY_TASK_ID", "2"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}).str(), "3/4");
   EXPECT_EQ(shard_in({{"SLURM_ARRAY_TASK_ID", "0"}, {"SLURM_ARRAY_TASK_COUNT", "1"}}).str(), "1/1");
   EXPECT_EQ(
@@ -112,7 +112,7 @@ TEST(Shard, OfAnArrayWhoseBoundsAreNotToldItCountsFromZero) {
                InputError);
 }
 
-TEST(Shard, TellsWhereItIsFrom) {
+TEST(Shard, StatesItsSource) {
   EXPECT_EQ(parse_shard("2/8").source, "--shard");
   EXPECT_EQ(shard_in({}).source, "");
   EXPECT_EQ(shard_in({{"PMI_RANK", "1"}, {"PMI_SIZE", "2"}}).source, "PMI_RANK");
@@ -137,13 +137,13 @@ TEST(Shard, MpiRanksTellIt) {
   EXPECT_THROW(shard_in({{"PMI_RANK", "2"}, {"PMI_SIZE", "2"}}), InputError);
 }
 
-TEST(Shard, AnIndexedKubernetesJobTellsItsIndexAndNeedsTheNumber) {
+TEST(Shard, KubernetesJobNeedsIndexAndNumber) {
   const Shard shard = shard_in({{"JOB_COMPLETION_INDEX", "0"}, {"SWIFTLET_NUM_SHARDS", "3"}});
   EXPECT_EQ(shard.str(), "1/3");
   EXPECT_THROW(shard_in({{"JOB_COMPLETION_INDEX", "0"}}), InputError);
 }
 
-TEST(Shard, RanksWithinAnArrayDivideItsParts) {
+TEST(Shard, SubdividesArrayTasksByRank) {
   const std::map<std::string, std::string> array = {{"SLURM_ARRAY_TASK_ID", "1"},
                                                     {"SLURM_ARRAY_TASK_COUNT", "3"},
                                                     {"SLURM_ARRAY_TASK_MIN", "0"},

@@ -41,13 +41,13 @@ std::vector<double> column(const Points& points, std::size_t i = 0) {
 
 TEST(Sweep, NothingSweptIsOnePoint) { EXPECT_EQ(sweep_points({}), Points{{}}); }
 
-TEST(Sweep, AGridIsEveryCombinationTheLastParameterFastest) {
+TEST(Sweep, GridVariesLastParameterFastest) {
   SweepConfig sweep;
   sweep.parameters = {values({"a", "b"}), values({"1", "2", "3"})};
   EXPECT_EQ(sweep_points(sweep), (Points{{"a", "1"}, {"a", "2"}, {"a", "3"}, {"b", "1"}, {"b", "2"}, {"b", "3"}}));
 }
 
-TEST(Sweep, AGridOfALawIsEvenlySpaced) {
+TEST(Sweep, SpacesGridOfALawEvenly) {
   SweepConfig sweep;
   sweep.parameters = {law(Law::kUniform, 0.0, 1.0)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"0"}, {"0.25"}, {"0.5"}, {"0.75"}, {"1"}}));
@@ -57,7 +57,7 @@ TEST(Sweep, AGridOfALawIsEvenlySpaced) {
   EXPECT_EQ(sweep_points(sweep), (Points{{"3"}, {"4"}, {"5"}}));
 }
 
-TEST(Sweep, StepsAreAsManyAsToldAndOneStandsInTheMiddle) {
+TEST(Sweep, GridStepsIncludeEndsOrMidpoint) {
   SweepConfig sweep;
   const auto steps = [&](ParameterConfig p, int count) {
     p.steps = count;
@@ -77,7 +77,7 @@ TEST(Sweep, StepsAreAsManyAsToldAndOneStandsInTheMiddle) {
   EXPECT_EQ(steps(law(Law::kInteger, 3, 6), 4), (std::vector<double>{3.0, 4.0, 5.0, 6.0}));
 }
 
-TEST(Sweep, AQuantileOfAListOrOfWholeNumbersHasEqualParts) {
+TEST(Sweep, DividesDiscreteQuantilesIntoEqualParts) {
   const ParameterConfig list = values({"a", "b", "c", "d"}), whole = law(Law::kInteger, 1.5, 5.5);  // 2 to 5
   const char* const words[] = {"a", "b", "c", "d"};
   for (int i = 0; i < 4; ++i) {
@@ -105,7 +105,7 @@ TEST(Sweep, AGridHasItsBound) {
   EXPECT_THROW(sweep_points(sweep), InputError);
 }
 
-TEST(Sweep, ShufflingIsEquallyLikelyInEveryOrder) {
+TEST(Sweep, ShufflesToEveryOrderEquallyOften) {
   // Six orders of three strata over 1200 seeds: 200 each, with a standard deviation of 13.
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kLatinHypercube;
@@ -133,7 +133,7 @@ TEST(Sweep, ANormalLawHasItsTails) {
   }
 }
 
-TEST(Sweep, ListsGoSideBySideAndMustBeEquallyLong) {
+TEST(Sweep, PairsListsOfEqualLength) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kList;
   sweep.parameters = {values({"a", "b", "c"}), values({"1", "2", "3"})};
@@ -143,7 +143,7 @@ TEST(Sweep, ListsGoSideBySideAndMustBeEquallyLong) {
   EXPECT_THROW(sweep_points(sweep), InputError);
 }
 
-TEST(Sweep, ALatinHypercubeHasOneSampleInEveryPartOfEveryLaw) {
+TEST(Sweep, LatinHypercubeSamplesEveryStratumOnce) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kLatinHypercube;
   sweep.samples = 50;
@@ -205,7 +205,7 @@ TEST(Sweep, RandomDrawsFollowTheirLaw) {
   for (const auto& [word, count] : words) EXPECT_NEAR(count, 6667, 5 * std::sqrt(6667.0)) << word;
 }
 
-TEST(Sweep, ANormalLawIsCutWhereToldAndHasItsQuantiles) {
+TEST(Sweep, NormalLawHasCutAndQuantiles) {
   ParameterConfig p = law(Law::kNormal, 0.0, 1.0);
   p.mean = 10.0;
   p.sd = 2.0;
@@ -217,7 +217,7 @@ TEST(Sweep, ANormalLawIsCutWhereToldAndHasItsQuantiles) {
   EXPECT_NEAR(std::stod(quantile(p, 1.0 - 1e-16)), 12.0, 1e-6);
 }
 
-TEST(Sweep, OneParameterMoreChangesNoOnesSamples) {
+TEST(Sweep, AddedParameterKeepsOtherSamples) {
   SweepConfig sweep;
   for (const auto method : {SweepConfig::Method::kRandom, SweepConfig::Method::kLatinHypercube}) {
     sweep.method = method;

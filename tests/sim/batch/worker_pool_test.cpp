@@ -55,7 +55,7 @@ bool dies_within(pid_t pid, double seconds) {
   return !is_alive(pid);
 }
 
-TEST(WorkerPool, EveryJobHasItsOwnResultForAnyNumberOfWorkers) {
+TEST(WorkerPool, ReturnsResultsForAnyWorkerCount) {
   const auto work = [](std::uint64_t job) { return std::string(job * 20'000, static_cast<char>('a' + job)); };
   for (const int count : {1, 2, 5}) {
     const Results results = results_of(jobs(12), work, workers(count));
@@ -67,7 +67,7 @@ TEST(WorkerPool, EveryJobHasItsOwnResultForAnyNumberOfWorkers) {
   }
 }
 
-TEST(WorkerPool, WorkersAreOtherProcessesAndKeepWhatTheyMade) {
+TEST(WorkerPool, RunsPersistentWorkersInSeparateProcesses) {
   int made = 0;  // the closure's state lives on in the worker, not here
   const auto work = [&](std::uint64_t) {
     ++made;
@@ -80,7 +80,7 @@ TEST(WorkerPool, WorkersAreOtherProcessesAndKeepWhatTheyMade) {
   EXPECT_EQ(made, 0);
 }
 
-TEST(WorkerPool, ACrashIsAResultAndTakesNothingElseDown) {
+TEST(WorkerPool, ReportsCrashAndContinuesOtherJobs) {
   const auto work = [](std::uint64_t job) -> std::string {
     if (job == 3) {
       std::fprintf(stderr, "first words\nthe last words\n");
@@ -106,7 +106,7 @@ TEST(WorkerPool, ACrashIsAResultAndTakesNothingElseDown) {
   }
 }
 
-TEST(WorkerPool, AJobThatTakesTooLongIsEnded) {
+TEST(WorkerPool, EndsJobsThatTakeTooLong) {
   WorkerPoolOptions options = workers(2);
   options.timeout_s = 0.3;
   const auto work = [](std::uint64_t job) -> std::string {
@@ -121,7 +121,7 @@ TEST(WorkerPool, AJobThatTakesTooLongIsEnded) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST(WorkerPool, AJobThatEatsItsMemoryIsToldAsThat) {
+TEST(WorkerPool, ReportsJobsThatExhaustTheirMemory) {
   WorkerPoolOptions options = workers(2);
   options.memory_limit_mb = 300.0;
   const auto work = [](std::uint64_t job) -> std::string {
@@ -135,7 +135,7 @@ TEST(WorkerPool, AJobThatEatsItsMemoryIsToldAsThat) {
 }
 #endif
 
-TEST(WorkerPool, WhatAnEarlierJobBrokeIsTriedAgainInAFreshWorker) {
+TEST(WorkerPool, RetriesInFreshWorkerAfterCorruption) {
   bool broken = false;
   const auto work = [&](std::uint64_t job) -> std::string {
     if (broken) std::abort();
@@ -170,7 +170,7 @@ TEST(WorkerPool, AWorkerStaysWithItsGroup) {
   EXPECT_LE(all, 9);
 }
 
-TEST(WorkerPool, AWorkerIsReplacedAfterItsShare) {
+TEST(WorkerPool, ReplacesWorkersAfterShareOfJobs) {
   WorkerPoolOptions options = workers(1);
   options.jobs_per_worker = 2;
   const Results results = results_of(
@@ -180,7 +180,7 @@ TEST(WorkerPool, AWorkerIsReplacedAfterItsShare) {
   EXPECT_EQ(pids.size(), 3U);
 }
 
-TEST(WorkerPool, CancelingStopsAtOnceAndLeavesNoProcessBehind) {
+TEST(WorkerPool, CancelingLeavesNoProcessBehind) {
   const TemporaryDirectory folder;
   const auto work = [&](std::uint64_t job) -> std::string {
     std::ofstream(folder.path() / std::to_string(::getpid())) << "here";
@@ -200,7 +200,7 @@ TEST(WorkerPool, CancelingStopsAtOnceAndLeavesNoProcessBehind) {
   }
 }
 
-TEST(WorkerPool, WorkersDieWithTheProcessThatStartedThem) {
+TEST(WorkerPool, WorkersDieWithTheirParentProcess) {
   const TemporaryDirectory folder;
   const pid_t coordinator = ::fork();
   if (coordinator == 0) {
@@ -227,7 +227,7 @@ TEST(WorkerPool, WorkersDieWithTheProcessThatStartedThem) {
 }
 
 #if !defined(__SANITIZE_THREAD__)  // ThreadSanitizer has a thread of its own
-TEST(WorkerPool, RefusesToForkAProcessWithThreads) {
+TEST(WorkerPool, RefusesToForkProcessWithThreads) {
   std::atomic<bool> over = false;
   std::thread other([&] {
     while (!over) std::this_thread::yield();
@@ -238,7 +238,7 @@ TEST(WorkerPool, RefusesToForkAProcessWithThreads) {
 }
 #endif
 
-TEST(WorkerPool, NotMoreWorkersThanAskedForAndNotMoreThanJobs) {
+TEST(WorkerPool, LimitsWorkersToRequestAndJobs) {
   for (const auto& [count, all, expected] : {std::tuple(3, 9, 3U), std::tuple(3, 2, 2U), std::tuple(0, 2, 1U)}) {
     const auto work = [](std::uint64_t) {
       ::usleep(20'000);
@@ -251,7 +251,7 @@ TEST(WorkerPool, NotMoreWorkersThanAskedForAndNotMoreThanJobs) {
   }
 }
 
-TEST(WorkerPool, TellsWhenAJobIsStartedAndHowManyRun) {
+TEST(WorkerPool, ReportsStartedJobsAndRunningCount) {
   std::vector<std::uint64_t> started, finished;
   int most = 0, asked = 0;
   WorkerPoolEvents events;
@@ -277,11 +277,11 @@ TEST(WorkerPool, TellsWhenAJobIsStartedAndHowManyRun) {
   EXPECT_LE(asked, elapsed_s / 0.1 + 1.0) << "ten times a second at most";
 }
 
-TEST(WorkerPool, WithoutJobsThereIsNothingToDo) {
+TEST(WorkerPool, DoesNothingWithoutJobs) {
   EXPECT_TRUE(run_jobs({}, [](std::uint64_t) { return std::string(); }, workers(2), {}));
 }
 
-TEST(WorkerPool, TheLastLineOfAWorkerIsShortAndPlain) {
+TEST(WorkerPool, ShortensTheLastLineOfWorkers) {
   const auto last_words = [](const std::string& text) {
     const auto work = [&](std::uint64_t) -> std::string {
       (void)!::write(STDERR_FILENO, text.data(), text.size());
@@ -304,7 +304,7 @@ TEST(WorkerPool, TheLastLineOfAWorkerIsShortAndPlain) {
   EXPECT_EQ(last_words(std::string(2000, 'y') + "\n" + std::string(299, 'x')), ": " + std::string(299, 'x'));
 }
 
-TEST(WorkerPool, AJobThatIsKilledIsToldWithTheUsualReason) {
+TEST(WorkerPool, ExplainsTheUsualCauseOfKills) {
   const auto work = [](std::uint64_t) -> std::string {
     ::kill(::getpid(), SIGKILL);
     return "";
@@ -314,7 +314,7 @@ TEST(WorkerPool, AJobThatIsKilledIsToldWithTheUsualReason) {
   EXPECT_EQ(result.message, "killed by signal 9 (Killed), by the kernel for want of memory or by somebody");
 }
 
-TEST(WorkerPool, WantOfMemoryIsToldInWhateverWords) {
+TEST(WorkerPool, RecognizesMemoryExhaustionInAnyWording) {
   const auto work = [](std::uint64_t job) -> std::string {
     if (job == 0) throw std::bad_alloc();
     if (job == 1) throw std::runtime_error("mesa: out of memory while drawing");
@@ -327,7 +327,7 @@ TEST(WorkerPool, WantOfMemoryIsToldInWhateverWords) {
   EXPECT_EQ(results.at(2).status, JobStatus::kFailed);
 }
 
-TEST(WorkerPool, ATimeOutIsToldAndAnotherWorkerTakesOver) {
+TEST(WorkerPool, ReportsTimeoutsAndReplacesTheWorker) {
   WorkerPoolOptions options = workers(1);
   options.timeout_s = 0.75;
   const auto work = [](std::uint64_t job) -> std::string {
@@ -339,7 +339,7 @@ TEST(WorkerPool, ATimeOutIsToldAndAnotherWorkerTakesOver) {
   EXPECT_EQ(results.at(1).bytes, results.at(2).bytes);
 }
 
-TEST(WorkerPool, NamesOfStatesAreThoseOfTheResults) {
+TEST(WorkerPool, NamesEveryJobStatus) {
   EXPECT_STREQ(name_of(JobStatus::kDone), "done");
   EXPECT_STREQ(name_of(JobStatus::kFailed), "failed");
   EXPECT_STREQ(name_of(JobStatus::kCrashed), "crashed");
@@ -347,7 +347,7 @@ TEST(WorkerPool, NamesOfStatesAreThoseOfTheResults) {
   EXPECT_STREQ(name_of(JobStatus::kOutOfMemory), "out_of_memory");
 }
 
-TEST(WorkerPool, AnErrorInTheCallersHandEndsTheWorkersFirst) {
+TEST(WorkerPool, EndsWorkersWhenACallbackThrows) {
   WorkerPoolEvents events;
   events.finished = [](const JobResult&) { throw std::runtime_error("disk full"); };
   EXPECT_THROW(run_jobs(

@@ -68,7 +68,7 @@ class BoxesTest : public ::testing::Test {
 
 const Vector3 kFarBehind(-40, 30, 12);
 
-TEST_F(BoxesTest, StandWhereTheVehicleIsAndAreAsLargeAsItIs) {
+TEST_F(BoxesTest, MatchTheVehiclePositionAndSize) {
   const auto found = boxes({20, 0, 10.3}, kFarBehind);
   ASSERT_EQ(found.size(), 2U);
   const VehicleBox& box = found[0];
@@ -85,7 +85,7 @@ TEST_F(BoxesTest, StandWhereTheVehicleIsAndAreAsLargeAsItIs) {
   EXPECT_LT(box.size_m.z(), 0.6);
 }
 
-TEST_F(BoxesTest, AreThoseOfTheTimeAtWhichTheBeamsPass) {
+TEST_F(BoxesTest, AreTimedByThePassingBeams) {
   // Straight to the right, at azimuth -90 degrees: the beams pass after a quarter of the sweep, 25 ms.
   const auto found = boxes({0, -20, 10.3}, kFarBehind, {8, 0, 0});
   EXPECT_NEAR(to_seconds(found[0].t), 0.025, 0.002);
@@ -93,7 +93,7 @@ TEST_F(BoxesTest, AreThoseOfTheTimeAtWhichTheBeamsPass) {
   EXPECT_EQ(found[0].v_world_mps, Vector3(8, 0, 0));
 }
 
-TEST_F(BoxesTest, CountTheirPointsAndTakeTheirMeanTime) {
+TEST_F(BoxesTest, CountPointsAndAverageTheirTime) {
   const int columns[] = {100, 101, 104};
   for (const int column : columns) {
     const auto i = static_cast<std::size_t>(30 * 720 + column);
@@ -107,12 +107,12 @@ TEST_F(BoxesTest, CountTheirPointsAndTakeTheirMeanTime) {
   EXPECT_NEAR(to_seconds(found[0].t), 0.1 * (100 + 101 + 104) / 3.0 / 720.0, 1e-6);
 }
 
-TEST_F(BoxesTest, AVehicleInTheOpenIsVisibleAsAWhole) {
+TEST_F(BoxesTest, AreFullyVisibleInTheOpen) {
   const auto found = boxes({20, 0, 10.3}, kFarBehind);
   EXPECT_DOUBLE_EQ(found[0].visible_fraction, 1.0);
 }
 
-TEST_F(BoxesTest, AVehicleBehindAWallIsNotVisibleAndHalfAWallHidesHalf) {
+TEST_F(BoxesTest, AreHiddenByWallsInProportion) {
   scene.add_box({10, -5, 0}, {10.1F, 5, 20});
   EXPECT_DOUBLE_EQ(boxes({20, 0, 10.3}, kFarBehind)[0].visible_fraction, 0.0);
   TestScene half;
@@ -128,12 +128,12 @@ TEST_F(BoxesTest, OneVehicleHidesAnother) {
   EXPECT_DOUBLE_EQ(found[1].visible_fraction, 1.0);
 }
 
-TEST_F(BoxesTest, WhatIsOutOfReachOrOutOfTheFieldOfViewIsNotVisible) {
+TEST_F(BoxesTest, AreInvisibleOutsideRangeOrView) {
   EXPECT_DOUBLE_EQ(boxes({55, 0, 10.3}, kFarBehind)[0].visible_fraction, 0.0);
   EXPECT_DOUBLE_EQ(boxes({5, 0, 20}, kFarBehind)[0].visible_fraction, 0.0);  // 63 degrees up
 }
 
-TEST_F(BoxesTest, OnlyPointsOfVehiclesThatReturnedCount) {
+TEST_F(BoxesTest, CountOnlyPointsReturnedByVehicles) {
   const auto put = [&](int column, float range_m, int surface_class, int instance) {
     const auto i = static_cast<std::size_t>(30 * 720 + column);
     scan.scan.range_m[i] = range_m;
@@ -156,7 +156,7 @@ TEST_F(BoxesTest, OnlyPointsOfVehiclesThatReturnedCount) {
   EXPECT_NEAR(to_seconds(found[1].t), 0.1 * 104.5 / 720.0, 1e-6);
 }
 
-TEST_F(BoxesTest, TheirPosesAreThoseOfTheBodyAtTheirTime) {
+TEST_F(BoxesTest, HaveBodyPoseAtTheirTime) {
   const Vector3 v2(3, -2, 1);
   const auto found = boxes({20, 5, 10.3}, kFarBehind, v2);
   const VehicleBox& box = found[0];
@@ -170,7 +170,7 @@ TEST_F(BoxesTest, TheirPosesAreThoseOfTheBodyAtTheirTime) {
 }
 
 /// A LiDAR of a single beam sees its own cell of two degrees and the cells beside it.
-TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
+TEST_F(BoxesTest, DeriveFieldOfViewFromBeams) {
   const auto visible_at = [&](double azimuth_deg, double elevation_deg,
                               const std::vector<std::pair<double, double>>& beams_deg) {
     auto beams = std::make_shared<BeamTable>();
@@ -214,7 +214,7 @@ TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
   EXPECT_EQ(visible_at(41.0, 31.0, {{41.0, 31.0}}), 1.0);
 }
 
-TEST_F(BoxesTest, WithoutPointsTheTimeIsThatOfTheNearestBeam) {
+TEST_F(BoxesTest, TakeNearestBeamTimeWithoutPoints) {
   for (const double azimuth_deg : {-10.0, -100.0, -200.0, -350.0}) {
     const double a = azimuth_deg * std::numbers::pi / 180.0;
     const auto found = boxes(Vector3(20.0 * std::cos(a), 20.0 * std::sin(a), 10.3), kFarBehind);
@@ -227,7 +227,7 @@ TEST_F(BoxesTest, ReachEndsAtTheGreatestRange) {
     EXPECT_EQ(boxes({x_m, 0, 10.3}, kFarBehind)[0].visible_fraction, visible) << x_m;
 }
 
-TEST_F(BoxesTest, ASmallThingInFrontHidesItsShare) {
+TEST_F(BoxesTest, ArePartlyHiddenBySmallObjects) {
   // A post that covers the middle half of the width, seen from 20 m.
   const auto whole = boxes({20, 0, 10.3}, kFarBehind)[0];
   const double half_width_m = 0.25 / std::sqrt(2.0);
@@ -239,14 +239,14 @@ TEST_F(BoxesTest, ASmallThingInFrontHidesItsShare) {
   EXPECT_EQ(boxes({16, 0, 10.3}, kFarBehind)[0].visible_fraction, 1.0);
 }
 
-TEST_F(BoxesTest, AVehicleBesideTheLineHidesNothing) {
+TEST_F(BoxesTest, IgnoreVehiclesOffTheSightLine) {
   EXPECT_EQ(boxes({20, 0, 10.3}, {10, 1.0, 10.3})[0].visible_fraction, 1.0);
   EXPECT_EQ(boxes({20, 0, 10.3}, {25, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind it";
   EXPECT_EQ(boxes({20, 0, 10.3}, {-5, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind the LiDAR";
   EXPECT_LT(boxes({20, 0, 10.3}, {10, 0.0, 10.3})[0].visible_fraction, 1.0);
 }
 
-TEST_F(BoxesTest, TheCarrierHidesWhatLiesBehindItsArm) {
+TEST_F(BoxesTest, AreHiddenBehindTheCarrierArm) {
   // 18 degrees down, over the hub of a rotor 0.25 m away and 0.07 m below the sensor.
   scan.scan.T_body_lidar.translation() = Vector3(0, 0, 0.12);
   const double down_m = 2.0 * std::tan(18.0 * std::numbers::pi / 180.0);

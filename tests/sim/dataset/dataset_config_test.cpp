@@ -46,7 +46,7 @@ std::string drawn(const FamilyConfig& family, std::uint64_t seed) {
   return draw_overrides(family, 1, seed, 0).at(0).second;
 }
 
-TEST(DatasetDraws, StayInTheirRangesAndCoverThem) {
+TEST(DatasetDraws, CoverTheirRangesWithoutLeavingThem) {
   const FamilyConfig uniform = family_with("a", Law::kUniform, -2.0, 3.0);
   const FamilyConfig log_uniform = family_with("b", Law::kLogUniform, 0.01, 100.0);
   const FamilyConfig whole = family_with("c", Law::kWhole, 2.0, 4.0);
@@ -71,7 +71,7 @@ TEST(DatasetDraws, StayInTheirRangesAndCoverThem) {
   EXPECT_EQ(words, (std::set<std::string>{"x", "y"}));
 }
 
-TEST(DatasetDraws, EveryVehicleHasItsOwnAndAddingOneChangesNone) {
+TEST(DatasetDraws, AreIndependentAcrossVehicles) {
   const auto family = family_with("vehicles[*].airframe.reflectivity", Law::kUniform, 0.0, 1.0);
   const auto two = draw_overrides(family, 2, 7, 0);
   const auto three = draw_overrides(family, 3, 7, 0);
@@ -83,14 +83,14 @@ TEST(DatasetDraws, EveryVehicleHasItsOwnAndAddingOneChangesNone) {
   EXPECT_NE(two[0].second, two[1].second);
 }
 
-TEST(DatasetDraws, AreAFunctionOfSeedAndAttempt) {
+TEST(DatasetDraws, DependOnlyOnSeedAndAttempt) {
   const auto family = family_with("duration_s", Law::kUniform, 1.0, 9.0);
   EXPECT_EQ(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 7, 0));
   EXPECT_NE(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 8, 0));
   EXPECT_NE(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 7, 1));
 }
 
-TEST(DatasetConfig, WhatWasWrittenReadsBackTheSame) {
+TEST(DatasetConfig, RoundTripsThroughItsFile) {
   const TemporaryDirectory directory;
   const std::string text = write_dataset(load_dataset(kSmallDataset));
   std::ofstream(directory.path() / "again.yaml") << text;
@@ -105,18 +105,18 @@ TEST(DatasetConfig, SplitsMayNotShareAWorld) {
       ThrowsMessage<InputError>(HasSubstr("splits[1].first_seed: expected seeds that the split train does not")));
 }
 
-TEST(DatasetConfig, AVariationOfAnUnknownKeyIsRefusedBeforeAnythingIsSimulated) {
+TEST(DatasetConfig, RefusesUnknownVariationKeyBeforeSimulating) {
   const DatasetConfig config = load_dataset(kSmallDataset, {{"families[0].vary[0].key", "world.num_treees"}});
   EXPECT_THAT([&] { plan_dataset(config); }, ThrowsMessage<InputError>(HasSubstr("num_treees")));
 }
 
-TEST(DatasetConfig, ATeamThatIsLargerThanTheScenariosIsRefused) {
+TEST(DatasetConfig, RefusesTeamLargerThanScenario) {
   const DatasetConfig config = load_dataset(kSmallDataset, {{"families[0].vehicles_min", "99"}});
   EXPECT_THAT([&] { plan_dataset(config); },
               ThrowsMessage<InputError>(HasSubstr("families[0].vehicles_min: expected at most ")));
 }
 
-TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
+TEST(DatasetPlan, NumbersSequencesAndDistinguishesConfigurations) {
   const DatasetConfig config = load_dataset(kSmallDataset);
   const DatasetPlan plan = plan_dataset(config);
   ASSERT_EQ(plan.flights.size(), 3U);
@@ -177,7 +177,7 @@ TEST(DatasetConfig, SplitsMayTouchButNotOverlap) {
   EXPECT_THAT(problems_of_config(config), ::testing::ElementsAre(HasSubstr("the split a does not use (6 to 7)")));
 }
 
-TEST(DatasetConfig, AVariationHasWhatItsLawNeeds) {
+TEST(DatasetConfig, ValidatesVariationsByTheirLaw) {
   const auto takes = [](Law law, double min, double max, const std::vector<std::string>& choices = {}) {
     return problems_of_config(family_with("a", law, min, max, choices).vary[0]).empty();
   };
@@ -198,7 +198,7 @@ TEST(DatasetConfig, AVariationHasWhatItsLawNeeds) {
   EXPECT_THAT(problems_of_config(family), ::testing::ElementsAre("scenario: expected a scenario file"));
 }
 
-TEST(DatasetConfig, BoundsOfAFlightStandInOrder) {
+TEST(DatasetConfig, RequiresOrderedFlightBounds) {
   const auto takes = [](double FlightConfig::*low, double low_value, double FlightConfig::*high, double high_value) {
     FlightConfig config;
     config.*low = low_value;
@@ -264,7 +264,7 @@ vehicles:
   DatasetConfig config;
 };
 
-TEST_F(TeamOfFour, FamiliesComeByTheirWeightsAndTeamsByTheirSizes) {
+TEST_F(TeamOfFour, DrawsWeightedFamiliesAndTeamSizes) {
   config.families.resize(3, config.families[0]);
   const double weights[] = {1.0, 2.0, 5.0};
   for (std::size_t i = 0; i < 3; ++i) config.families[i].weight = weights[i];
@@ -305,7 +305,7 @@ TEST_F(TeamOfFour, FamiliesComeByTheirWeightsAndTeamsByTheirSizes) {
   expect_equal_shares(2, 1);
 }
 
-TEST_F(TeamOfFour, APreparedFlightIsItsScenarioOnItsPathsInItsWorld) {
+TEST_F(TeamOfFour, PreparesScenarioWithPathsAndWorld) {
   config.families[0].reflectivity_spread = 1.5;
   config.pictures.cameras.resize(2);
   config.pictures.cameras[0].name = "one";
@@ -370,7 +370,7 @@ TEST_F(TeamOfFour, ReflectivitiesStayBetweenDarkestAndBrightest) {
   EXPECT_LT(least, most);
 }
 
-TEST_F(TeamOfFour, NeedsALidarAndAWayToFly) {
+TEST_F(TeamOfFour, RequiresLidarAndFlyablePath) {
   std::ofstream(folder.path() / "blind.yaml") << "name: blind\nvehicles: [{name: a}]\n";
   config.families.resize(2, config.families[0]);
   config.families[1].scenario = (folder.path() / "blind.yaml").string();
@@ -392,7 +392,7 @@ TEST_F(TeamOfFour, NeedsALidarAndAWayToFly) {
               ThrowsMessage<NoPathFound>(HasSubstr("inside walls; flight.indoors: false flies outside")));
 }
 
-TEST(DatasetConfigs, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+TEST(DatasetConfigs, AcceptNumericKeysOnlyWithinBounds) {
   std::size_t num_keys = 0;
   const auto visit = [](ConfigVisitor& v) {
     DatasetConfig fresh;

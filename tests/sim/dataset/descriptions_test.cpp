@@ -47,7 +47,7 @@ std::string card_of(const DatasetPlan& plan, const std::vector<SequenceInfo>& se
   return text_of(directory.path() / "README.md");
 }
 
-TEST(DataCard, SplitsAreCountedBySequenceAndFlight) {
+TEST(DataCard, CountsSplitsBySequenceAndFlight) {
   const DatasetPlan plan = plan_of({{"train", 3, 5}, {"valid", 0, 9}, {"test", 1, 11}});
   std::vector<SequenceInfo> sequences = {sequence_of(0, "train"), sequence_of(1, "train"), sequence_of(2, "train"),
                                          sequence_of(3, "test")};
@@ -71,7 +71,7 @@ TEST(DataCard, SplitsAreCountedBySequenceAndFlight) {
   EXPECT_THAT(card, HasSubstr("fingerprint of the configuration `beef`"));
 }
 
-TEST(DataCard, StatesTheShareOfPosesOutsideWallsWhereThereAreWalls) {
+TEST(DataCard, StatesShareOfPosesOutsideWalls) {
   const DatasetPlan plan = plan_of({{"train", 2, 5}, {"valid", 1, 9}});
   std::vector<SequenceInfo> sequences = {sequence_of(0, "train"), sequence_of(1, "train"), sequence_of(2, "valid")};
   for (SequenceInfo& info : sequences) info.statistics.frames = 40;
@@ -86,7 +86,7 @@ TEST(DataCard, StatesTheShareOfPosesOutsideWallsWhereThereAreWalls) {
               HasSubstr("\n\n56.2 % of 80 poses lie outside walls (train 12.5 %, valid 100.0 %).\n\n"));
 }
 
-TEST(DataCard, SizesHaveTheUnitThatFitsThem) {
+TEST(DataCard, ShowsSizesInFittingUnits) {
   const std::pair<std::uint64_t, const char*> sizes[] = {{1499, "1 kB"},
                                                          {999'999, "1000 kB"},
                                                          {1'000'000, "1.0 MB"},
@@ -100,7 +100,7 @@ TEST(DataCard, SizesHaveTheUnitThatFitsThem) {
   }
 }
 
-TEST(DataCard, ClassesComeByTheirSizeWithTheirShare) {
+TEST(DataCard, ListsClassesBySizeWithShare) {
   SequenceInfo info = sequence_of(0, "train");
   info.statistics.points = 1'000'000;
   info.statistics.points_by_class = {{40, 700'000}, {70, 250'000}, {71, 1000}, {53, 999}, {0, 999}, {300, 47'002}};
@@ -160,7 +160,7 @@ TEST(DataCard, SequencesAndDrawsAreListed) {
   EXPECT_THAT(card, Not(HasSubstr("## Pictures")));
 }
 
-TEST(DataCard, ShowsTheSnapshotsAndNoneOfTheOtherPictures) {
+TEST(DataCard, ShowsOnlySnapshots) {
   SequenceInfo info = sequence_of(7, "train");
   info.files = {{"images/range/000000.png", 1, ""},
                 {"snapshots/side_1.png", 1, ""},
@@ -170,7 +170,7 @@ TEST(DataCard, ShowsTheSnapshotsAndNoneOfTheOtherPictures) {
   EXPECT_THAT(card, HasSubstr("## Pictures\n\n![sequence 07, side_1](sequences/07/snapshots/side_1.png)\n\n## What"));
 }
 
-TEST(DataCard, WithoutPointsOrVehiclesThereAreNoCharts) {
+TEST(DataCard, OmitsChartsWithoutPointsOrVehicles) {
   const TemporaryDirectory directory;
   write_data_card(plan_of({{"train", 1, 1}}), {sequence_of(0, "train")}, directory.path());
   EXPECT_FALSE(fs::exists(directory.path() / "charts"));
@@ -197,7 +197,7 @@ std::vector<std::string> block(const std::string& table, const std::string& key)
   return lines;
 }
 
-TEST(ClassTable, NumbersClassesWithoutGapsAndTellsTheirShare) {
+TEST(ClassTable, NumbersClassesDenselyAndStatesShare) {
   SequenceInfo one = sequence_of(3, "train"), two = sequence_of(4, "valid"), three = sequence_of(5, "train");
   one.statistics.points = 5;
   one.statistics.points_by_class = {{40, 3}, {300, 2}};
@@ -274,7 +274,7 @@ SequenceInfo full_sequence() {
   return info;
 }
 
-TEST(SequenceInfo, WhatWasWrittenReadsBackTheSame) {
+TEST(SequenceInfo, RoundTripsThroughJson) {
   const TemporaryDirectory directory;
   const SequenceInfo info = full_sequence();
   std::ofstream(directory.path() / "sequence.json") << to_json(info);
@@ -299,7 +299,7 @@ TEST(SequenceInfo, WhatWasWrittenReadsBackTheSame) {
   EXPECT_EQ(json.at("statistics").at("points_by_class").at("65535"), 3);
 }
 
-TEST(SequenceInfo, WhatIsNoneIsRefusedWithItsPlace) {
+TEST(SequenceInfo, RefusesInvalidDescriptionsWithTheirPlace) {
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "sequence.json";
   EXPECT_THAT([&] { read_sequence_info(directory.path()); },
@@ -328,14 +328,14 @@ TEST(SequenceInfo, WhatIsNoneIsRefusedWithItsPlace) {
     expect_refused([&](auto& json) { json.erase(item.key()); }, "not the description of a sequence");
 }
 
-TEST(SequenceInfo, NamesHaveAtLeastTwoDigitsAndFilesSix) {
+TEST(SequenceInfo, PadsSequenceAndFileNumbers) {
   EXPECT_EQ(sequence_name(0), "00");
   EXPECT_EQ(sequence_name(7), "07");
   EXPECT_EQ(sequence_name(113), "113");
   EXPECT_EQ(frame_file("velodyne", 12, "bin"), "velodyne/000012.bin");
 }
 
-TEST(ListFiles, NamesEveryFileButTheDescriptionWithSizeAndHash) {
+TEST(ListFiles, ListsFilesWithSizeAndHash) {
   const TemporaryDirectory directory;
   fs::create_directories(directory.path() / "b/sub");
   fs::create_directories(directory.path() / "left");
@@ -356,7 +356,7 @@ TEST(ListFiles, NamesEveryFileButTheDescriptionWithSizeAndHash) {
   EXPECT_EQ(list_files(directory.path()).size(), 4U);
 }
 
-TEST(Hash, OfAFileIsThatOfItsBytesHoweverLong) {
+TEST(Hash, MatchesHashOfFileBytes) {
   const TemporaryDirectory directory;
   // The first two by xxhsum -H128.
   EXPECT_EQ(hex(hash_of("")), "99aa06d3014798d86001c324468d497f");
@@ -403,7 +403,7 @@ TEST(Manifest, NamesEveryFileOfEverySequence) {
   EXPECT_TRUE(begun.at("files").is_array() && begun.at("sequences").is_array());
 }
 
-TEST(SequenceStatistics, AddUpAndTheLeastClearanceIsTheLeast) {
+TEST(SequenceStatistics, SumUpAndKeepLeastClearance) {
   SequenceStatistics a = full_sequence().statistics, b = full_sequence().statistics;
   b.points_by_class = {{40, 10}, {70, 5}};
   b.least_clearance_m = 0.5;

@@ -31,7 +31,7 @@ FreeSpace space_of(const std::shared_ptr<const StaticScene>& world) {
   return {world, {.radius_m = kRadius_m, .height_min_m = 1.0, .height_max_m = 5.0, .border_m = 2.0, .cell_m = 0.5}};
 }
 
-TEST(FreeSpace, IsBetweenTheHeightsAndAwayFromSurfacesAndTheBorder) {
+TEST(FreeSpace, RespectsHeightLimitsAndClearances) {
   const auto world = field_with_gap();
   const FreeSpace space = space_of(world);
   EXPECT_TRUE(space.is_free(Vector3(10, 0, 3)));
@@ -74,7 +74,7 @@ TEST(FreeSpace, HasNoPathThroughAWall) {
   EXPECT_TRUE(find_path(space, {-10, 0, 3}, {0, 0, 3}).corners_world_m.empty());
 }
 
-TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
+TEST(FreeSpace, IndoorsAllowsForAnOpenDoor) {
   TestScene scene;
   scene.add_wall({-30, -30, 0}, {30, -30, 0}, {30, 30, 0}, {-30, 30, 0}, SurfaceClass::kGround);
   // A hall of 20 m x 20 m without a roof, 6 m high; its door of 2 m looks east.
@@ -96,7 +96,7 @@ TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
   }
 }
 
-TEST(FreeSpace, GroundIsBelowRoofsAndThereMayBeNone) {
+TEST(FreeSpace, GroundIsBelowRoofsOrAbsent) {
   TestScene scene;
   scene.add_wall({-20, -20, 1}, {20, -20, 1}, {20, 20, 1}, {-20, 20, 1}, SurfaceClass::kGround);
   scene.add_wall({-5, -5, 6}, {5, -5, 6}, {5, 5, 6}, {-5, 5, 6}, SurfaceClass::kCeiling);
@@ -116,7 +116,7 @@ TEST(FreeSpace, GroundIsBelowRoofsAndThereMayBeNone) {
   EXPECT_FALSE(space.is_free(Vector3(10, 0, 6.01)));
 }
 
-TEST(FreeSpace, CoversItsAreaAndHeightWithCellsThatAreFreeWhereTheirCentersAre) {
+TEST(FreeSpace, GridSamplesVolumeAtCellCenters) {
   const auto world = field_with_gap();
   const FreeSpace space(world,
                         {.radius_m = 0.8, .height_min_m = 1.0, .height_max_m = 5.0, .border_m = 2.0, .cell_m = 2.5});
@@ -177,7 +177,7 @@ TestScene ring_of(SurfaceClass surface_class) {
 
 bool stays_indoors(const StaticScene& world) { return stays_indoors(FlightConfig(), world); }
 
-TEST(Interior, IsTheGroundThatWallsOfAnyKindEnclose) {
+TEST(Interior, IsGroundEnclosedByAnyWalls) {
   for (const SurfaceClass walls :
        {SurfaceClass::kWall, SurfaceClass::kBuilding, SurfaceClass::kUnlabeled, SurfaceClass::kRack}) {
     TestScene scene = ring_of(walls);
@@ -201,13 +201,13 @@ TEST(Interior, GroundAndPlantsEncloseNothing) {
   }
 }
 
-TEST(Interior, OneBuildingOfALargePlaceIsNone) {
+TEST(Interior, ExcludesOneBuildingOfACampus) {
   const StaticScene campus(make_world(Module(world_module_types(), "campus"), 1));
   EXPECT_GT(enclosed_share(campus, 1.5), 0.0);
   EXPECT_FALSE(stays_indoors(campus));
 }
 
-TEST(Interior, IsThatOfHallsRoomsAndImportedCourtyards) {
+TEST(Interior, IncludesHallsRoomsAndImportedCourtyards) {
   for (const char* name : {"warehouse", "hall", "gap", "import_mesh"}) {
     const Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/scenarios/" + std::string(name) + ".yaml");
     EXPECT_TRUE(stays_indoors(StaticScene(make_world(scenario.world, 1)))) << name;
@@ -227,7 +227,7 @@ double beyond_walls_m(const WarehouseConfig& warehouse, const std::vector<Spline
   return beyond_m;
 }
 
-TEST(FlightPlan, StaysInsideTheWarehouseUnlessAskedToFlyOutside) {
+TEST(FlightPlan, StaysInsideTheWarehouseByDefault) {
   constexpr double kDuration_s = 10.0;
   FlightConfig as_it_is, outside, inside;
   outside.indoors = FlightConfig::Indoors::kFalse;
@@ -253,7 +253,7 @@ TEST(FlightPlan, StaysInsideTheWarehouseUnlessAskedToFlyOutside) {
   }
 }
 
-TEST(FlightPlan, WithoutWallsAllAroundFlightsGoEverywhere) {
+TEST(FlightPlan, FliesEverywhereWithoutEnclosingWalls) {
   TestScene hedges = ring_of(SurfaceClass::kVegetation);
   FlightConfig as_it_is, outside;
   outside.indoors = FlightConfig::Indoors::kFalse;
@@ -267,7 +267,7 @@ TEST(FlightPlan, WithoutWallsAllAroundFlightsGoEverywhere) {
   }
 }
 
-TEST(FlightPlan, PathsAreNoLongerThanTheFlightNeeds) {
+TEST(FlightPlan, PathsEndWithTheFlight) {
   TestScene scene;
   scene.add_wall({-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}, SurfaceClass::kGround);
   const auto world = std::make_shared<const StaticScene>(scene.scene());
@@ -309,7 +309,7 @@ TEST(FlightPlan, SpeedsAreDrawnBetweenTheirBounds) {
   EXPECT_NEAR(fastest_mps, 1.5, 0.1);
 }
 
-TEST(FlightPlan, WhereNobodyCanFlyThereIsNoPath) {
+TEST(FlightPlan, FindsNoPathWithoutFreeSpace) {
   const auto world = field_with_gap();
   FlightConfig config;
   EXPECT_FALSE(plan_flight(config, world, {25.0}, 5.0, 1, 0).has_value()) << "as large as the field";
@@ -317,7 +317,7 @@ TEST(FlightPlan, WhereNobodyCanFlyThereIsNoPath) {
   EXPECT_FALSE(plan_flight(config, world, {0.4}, 5.0, 1, 0).has_value());
 }
 
-TEST(FlightPlan, TeamsStayClearOfWallsAndOfEachOtherAndComeNear) {
+TEST(FlightPlan, TeamsComeNearWithoutCollisions) {
   const auto world = field_with_gap();
   FlightConfig config;
   config.height_max_m = 5.0;

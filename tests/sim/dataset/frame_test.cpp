@@ -29,7 +29,7 @@ class FrameTest : public ::testing::Test {
   Frame frame;
 };
 
-TEST_F(FrameTest, HoldsTheReturnsRowByRowInThePublishedLayout) {
+TEST_F(FrameTest, StoresReturnsInThePublishedLayout) {
   encode_frame(*scan, content, frame);
   std::size_t k = 0;
   for (int i = 0; i < scan->scan.size(); ++i) {
@@ -55,13 +55,13 @@ TEST_F(FrameTest, HoldsTheReturnsRowByRowInThePublishedLayout) {
   EXPECT_EQ(frame.point_truth.size(), 16 * k);
 }
 
-TEST_F(FrameTest, StoresTheIntensityAsReceivedWhenAskedTo) {
+TEST_F(FrameTest, StoresRawIntensityOnRequest) {
   content.remission = ContentConfig::Remission::kIntensity;
   encode_frame(*scan, content, frame);
   EXPECT_EQ(number_at<float>(frame.velodyne, 12), scan->scan.intensity[0]);
 }
 
-TEST_F(FrameTest, DeskewedPointsLieWhereTheStartOfTheSweepWouldHaveSeenThem) {
+TEST_F(FrameTest, DeskewsPointsToTheSweepStart) {
   content.deskew = true;
   encode_frame(*scan, content, frame);
   std::size_t k = 0;
@@ -77,7 +77,7 @@ TEST_F(FrameTest, DeskewedPointsLieWhereTheStartOfTheSweepWouldHaveSeenThem) {
   }
 }
 
-TEST_F(FrameTest, ImagesHoldRangeAndIntensityInTheirUnits) {
+TEST_F(FrameTest, ImagesHoldRangeAndIntensityUnits) {
   content.range_unit_m = 0.004;
   content.intensity_unit = 0.001;
   std::vector<std::uint16_t> range, intensity;
@@ -96,7 +96,7 @@ TEST_F(FrameTest, ImagesHoldRangeAndIntensityInTheirUnits) {
   }
 }
 
-TEST_F(FrameTest, AGrayValueIsRoundedAndNeverZeroForAReturn) {
+TEST_F(FrameTest, RoundsGrayValuesAboveZero) {
   LabeledScan& one = *scan;
   std::fill(one.scan.range_m.begin(), one.scan.range_m.end(), 0.0F);
   auto beams = std::make_shared<BeamTable>(*one.scan.beams);
@@ -119,7 +119,7 @@ TEST_F(FrameTest, AGrayValueIsRoundedAndNeverZeroForAReturn) {
   EXPECT_EQ(range[7], 0);
 }
 
-TEST_F(FrameTest, RowsThatFireInTurnHaveTimesOfTheirOwnAndAFrozenScanHasNone) {
+TEST_F(FrameTest, RowTimesDifferUnlessFrozen) {
   auto beams = std::make_shared<BeamTable>(*scan->scan.beams);
   for (int row = 0; row < 8; ++row) beams->row_offset_s.push_back(1e-5F * static_cast<float>(row));
   scan->scan.beams = beams;
@@ -167,7 +167,7 @@ TEST(Frames, HaveAtMost65536RowsAndColumns) {
   }
 }
 
-TEST(PixelShift, WorksAcrossTheSeamInBothDirectionsAndNotWithoutAPitch) {
+TEST(PixelShift, HandlesSeamAndMissingPitch) {
   for (const double direction : {-1.0, 1.0}) {
     BeamTable beams;
     beams.rows = 3;

@@ -94,7 +94,7 @@ pictures: {flights_per_split: 0}
   fs::path out = copies.path() / "out";
 };
 
-TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlightWithItsSplitAndSeed) {
+TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlight) {
   EXPECT_EQ(report_.flights_done, 2);
   ASSERT_EQ(report_.sequences.size(), 2U);
   const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
@@ -112,7 +112,7 @@ TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlightWithItsSplitAndSeed) {
 }
 
 // Tests that generate run before tests that verify: the latter simulate here, which starts threads.
-TEST_F(SmallDatasetDeathTest, WhatIsMissingIsFlownAgainAndComesOutTheSame) {
+TEST_F(SmallDatasetDeathTest, RegeneratesMissingFlightsIdentically) {
   const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
   fs::remove_all(out / "sequences/01");
   fs::create_directories(out / "sequences/.01.partial");
@@ -146,7 +146,7 @@ TEST_F(SmallDatasetDeathTest, WhatIsMissingIsFlownAgainAndComesOutTheSame) {
   EXPECT_EQ(again.at("files"), manifest.at("files"));
 }
 
-TEST_F(SmallDatasetDeathTest, AGenerationThatWasKilledAtOnceGoesOn) {
+TEST_F(SmallDatasetDeathTest, ResumesAfterBeingKilled) {
   const fs::path begun = copies.path() / "begun";
   fs::create_directories(begun / "sequences");  // all of it at the earliest kill
   GenerateOptions options;
@@ -174,7 +174,7 @@ TEST_F(SmallDatasetDeathTest, AGenerationThatWasKilledAtOnceGoesOn) {
   EXPECT_TRUE(fs::exists(begun / "scenarios/plane.yaml"));
 }
 
-TEST_F(SmallDatasetDeathTest, AnotherConfigurationOrADirectoryInUseIsRefused) {
+TEST_F(SmallDatasetDeathTest, RefusesAnotherConfigurationOrLockedDirectory) {
   GenerateOptions options;
   options.directory = out;
   options.resume = true;
@@ -191,7 +191,7 @@ TEST_F(SmallDatasetDeathTest, AnotherConfigurationOrADirectoryInUseIsRefused) {
   EXPECT_THROW(generate_dataset(plan(), options), InputError);
 }
 
-TEST_F(SmallDatasetDeathTest, FoldersThatAreLinksAreRefusedAndNothingIsWrittenBehindThem) {
+TEST_F(SmallDatasetDeathTest, RefusesToWriteThroughLinkedFolders) {
   const fs::path outside = copies.path() / "outside";
   fs::create_directories(outside);
   GenerateOptions options;
@@ -208,7 +208,7 @@ TEST_F(SmallDatasetDeathTest, FoldersThatAreLinksAreRefusedAndNothingIsWrittenBe
   }
 }
 
-TEST_F(SmallDatasetDeathTest, AFlightThatCannotBeFlownIsToldWithHowOftenItWasTried) {
+TEST_F(SmallDatasetDeathTest, ReportsFailedFlightsWithTheirAttempts) {
   const DatasetPlan narrow = plan_dataset(
       load_dataset(made_->path() / "pair.yaml", {{"families[0].flight.border_m", "1e6"}, {"max_attempts", "3"}}));
   GenerateOptions options;
@@ -275,7 +275,7 @@ TEST_F(SmallDatasetDeathTest, PosesAndCalibrationAreWholeMatrices) {
   }
 }
 
-TEST_F(SmallDatasetDeathTest, CountsOfItsStatisticsAreThoseOfItsFiles) {
+TEST_F(SmallDatasetDeathTest, StatisticsMatchItsFiles) {
   SequenceStatistics both;
   std::int64_t boxes = 0, points = 0;
   for (const SequenceInfo& info : report_.sequences) {
@@ -301,14 +301,14 @@ TEST_F(SmallDatasetDeathTest, CountsOfItsStatisticsAreThoseOfItsFiles) {
   EXPECT_EQ(vehicles, boxes);
 }
 
-TEST_F(SmallDatasetDeathTest, IsVerifiedAndItsFramesComeOutTheSameAgain) {
+TEST_F(SmallDatasetDeathTest, PassesVerificationAndReproducesItsFrames) {
   const VerifyReport report = verify(2);
   EXPECT_THAT(report.problems, IsEmpty());
   EXPECT_EQ(report.resimulated, 2);
   EXPECT_EQ(report.frames, report_.sequences[0].statistics.frames + report_.sequences[1].statistics.frames);
 }
 
-TEST_F(SmallDatasetDeathTest, EveryFrameCanBeSimulatedAgainAndOneThatDiffersIsTold) {
+TEST_F(SmallDatasetDeathTest, ReproducesFramesAndReportsDifferingOnes) {
   VerifyOptions options;
   options.frames = 1000;
   std::vector<double> told;
@@ -344,7 +344,7 @@ TEST_F(SmallDatasetDeathTest, EveryFrameCanBeSimulatedAgainAndOneThatDiffersIsTo
   EXPECT_EQ(found.front(), found.back());
 }
 
-TEST_F(SmallDatasetDeathTest, VerificationTellsWhichFileIsNotWhatItWas) {
+TEST_F(SmallDatasetDeathTest, VerificationNamesChangedFiles) {
   fs::remove(out / "sequences/00/labels/000000.label");
   append("sequences/00/times.txt", "1 2\n");
   append("sequences/00/poses.txt", "1 2 3\n");
@@ -361,7 +361,7 @@ TEST_F(SmallDatasetDeathTest, VerificationTellsWhichFileIsNotWhatItWas) {
   for (const std::string& problem : found) EXPECT_THAT(problem, ::testing::Not(HasSubstr("sequences/01/velodyne")));
 }
 
-TEST_F(SmallDatasetDeathTest, AManifestThatIsNoneIsRefused) {
+TEST_F(SmallDatasetDeathTest, RefusesAnInvalidManifest) {
   const auto whole = nlohmann::json::parse(text_of(out / "manifest.json"));
   auto no_files = whole, no_sequences = whole, no_hash = whole, words = whole;
   no_files.erase("files");
@@ -376,7 +376,7 @@ TEST_F(SmallDatasetDeathTest, AManifestThatIsNoneIsRefused) {
   EXPECT_THROW(problems(), InputError);
 }
 
-TEST_F(SmallDatasetDeathTest, ADirectoryWithSomethingElseIsLeftAsItIs) {
+TEST_F(SmallDatasetDeathTest, LeavesForeignDirectoriesUntouched) {
   GenerateOptions options;
   options.directory = copies.path() / "mine";
   fs::create_directories(options.directory);

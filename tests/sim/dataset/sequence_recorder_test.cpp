@@ -196,7 +196,7 @@ class SequenceRecorderTest : public ::testing::Test {
   }
 };
 
-TEST_F(SequenceRecorderTest, HasALineForEachFrameWithTruthTimeAndBelief) {
+TEST_F(SequenceRecorderTest, RecordsTruthAndBeliefPerFrame) {
   flight.record(content, directory.path());
   const auto poses = split(text_of(directory.path() / "poses.txt"), '\n'),
              times = split(text_of(directory.path() / "times.txt"), '\n'),
@@ -237,7 +237,7 @@ TEST_F(SequenceRecorderTest, HasALineForEachFrameWithTruthTimeAndBelief) {
   }
 }
 
-TEST_F(SequenceRecorderTest, WhatAnOutsideLocalizationTellsGoesBeforeTheEstimate) {
+TEST_F(SequenceRecorderTest, PrefersExternalLocalizationOverTheEstimate) {
   flight.told = true;
   flight.record(content, directory.path());
   const auto told = split(text_of(directory.path() / "told.tum"), '\n');
@@ -250,7 +250,7 @@ TEST_F(SequenceRecorderTest, WhatAnOutsideLocalizationTellsGoesBeforeTheEstimate
   }
 }
 
-TEST_F(SequenceRecorderTest, BoxesStandWhereTheOtherWasWhenItsPointsWereSeen) {
+TEST_F(SequenceRecorderTest, PlacesBoxesAtPointObservationTimes) {
   const SequenceStatistics statistics = flight.record(content, directory.path());
   auto rows = boxes();
   ASSERT_EQ(rows.size(), 30U);
@@ -297,13 +297,13 @@ TEST_F(SequenceRecorderTest, BoxesStandWhereTheOtherWasWhenItsPointsWereSeen) {
   }
 }
 
-TEST_F(SequenceRecorderTest, BoxesBeyondTheLastBinCountInIt) {
+TEST_F(SequenceRecorderTest, CountsDistantBoxesInLastBin) {
   flight.other_ahead_m = 98.0;  // 128 m away
   const SequenceStatistics statistics = flight.record(content, directory.path());
   EXPECT_EQ(statistics.vehicles_by_range.back().boxes, 30);
 }
 
-TEST_F(SequenceRecorderTest, BoxesOfDeskewedPointsStandInTheFrameOfTheStart) {
+TEST_F(SequenceRecorderTest, PlacesDeskewedBoxesInStartFrame) {
   content.deskew = true;
   flight.record(content, directory.path());
   auto rows = boxes();
@@ -314,7 +314,7 @@ TEST_F(SequenceRecorderTest, BoxesOfDeskewedPointsStandInTheFrameOfTheStart) {
   }
 }
 
-TEST_F(SequenceRecorderTest, CountsArePlainCountsOverItsScans) {
+TEST_F(SequenceRecorderTest, CountsMatchItsScans) {
   const SequenceStatistics found = flight.record(content, directory.path());
   EXPECT_EQ(found.frames, 30);
   EXPECT_EQ(found.rows, 16);
@@ -340,7 +340,7 @@ TEST_F(SequenceRecorderTest, CountsArePlainCountsOverItsScans) {
   EXPECT_EQ(found.points_by_range, by_range);
 }
 
-TEST_F(SequenceRecorderTest, FramesOutsideAreThoseThatWallsDoNotEnclose) {
+TEST_F(SequenceRecorderTest, CountsFramesNotEnclosedByWalls) {
   EXPECT_EQ(flight.record(content, directory.path()).frames_outside, 30);
   // Out through the east wall of a room: the LiDAR flies from x = 0.05 m to 1.5 m.
   constexpr float kEast_m = 0.75F;
@@ -360,7 +360,7 @@ TEST_F(SequenceRecorderTest, FramesOutsideAreThoseThatWallsDoNotEnclose) {
   EXPECT_EQ(flight.record(content, again.path()).frames_outside, outside);
 }
 
-TEST_F(SequenceRecorderTest, FilesAreThoseOfItsFramesWithTheirHashes) {
+TEST_F(SequenceRecorderTest, ListsFrameFilesWithTheirHashes) {
   const SequenceStatistics found = flight.record(content, directory.path());
   ASSERT_EQ(found.files.size(), 30U * 5U);
   std::map<std::string, int> folders;
@@ -383,7 +383,7 @@ TEST_F(SequenceRecorderTest, FilesAreThoseOfItsFramesWithTheirHashes) {
   EXPECT_GT(found.beside_s, 0.0);
 }
 
-TEST_F(SequenceRecorderTest, WritesEveryNthScanAndOnlyWhatIsAskedFor) {
+TEST_F(SequenceRecorderTest, WritesEveryNthScanAsRequested) {
   content.every = 4;
   content.images = false;
   content.point_truth = false;
@@ -414,7 +414,7 @@ TEST_F(SequenceRecorderTest, ImagesNeedEightRowsAndColumns) {
   }
 }
 
-TEST(FrameWriter, TellsWhatCouldNotBeWritten) {
+TEST(FrameWriter, ReportsFailedWrites) {
   const TemporaryDirectory directory;
   std::ofstream(directory.path() / "velodyne") << "in the way";
   auto scan = std::make_shared<LabeledScan>();

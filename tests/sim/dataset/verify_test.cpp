@@ -105,7 +105,7 @@ TEST_F(HandMade, IsFineAsItIs) {
   EXPECT_EQ(verify().poses_outside, "33.3 % of 3 poses lie outside walls (train 33.3 %)");
 }
 
-TEST_F(HandMade, APoseHasTwelveNumbersSeparatedByOneBlank) {
+TEST_F(HandMade, RequiresTwelveBlankSeparatedPoseNumbers) {
   const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
   for (const std::string bad : {"1 0 0 0 0 1 0 0 0 0 1\n", "1 0 0 0 0 1 0 0 0 0 1 0 0\n", "1  0 0 0 0 1 0 0 0 0 1\n",
                                 "1 0 0 0 0 1 0 0 0 0 1 x\n", "1 0 0 0 0 1 0 0 0 0 1 0x\n", "\n"}) {
@@ -125,7 +125,7 @@ TEST_F(HandMade, ATimeIsOneNumber) {
   EXPECT_THAT(problems(), ElementsAre("sequences/00/times.txt: expected 3 lines, found 2"));
 }
 
-TEST_F(HandMade, LabelsAreAsManyAsPointsAndOfTheClassTable) {
+TEST_F(HandMade, RequiresValidLabelForEachPoint) {
   write("labels/000000.label", std::string("\x28\0\0\0", 4));
   EXPECT_THAT(problems(), ElementsAre("sequences/00/labels/000000.label: expected 2 labels, found 1"));
   write("labels/000000.label", std::string("\x28\0\0\0\x29\0\0\0", 8));
@@ -144,7 +144,7 @@ TEST_F(HandMade, APointHasFourNumbers) {
                                       "sequences/00: expected 3 points, found 4"));
 }
 
-TEST_F(HandMade, TruthOfPointsHasARecordForEach) {
+TEST_F(HandMade, RequiresTruthRecordForEachPoint) {
   const int points[] = {2, 0, 1};
   for (int frame = 0; frame < 3; ++frame)
     write(frame_file("point_truth", frame, "bin"), std::string(16 * static_cast<std::size_t>(points[frame]), 't'));
@@ -156,7 +156,7 @@ TEST_F(HandMade, TruthOfPointsHasARecordForEach) {
   EXPECT_THAT(problems(), ElementsAre("sequences/00/point_truth: expected 3 files, found 2"));
 }
 
-TEST_F(HandMade, EachFolderHasAFileForEachFrame) {
+TEST_F(HandMade, RequiresFileForEachFrame) {
   write("images/range/000000.png", "p");
   EXPECT_THAT(problems(), ElementsAre("sequences/00/images/range: expected 3 files, found 1",
                                       "sequences/00/images/intensity: expected 3 files, found 0"));
@@ -169,7 +169,7 @@ TEST_F(HandMade, EachFolderHasAFileForEachFrame) {
                                       "sequences/00: expected 3 points, found 2"));
 }
 
-TEST_F(HandMade, BoxesAreOfItsFramesOneForEachOtherVehicle) {
+TEST_F(HandMade, RequiresBoxPerFrameAndNeighbor) {
   const std::string head = "frame,vehicle,x\n0,b,1\n0,c,1\n1,b,2\n1,c,2\n";
   for (const std::string bad : {"3,b,3\n", "-1,b,3\n", "b,b,3\n", "2,b\n", "2,b,3,4\n"}) {
     write("boxes.csv", head + bad + "2,c,3\n");
@@ -181,7 +181,7 @@ TEST_F(HandMade, BoxesAreOfItsFramesOneForEachOtherVehicle) {
   EXPECT_THAT(problems(), ElementsAre("sequences/00/boxes.csv: expected 6 boxes, found 7"));
 }
 
-TEST_F(HandMade, FilesHaveTheirSizeTheirHashAndTheirName) {
+TEST_F(HandMade, ChecksFileSizesHashesAndNames) {
   change_manifest = [](nlohmann::json& manifest) {
     for (auto& file : manifest["files"]) {
       if (file["path"] == "sequences/00/times.txt") file["bytes"] = 99;
@@ -196,7 +196,7 @@ TEST_F(HandMade, FilesHaveTheirSizeTheirHashAndTheirName) {
                                               HasSubstr("sequences/00/boxes.csv: the manifest does not name it")));
 }
 
-TEST_F(HandMade, NoMoreThanFiftyProblemsAreTold) {
+TEST_F(HandMade, ReportsAtMostFiftyProblems) {
   for (int i = 0; i < 49; ++i) std::ofstream(directory.path() / "out" / ("foreign" + std::to_string(i))) << "";
   change_manifest = [](nlohmann::json& manifest) {
     auto& files = manifest["files"];
@@ -225,7 +225,7 @@ TEST_F(HandMade, ASequenceBelongsToItsManifest) {
   EXPECT_THAT(problems(), ElementsAre(HasSubstr("expected a dataset with sequences, found none")));
 }
 
-TEST_F(HandMade, ASequenceIsOfOneOfItsVehiclesAndHasAPlausibleNumberOfFrames) {
+TEST_F(HandMade, RequiresOwnVehicleAndPlausibleFrames) {
   const auto expect = HasSubstr("expected the instance of one of its vehicles, and its frames");
   for (const int instance : {0, 4}) {
     info.instance = instance;
@@ -244,7 +244,7 @@ TEST_F(HandMade, ASequenceIsOfOneOfItsVehiclesAndHasAPlausibleNumberOfFrames) {
 }
 
 // Frames without files cost no time: as many are looked at as there are files.
-TEST_F(HandMade, FramesWithoutFilesAreReportedAtOnce) {
+TEST_F(HandMade, ReportsFramesWithoutFilesAtOnce) {
   info.statistics.frames = 100'000'000;
   EXPECT_THAT(problems(), ElementsAre("sequences/00/velodyne: expected 100000000 files, found 3",
                                       "sequences/00/labels: expected 100000000 files, found 3",
@@ -266,7 +266,7 @@ TEST_F(HandMade, PathsOutsideTheDatasetAreRefused) {
   }
 }
 
-TEST_F(HandMade, ASequenceHasTheNumberOfItsFolder) {
+TEST_F(HandMade, RequiresSequenceNumberOfItsFolder) {
   info.sequence = 1;
   change_manifest = [](nlohmann::json& manifest) {
     manifest["sequences"][0]["sequence"] = "00";
@@ -278,14 +278,14 @@ TEST_F(HandMade, ASequenceHasTheNumberOfItsFolder) {
   EXPECT_THAT(problems(), ElementsAre("sequences/00/sequence.json: expected the sequence 00, found 01"));
 }
 
-TEST_F(HandMade, ValuesOfAnotherTypeAreReportedWithTheirKey) {
+TEST_F(HandMade, ReportsMistypedValuesWithTheirKey) {
   change_manifest = [](nlohmann::json& manifest) { manifest["sequences"][0]["state_hash"] = 7; };
   EXPECT_THAT(problems(), ElementsAre("manifest.json: state_hash: expected a text, found something else"));
   change_manifest = [](nlohmann::json& manifest) { manifest["complete"] = "yes"; };
   EXPECT_THAT(problems(), ElementsAre(HasSubstr("the dataset is not complete")));
 }
 
-TEST_F(HandMade, TellsHowFarItIsAndEndsWhenCanceled) {
+TEST_F(HandMade, ReportsProgressAndEndsWhenCanceled) {
   for (int i = 0; i < 130; ++i) std::ofstream(root() / ("extra" + std::to_string(i))) << "x";
   VerifyOptions options = without_frames();
   std::vector<double> told;

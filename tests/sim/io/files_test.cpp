@@ -34,12 +34,12 @@ TEST(WriteFile, MakesFoldersOnlyWhenAsked) {
   EXPECT_EQ(read_whole_file(path), "text");
 }
 
-TEST(WriteFile, TellsPathAndReason) {
+TEST(WriteFile, ReportsPathAndReason) {
   EXPECT_THAT([] { write_file("/dev/full/x", "content"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("cannot write /dev/full/x: ")));
 }
 
-TEST(PartialFile, WhatIsNotCommittedIsRemovedAndWhatStoodThereStays) {
+TEST(PartialFile, RemovesUncommittedDataAndKeepsOriginal) {
   const TemporaryDirectory directory;
   const fs::path path = directory.path() / "a.txt";
   write_file(path, "before");
@@ -55,7 +55,7 @@ TEST(PartialFile, WhatIsNotCommittedIsRemovedAndWhatStoodThereStays) {
   EXPECT_EQ(read_whole_file(path), "whole");
 }
 
-TEST(PartialFile, ANameThatIsADirectoryIsToldWithItsPath) {
+TEST(PartialFile, ReportsPathsThatAreDirectories) {
   const TemporaryDirectory directory;
   fs::create_directories(directory.path() / "taken/inside");
   PartialFile file(directory.path() / "taken");
@@ -63,14 +63,14 @@ TEST(PartialFile, ANameThatIsADirectoryIsToldWithItsPath) {
   EXPECT_THAT([&] { file.commit(); }, ThrowsMessage<std::runtime_error>(HasSubstr("taken: ")));
 }
 
-TEST(ReadWholeFile, TellsWhatCannotBeRead) {
+TEST(ReadWholeFile, ReportsUnreadableFiles) {
   const TemporaryDirectory directory;
   EXPECT_THAT([&] { read_whole_file(directory.path()); }, ThrowsMessage<InputError>(HasSubstr("is a directory")));
   EXPECT_THAT([&] { read_whole_file(directory.path() / "none"); },
               ThrowsMessage<InputError>(HasSubstr("No such file")));
 }
 
-TEST(ReadWholeFile, TakesBytesAsTheyAreAndNotMoreThanFourGiB) {
+TEST(ReadWholeFile, ReadsBytesUpToFourGib) {
   const TemporaryDirectory directory;
   const std::string bytes("a\0\r\n\xFF", 5);
   write_file(directory.path() / "a", bytes);
@@ -82,7 +82,7 @@ TEST(ReadWholeFile, TakesBytesAsTheyAreAndNotMoreThanFourGiB) {
               ThrowsMessage<InputError>(HasSubstr("expected at most 4 GiB, found 4294967297 bytes")));
 }
 
-TEST(PartialFile, CanBeMovedAndIsRemovedWhenAnotherTakesItsPlace) {
+TEST(PartialFile, MovesAndRemovesTheReplacedFile) {
   const TemporaryDirectory directory;
   PartialFile first(directory.path() / "a"), second(directory.path() / "b");
   std::ofstream(first.partial()) << "a";
@@ -103,7 +103,7 @@ TEST(ReadWholeFile, WaitsForNoWriter) {
   }
 }
 
-TEST(MakeInnerDirectory, RefusesALinkAndMakesWhatIsMissing) {
+TEST(MakeInnerDirectory, RefusesLinksAndCreatesMissingFolders) {
   const TemporaryDirectory directory;
   fs::create_directory(directory.path() / "outside");
   for (const char* target : {"outside", "nowhere"}) {

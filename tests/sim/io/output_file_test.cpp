@@ -26,7 +26,7 @@ std::string content_of(const fs::path& path) {
   return text.str();
 }
 
-TEST(OutputFile, HasItsNameOnlyWhenItIsComplete) {
+TEST(OutputFile, AppearsUnderItsNameWhenComplete) {
   const TemporaryDirectory directory;
   const fs::path path = directory.path() / "new/folder/a.txt";
   OutputFile file(path, 8);
@@ -40,7 +40,7 @@ TEST(OutputFile, HasItsNameOnlyWhenItIsComplete) {
   EXPECT_FALSE(fs::exists(path.string() + ".part"));
 }
 
-TEST(OutputFile, HoldsBackAsMuchAsItsBufferTakes) {
+TEST(OutputFile, BuffersUpToItsCapacity) {
   const TemporaryDirectory directory;
   const fs::path partial = directory.path() / "a.txt.part";
   OutputFile file(directory.path() / "a.txt", 8);
@@ -64,7 +64,7 @@ TEST(OutputFile, HoldsBackAsMuchAsItsBufferTakes) {
   EXPECT_EQ(content_of(directory.path() / "a.txt"), "123456789abcdefgABCDEFGHIJK");
 }
 
-TEST(OutputFile, OneThatIsReplacedByAnotherLeavesNothing) {
+TEST(OutputFile, DiscardsFileReplacedByAnother) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.txt");
   EXPECT_TRUE(file.is_open());
@@ -78,7 +78,7 @@ TEST(OutputFile, OneThatIsReplacedByAnotherLeavesNothing) {
   EXPECT_FALSE(OutputFile().is_open());
 }
 
-TEST(OutputFile, LeavesNothingWhenItIsNotFinished) {
+TEST(OutputFile, LeavesNothingWhenUnfinished) {
   const TemporaryDirectory directory;
   {
     OutputFile file(directory.path() / "a.txt");
@@ -99,7 +99,7 @@ TEST(OutputFile, OverwritesWhatWasWrittenBefore) {
   EXPECT_EQ(content_of(directory.path() / "a.txt"), "01XY456789abcd");
 }
 
-TEST(OutputFile, SaysWhichFileDidNotFitOnTheDisk) {
+TEST(OutputFile, NamesFileThatExceedsTheDisk) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.bin", 16);
   file.append("fits");
@@ -108,7 +108,7 @@ TEST(OutputFile, SaysWhichFileDidNotFitOnTheDisk) {
               ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("a.bin"), HasSubstr("File too large"))));
 }
 
-TEST(OutputFile, SaysSoWhenOnlyTheLastBytesDoNotFit) {
+TEST(OutputFile, ReportsLastBytesExceedingTheDisk) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.bin");
   file.append("buffered");
@@ -127,7 +127,7 @@ TEST(OutputFile, IsWrittenByOneRecorderOnly) {
   EXPECT_EQ(content_of(directory.path() / "a.txt"), "first");
 }
 
-TEST(OutputFile, StartsAnewOverWhatAKilledRunLeft) {
+TEST(OutputFile, OverwritesRemainsOfKilledRun) {
   const TemporaryDirectory directory;
   std::ofstream(directory.path() / "a.txt.part") << "much longer than what comes now";
   OutputFile file(directory.path() / "a.txt");

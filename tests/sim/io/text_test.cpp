@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(Text, NumbersHaveTheFewestDigitsThatReadBack) {
+TEST(Text, WritesShortestRoundTripNumbers) {
   EXPECT_EQ(shortest(0.1), "0.1");
   EXPECT_EQ(shortest(0.1F), "0.1");
   EXPECT_EQ(shortest(0.30000000000000004), "0.30000000000000004");
@@ -25,7 +25,7 @@ TEST(Text, NumbersHaveTheFewestDigitsThatReadBack) {
 
 TEST(Text, HashesHaveAllTheirDigits) { EXPECT_EQ(hex64(0xBEEF), "000000000000beef"); }
 
-TEST(Text, CellsAreQuotedOnlyWhereTheyMustBe) {
+TEST(Text, QuotesCellsOnlyIfNecessary) {
   EXPECT_EQ(csv_cell("plain words"), "plain words");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_cell("say \"no\""), "\"say \"\"no\"\"\"");
@@ -36,12 +36,12 @@ TEST(Text, CellsAreQuotedOnlyWhereTheyMustBe) {
   EXPECT_EQ(csv_cell(std::nan("")), "");
 }
 
-TEST(Text, MarkupKeepsWordsAndDropsWhatXmlForbids) {
+TEST(Text, DropsWhatXmlForbidsFromMarkup) {
   EXPECT_EQ(escape_markup("a < b & \"c\"\x01\n"), "a &lt; b &amp; &quot;c&quot;\n");
   EXPECT_EQ(escape_markup("a\x1F\tb ~\x7F>\xC3\xA4\r"), "a\tb ~\x7F&gt;\xC3\xA4");
 }
 
-TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
+TEST(TextRow, WritesNumbersThatRoundTripExactly) {
   for (const double value : {0.1, -1.0 / 3.0, 1e-300, 123456789.123456789, -0.0}) {
     TextRow row(' ');
     const double read = std::stod(std::string(row.add(value).line()));
@@ -50,7 +50,7 @@ TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
   }
 }
 
-TEST(TextRow, SecondsHaveNineDigitsBehindThePoint) {
+TEST(TextRow, WritesSecondsWithNineDecimals) {
   const auto seconds = [](TimeNs t) {
     TextRow row(' ');
     return std::string(row.add_seconds(t).line());
@@ -70,7 +70,7 @@ TEST(Text, ListsHaveCommasBetween) {
   EXPECT_EQ(listed({"a", "b", "c"}), "a, b, c");
 }
 
-TEST(TextRow, SeparatesValuesAndEndsWithoutABlank) {
+TEST(TextRow, SeparatesValuesWithoutTrailingBlank) {
   TextRow row(' ');
   row.add_seconds(1'000'000'001).add(Vector3(1, 2.5, -3)).add(7).add(std::string_view("word"));
   EXPECT_EQ(row.line(), "1.000000001 1 2.5 -3 7 word\n");

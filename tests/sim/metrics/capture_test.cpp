@@ -21,7 +21,7 @@ struct Chase : MetricsRun {
   }
 };
 
-TEST(CaptureMetric, CountsATargetThatGoesThroughTheNet) {
+TEST(CaptureMetric, CountsTargetsPassingThroughTheNet) {
   Chase run;
   run.put_target({1.0, 0.0, 9.5});
   run.put_target({1.0, 0.0, 9.1});
@@ -34,7 +34,7 @@ TEST(CaptureMetric, CountsATargetThatGoesThroughTheNet) {
   EXPECT_NEAR(run.value("least_net_distance_m"), std::hypot(1.0, 0.1), 1e-9);
 }
 
-TEST(CaptureMetric, EnoughCapturesAreTheOutcomeWhateverTheInterceptorBelieves) {
+TEST(CaptureMetric, DeterminesOutcomeByCapturesAlone) {
   for (const int wanted : {0, 1, 2}) {
     std::vector<Perception> perception = Chase::with_net();
     perception[0].captures = wanted;
@@ -54,7 +54,7 @@ TEST(CaptureMetric, EnoughCapturesAreTheOutcomeWhateverTheInterceptorBelieves) {
   }
 }
 
-TEST(CaptureMetric, IsDoneForBothInterceptorsOnceEachTargetIsCaught) {
+TEST(CaptureMetric, CompletesOnceAllTargetsAreCaught) {
   std::vector<Perception> perception = Chase::with_net();
   perception.insert(perception.begin(), perception[0]);
   perception[0].captures = perception[1].captures = 1;
@@ -70,7 +70,7 @@ TEST(CaptureMetric, IsDoneForBothInterceptorsOnceEachTargetIsCaught) {
   EXPECT_EQ(run.metrics.outcome(), "done");
 }
 
-TEST(CaptureMetric, CountsItAgainOnlyAfterItWasAway) {
+TEST(CaptureMetric, RecountsTargetOnlyAfterItLeaves) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 9.5, 8.5}) run.put_target({0.0, 0.0, z_m});
   EXPECT_EQ(run.value("captures"), 1.0) << "it never left";
@@ -79,7 +79,7 @@ TEST(CaptureMetric, CountsItAgainOnlyAfterItWasAway) {
   EXPECT_EQ(run.value("captures"), 2.0);
 }
 
-TEST(CaptureMetric, WhatIsMissedOrCrashedIsNotCaught) {
+TEST(CaptureMetric, ExcludesMissedAndCrashedTargets) {
   Chase run;
   run.put_target({2.5, 0.0, 9.5});
   run.put_target({2.5, 0.0, 8.5});
@@ -90,7 +90,7 @@ TEST(CaptureMetric, WhatIsMissedOrCrashedIsNotCaught) {
   EXPECT_EQ(run.value("captures"), 0.0);
 }
 
-TEST(CaptureMetric, TellsRecordersWhoWasCaughtWhereAndHowFast) {
+TEST(CaptureMetric, RecordsVehiclePlaceAndSpeedCaptures) {
   Chase run;
   run.states[0].q_world_body = Eigen::AngleAxisd(1.0, Vector3::UnitZ());
   run.put_target({0.6, 0.8, 9.5});
@@ -106,7 +106,7 @@ TEST(CaptureMetric, TellsRecordersWhoWasCaughtWhereAndHowFast) {
   EXPECT_EQ(rows[0].p_world_m, Vector3(0.6, 0.8, 8.5));
 }
 
-TEST(CaptureMetric, IsCountedByTheMinutesUntilTheOwnCrash) {
+TEST(CaptureMetric, CountsMinutesUntilTheOwnCrash) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 20.0, 8.9}) run.put_target({0.0, 0.0, z_m});
   ASSERT_EQ(run.value("captures"), 2.0);
@@ -133,7 +133,7 @@ TEST(CaptureMetric, BeforeAnythingFlewNothingIsMeasured) {
   }
 }
 
-TEST(CaptureMetric, VehiclesWithoutANetHaveNoSuchMetric) {
+TEST(CaptureMetric, IsAbsentForVehiclesWithoutNet) {
   Chase run;
   run.put_target({0.0, 0.0, 9.5});
   EXPECT_THROW(run.value("captures", "uav2"), std::out_of_range);

@@ -16,7 +16,7 @@ MetricTable everything_that_is_reported() {
   return metrics.report();
 }
 
-TEST(MetricDefinitions, ExistForWhateverIsReportedAndTellItsUnit) {
+TEST(MetricDefinitions, CoverEveryReportedMetricWithUnit) {
   std::map<std::string, std::string> unit_of;
   for (const MetricType& type : metric_registry()) {
     for (const MetricDefinition& metric : type.definitions) {
@@ -31,7 +31,7 @@ TEST(MetricDefinitions, ExistForWhateverIsReportedAndTellItsUnit) {
   }
 }
 
-TEST(MetricDefinitions, NameTheUnitInTheNameWhereThereIsOne) {
+TEST(MetricDefinitions, CarryTheirUnitInTheName) {
   const std::map<std::string, std::string> suffix = {
       {"m", "_m"},           {"s", "_s"},     {"m/s", "_mps"}, {"m/s^2", "_mps2"},
       {"1/min", "_per_min"}, {"rad", "_rad"}, {"B", "_bytes"},

@@ -102,7 +102,7 @@ TEST(DetectionMetric, RecallPrecisionAndErrorOfDetections) {
   EXPECT_NEAR(table.bins()[1].error_mean_m, 1.0, 1e-9);
 }
 
-TEST(DetectionMetric, AnyVehicleMayBeTheObserverAndAnyOtherTheTarget) {
+TEST(DetectionMetric, AcceptsAnyObserverAndTarget) {
   SightRun run(3, {}, 1);
   run.states[0].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 9, 0};
@@ -117,7 +117,7 @@ TEST(DetectionMetric, AnyVehicleMayBeTheObserverAndAnyOtherTheTarget) {
   EXPECT_NEAR(run.value("detection_error_mean_m", "uav2"), 0.5, 1e-9);
 }
 
-TEST(DetectionMetric, VelocitiesAreJudgedBySpeedAndDirection) {
+TEST(DetectionMetric, JudgesVelocitiesBySpeedAndDirection) {
   SightRun run(2);
   for (int i = 1; i < 10; ++i) {
     run.states[1].p_world_m = {8.0 + 2.0 * run.next_s(), 0, 0};
@@ -135,7 +135,7 @@ TEST(DetectionMetric, VelocitiesAreJudgedBySpeedAndDirection) {
   EXPECT_NEAR(rows[0].direction_error_rad, 0.3, 1e-9);
 }
 
-TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {
+TEST(DetectionMetric, ComparesEstimatesWithTruthOfTime) {
   SightRun run(2);
   const Vector3 v(10.0, 0.0, 0.0);
   const auto truth = [&](TimeNs t) { return Vector3(Vector3(-5, 6, 0) + v * to_seconds(t)); };
@@ -158,7 +158,7 @@ TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {
 }
 
 // An odometry frame that is turned and shifted: what counts is where the target is as seen from the observer.
-TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
+TEST(DetectionMetric, ExcludesObserverFrameErrorsFromTracking) {
   SightRun run(2);
   run.own_estimate = true;
   const Pose T = make_pose({100, -40, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
@@ -173,7 +173,7 @@ TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
   EXPECT_NEAR(run.value("track_direction_error_mean_rad"), 0.5 * std::numbers::pi, 1e-9);
 }
 
-TEST(DetectionMetric, WhoIsOnTheGroundIsNeitherMissedNorFalse) {
+TEST(DetectionMetric, IgnoresVehiclesOnTheGround) {
   SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
@@ -229,7 +229,7 @@ TEST(DetectionMetric, OspaIsThatOfItsDefinition) {
   EXPECT_NEAR(run.value("track_ospa_m"), 0.5 * ((0.6 + 3.0) / 2.0 + (0.6 + 0.2 + 3.0) / 3.0), 1e-9);
 }
 
-TEST(DetectionMetric, NeesTellsWhetherTheCovarianceIsHonest) {
+TEST(DetectionMetric, NeesReflectsCovarianceConsistency) {
   SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   for (int k = 0; k < 4; ++k) {
@@ -241,7 +241,7 @@ TEST(DetectionMetric, NeesTellsWhetherTheCovarianceIsHonest) {
   EXPECT_EQ(run.value("track_nees_within_95"), 0.0);
 }
 
-TEST(DetectionMetric, TimeToTheFirstDetectionCountsFromTheFirstScanThatShowsTheTarget) {
+TEST(DetectionMetric, TimesDetectionFromFirstVisibleScan) {
   SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   for (int k = 1; k <= 300; ++k) {
@@ -255,7 +255,7 @@ TEST(DetectionMetric, TimeToTheFirstDetectionCountsFromTheFirstScanThatShowsTheT
   EXPECT_TRUE(std::isnan(run.value("time_to_first_track_s")));
 }
 
-TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
+TEST(DetectionMetric, CountsDistantTargetsOnlyInBin) {
   SightRun run(2);
   run.states[1].p_world_m = {33, 0, 0};
   run.scan({0, 1});
@@ -268,7 +268,7 @@ TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
   EXPECT_EQ(table.bins()[0].recall, 0.0);
 }
 
-TEST(DetectionMetric, TwentyBinsAreToldAndNothingBeyond) {
+TEST(DetectionMetric, ReportsTwentyBinsAndNothingBeyond) {
   MetricsConfig config;
   for (const auto& [distance_m, bins] :
        {std::pair(20.0 * config.detection_bin_m - 0.5, 1U), std::pair(20.0 * config.detection_bin_m + 0.5, 0U)}) {
@@ -287,7 +287,7 @@ TEST(DetectionMetric, TwentyBinsAreToldAndNothingBeyond) {
   }
 }
 
-TEST(DetectionMetric, TellsRecordersWhatItFound) {
+TEST(DetectionMetric, RecordsItsScores) {
   SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   run.scan({0, 6});
@@ -305,14 +305,14 @@ TEST(DetectionMetric, TellsRecordersWhatItFound) {
   EXPECT_TRUE(rows_of<DetectionScore>(run.metrics.series()).empty());
 }
 
-TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {
+TEST(DetectionMetric, IsAbsentWithoutPerception) {
   Metrics metrics({}, {"uav1"});
   EXPECT_EQ(metrics.report().find("detection_recall", "uav1"), nullptr);
   EXPECT_EQ(metrics.report().find("track_recall", "uav1"), nullptr);
 }
 
 // The number of returns on the target identifies the scan that was found.
-TEST(DetectionMetric, AScanIsRememberedUntilSixtyFourOthersCame) {
+TEST(DetectionMetric, RemembersTheLast64Scans) {
   for (const int back : {0, 1, 62, 63, 64, 65}) {
     SightRun run(2);
     run.states[1].p_world_m = {8, 0, 0};
@@ -341,7 +341,7 @@ TEST(DetectionMetric, WhoHardlyMovesHasNoDirection) {
   }
 }
 
-TEST(DetectionMetric, ConsistentAreThoseWithin95PercentOfChiSquare) {
+TEST(DetectionMetric, ConsistencyMeansWithin95PercentChiSquare) {
   for (const double nees : {7.8, 7.83}) {
     SightRun run(2);
     run.states[1].p_world_m = {8, 0, 0};

@@ -48,7 +48,7 @@ struct JoinedPair : MetricsRun {
   }
 };
 
-TEST(JoinedMaps, AreRightWhenTheFramesLieAsTold) {
+TEST(JoinedMaps, AreExactWhenFramesMatchTruth) {
   JoinedPair run;
   run.tick();
   EXPECT_NEAR(run.value("joined_position_end_m"), 0.0, 1e-12);
@@ -56,7 +56,7 @@ TEST(JoinedMaps, AreRightWhenTheFramesLieAsTold) {
   EXPECT_NEAR(run.value("joined_s"), 0.01, 1e-12);
 }
 
-TEST(JoinedMaps, AreOffByWhereTheOtherIsTakenToBe) {
+TEST(JoinedMaps, AreOffByTheFrameError) {
   JoinedPair run;
   run.joiner->maps[0].T_local_otherlocal.translation() += Vector3(0.3, 0.0, 0.4);
   run.tick();
@@ -67,7 +67,7 @@ TEST(JoinedMaps, AreOffByWhereTheOtherIsTakenToBe) {
   EXPECT_NEAR(run.value("joined_position_max_m"), 0.5, 1e-9) << "ticks without a joined map do not count";
 }
 
-TEST(JoinedMaps, WhatIsSaidIsCountedByItsKind) {
+TEST(JoinedMaps, CountMessagesByKind) {
   JoinedPair run;
   run.joiner->maps.clear();
   std::vector<Message>& said = run.actions[1].messages;

@@ -29,7 +29,7 @@ TEST(Metrics, MotionOnACircleIsMeasured) {
   EXPECT_NEAR(run.value("flight_time_s"), 10.01, 1e-9);
 }
 
-TEST(Metrics, StandingOnTheGroundIsNoFlight) {
+TEST(Metrics, ExcludesStandingOnGroundFromFlight) {
   MetricsRun run(1);
   run.clearances[0].surface_m = -0.2;
   for (int i = 0; i < 100; ++i) run.tick();
@@ -42,7 +42,7 @@ TEST(Metrics, StandingOnTheGroundIsNoFlight) {
   for (const char* name : {"path_length_m", "max_speed_mps", "max_acceleration_mps2"}) EXPECT_EQ(run.value(name), 0.0);
 }
 
-TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
+TEST(Metrics, MeasuresEstimateErrorsAgainstTheTruth) {
   MetricsRun run(1);
   for (int i = 0; i < 400; ++i) {
     const double t = run.next_s();
@@ -62,7 +62,7 @@ TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
   EXPECT_NEAR(run.value("ate_position_rmse_m"), 0.2, 1e-4);
 }
 
-TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
+TEST(Metrics, AlignmentKeepsTilt) {
   const Pose T_local_world = make_pose({7.0, -3.0, 1.0}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
   const Pose tilted = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Vector3::UnitX())));
   MetricsRun run(2);
@@ -93,7 +93,7 @@ TEST(Metrics, WhoMovesNearTheGroundFlies) {
   }
 }
 
-TEST(Metrics, ErrorsOfHeadingAndVelocityAreRootMeanSquaresAndGreatestValues) {
+TEST(Metrics, HeadingErrorsHaveRmsAndMaximum) {
   MetricsRun run(1);
   run.actions[0].estimate.valid = true;
   for (const double error : {0.3, -0.4}) {
@@ -114,7 +114,7 @@ TEST(Metrics, ErrorsOfHeadingAndVelocityAreRootMeanSquaresAndGreatestValues) {
 }
 
 // The best of many headings, each with its best shift, by search.
-TEST(Metrics, AlignmentIsTheBestHeadingAndShift) {
+TEST(Metrics, AlignmentFindsBestHeadingAndShift) {
   MetricsRun run(1);
   run.actions[0].estimate.valid = true;
   std::vector<Vector3> p, q;
@@ -148,7 +148,7 @@ TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
   }
 }
 
-TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
+TEST(Metrics, JudgesControlByTheEstimate) {
   MetricsRun run(1);
   run.actions[0].estimate.valid = true;
   run.actions[0].estimate.T_local_body.translation() = Vector3(1.0, 0.0, 0.1);
@@ -163,7 +163,7 @@ TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
   EXPECT_NEAR(run.value("tracking_error_max_m"), 0.5, 1e-12);
 }
 
-TEST(Metrics, LeastDistancesComeWithTimeAndPartner) {
+TEST(Metrics, LeastDistancesNameTimeAndPartner) {
   MetricsRun run(3);
   // uav1 passes uav3 at 2 m in y when it is at x = 5, that is after 5 s.
   run.states[1].p_world_m = {0.0, -30.0, 5.0};
@@ -195,7 +195,7 @@ TEST(Metrics, ALoneVehicleHasNoSeparation) {
   EXPECT_EQ(run.text("min_clearance_vehicle_partner"), "none");
 }
 
-TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
+TEST(Metrics, TakesOutcomeOfWorstVehicle) {
   MetricsRun run(4);
   run.tick();
   EXPECT_EQ(run.metrics.outcome(), "timeout");
@@ -221,7 +221,7 @@ TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
   EXPECT_NEAR(run.value("crash_time_s", "uav4"), 0.043, 1e-12);
 }
 
-TEST(Metrics, AWreckDoesNotFinishItsMission) {
+TEST(Metrics, RefusesMissionCompletionAfterACrash) {
   MetricsRun run(3);
   run.actions[1].mission = MissionStatus::kDone;
   run.tick();
@@ -287,7 +287,7 @@ class HeightMetric final : public Metric {
   SeriesOf<Height>& heights_;
 };
 
-TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
+TEST(Metrics, CustomMetricsHaveSeriesByTick) {
   MetricSetup setup;
   setup.vehicle_names = {"uav1", "uav2"};
   HeightMetric metric(setup);
@@ -307,7 +307,7 @@ TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
   EXPECT_EQ(rows_of<Height>(std::vector<const Series*>{&series})[1].height_m, 7.0);
 }
 
-TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
+TEST(Metrics, ListsEverySeriesBeforeARun) {
   const std::vector<TableType> types = series_types();
   const auto first_column_of = [&types](const char* name) {
     const auto found = std::find_if(types.begin(), types.end(), [name](const auto& type) { return type.name == name; });
@@ -317,7 +317,7 @@ TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
   EXPECT_EQ(first_column_of("relative_scores"), "t_s");
 }
 
-TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {
+TEST(Metrics, HasSameRowsForEveryVehicle) {
   MetricsRun run(3);
   run.tick();
   std::vector<std::string> first, third;

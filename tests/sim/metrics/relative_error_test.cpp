@@ -33,7 +33,7 @@ TEST(RelativeError, IsZeroWhenEverythingIsKnown) {
   EXPECT_NEAR(run.value("relative_known_s"), 0.01, 1e-12);
 }
 
-TEST(RelativeError, IsTheDistanceBetweenWhereTheOtherIsAndWhereItIsBelievedToBe) {
+TEST(RelativeError, IsDistanceFromTruthToEstimate) {
   Pair run;
   run.actions[0].relatives[0].position_m += Vector3(0.3, 0.0, 0.4);
   run.actions[0].relatives[0].yaw_rad += 0.1 + 2.0 * 3.14159265358979323846;
@@ -44,7 +44,7 @@ TEST(RelativeError, IsTheDistanceBetweenWhereTheOtherIsAndWhereItIsBelievedToBe)
   EXPECT_NEAR(run.value("relative_nees"), 25.0, 1e-9);
 }
 
-TEST(RelativeError, WhatTheObserverDoesNotKnowOfItselfIsNoError) {
+TEST(RelativeError, ExcludesObserverSelfLocalizationError) {
   Pair run;
   // Its world is turned by 1 rad and shifted: so is everything that it believes.
   const Pose T_believed_world = make_pose({10, -20, 5}, Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Vector3::UnitZ())));
@@ -56,7 +56,7 @@ TEST(RelativeError, WhatTheObserverDoesNotKnowOfItselfIsNoError) {
   EXPECT_NEAR(run.value("relative_yaw_rmse_rad"), 0.0, 1e-12);
 }
 
-TEST(RelativeError, TellsEveryTickAsARow) {
+TEST(RelativeError, WritesRowForEveryTick) {
   Pair run;
   run.actions[0].relatives[0].t = run.now + kTick;
   run.tick();
@@ -104,7 +104,7 @@ TEST(RelativeError, OverSeveralTicksTheyAreMeans) {
   EXPECT_NEAR(run.value("relative_known_s"), 0.03, 1e-12) << "wrecks are not localized, and localize nobody";
 }
 
-TEST(RelativeError, WithoutRelativeLocalizationThereAreNoRows) {
+TEST(RelativeError, WithoutRelativeLocalizationHasNoRows) {
   MetricsRun run(2);
   run.tick();
   EXPECT_EQ(run.metrics.report().find("relative_position_mae_m", "uav1"), nullptr);

@@ -45,7 +45,7 @@ class CellsOfOctrees : public ::testing::Test {
 };
 
 // Blocks of any size that are all free or all occupied come back cell by cell, wherever they lie.
-TEST_F(CellsOfOctrees, ComeBackWhereverTheyLieAndHoweverTheyArePruned) {
+TEST_F(CellsOfOctrees, SurviveAnyPlacementAndPruning) {
   const double edge_m = 0.25;
   MapVoxels map = map_of(edge_m, false);
   std::vector<std::array<int, 3>> occupied, free;
@@ -90,7 +90,7 @@ TEST_F(CellsOfOctrees, ComeBackWhereverTheyLieAndHoweverTheyArePruned) {
   }
 }
 
-TEST_F(CellsOfOctrees, BeyondWhatATreeHoldsAreLeftOut) {
+TEST_F(CellsOfOctrees, OmitCellsBeyondTheTree) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const auto& [cell, is_in] : {std::pair(32767, true), {32768, false}, {-32768, true}, {-32769, false}}) {
       MapVoxels map = map_of(0.5, false);
@@ -125,7 +125,7 @@ TEST_F(CellsOfOctrees, KeepLogOddsOfAnySize) {
   }
 }
 
-TEST_F(CellsOfOctrees, OfStatesHaveTheLimitsOfTheLibrary) {
+TEST_F(CellsOfOctrees, ClampStatesToTheLibraryLimits) {
   MapVoxels map = map_of(0.1, false);
   map.add({0.05, 0.05, 0.05}, 2, 0.0F);
   map.add({0.35, 0.05, 0.05}, 0, 0.0F);
@@ -138,7 +138,7 @@ TEST_F(CellsOfOctrees, OfStatesHaveTheLimitsOfTheLibrary) {
   EXPECT_EQ(tree->search(0.35, 0.05, 0.05)->getLogOdds(), usual.getClampingThresMinLog());
 }
 
-TEST_F(CellsOfOctrees, OfNothingAreAFileWithoutNodes) {
+TEST_F(CellsOfOctrees, AreWrittenWithoutNodesWhenEmpty) {
   for (const auto& [format, name] : {std::pair{OctomapFormat::kOt, "a.ot"}, {OctomapFormat::kBt, "a.bt"}}) {
     const std::string content = octomap_content(map_of(0.2, false), format, {});
     EXPECT_THAT(content, HasSubstr("size 0\nres 0.2\ndata\n"));
@@ -150,7 +150,7 @@ TEST_F(CellsOfOctrees, OfNothingAreAFileWithoutNodes) {
   EXPECT_TRUE(is_octomap_file("a.bt"));
 }
 
-TEST_F(CellsOfOctrees, OfADamagedHeaderAreRefusedWithTheReason) {
+TEST_F(CellsOfOctrees, RefuseDamagedHeadersWithTheReason) {
   MapVoxels map = map_of(0.1, false);
   for (int i = 0; i < 5; ++i) map.add({0.05 + 0.3 * i, 0.05, 0.05}, 2, 0.0F);
   const std::string whole = octomap_content(map, OctomapFormat::kOt, {});

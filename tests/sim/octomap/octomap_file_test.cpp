@@ -26,7 +26,7 @@ MapVoxels some_map() {
   return copy;
 }
 
-TEST(OctomapFile, HoldsTheLogOddsOfEveryCell) {
+TEST(OctomapFile, HoldsLogOddsOfEveryCell) {
   const MapVoxels map = some_map();
   std::istringstream in(octomap_content(map, OctomapFormat::kOt, {"frame uav1/local"}));
   EXPECT_NE(in.str().find("\n# frame uav1/local\n"), std::string::npos);
@@ -65,7 +65,7 @@ TEST(OctomapFile, IsReadBackAsCells) {
 }
 
 // A detector's map has other values and more states: what is neither free nor occupied is left out.
-TEST(OctomapFile, OfAnotherMapTellsItsStates) {
+TEST(OctomapFile, ExportsStatesOfOtherMapTypes) {
   MapVoxels map;
   map.edge_m = 0.25;
   map.states = {"free", "uncertain", "tentative", "confident"};
@@ -87,7 +87,7 @@ TEST(OctomapFile, OfAnotherMapTellsItsStates) {
   EXPECT_EQ(occupied(0.875), 1);
 }
 
-TEST(OctomapFile, ThatIsNoneIsRefusedByNameAndReason) {
+TEST(OctomapFile, RefusesInvalidFilesWithReason) {
   const TemporaryDirectory directory;
   const auto refusal = [&](const char* name, const std::string& content) -> std::string {
     std::ofstream(directory.path() / name, std::ios::binary) << content;

@@ -30,7 +30,7 @@ std::vector<pid_t> other_threads() {
   return ids;
 }
 
-TEST(Crew, EveryIterationRunsOnceWhateverTheThreadsAndTheShares) {
+TEST(Crew, RunsEveryIterationExactlyOnce) {
   for (const int threads : {1, 2, 3, 8}) {
     Crew crew(threads);
     const Crew::Duty duty(crew);
@@ -47,7 +47,7 @@ TEST(Crew, EveryIterationRunsOnceWhateverTheThreadsAndTheShares) {
   }
 }
 
-TEST(Crew, AThousandSmallLoopsSeeWhatTheOnesBeforeHaveDone) {
+TEST(Crew, SuccessiveLoopsSeeEarlierResults) {
   Crew crew(4);
   const Crew::Duty duty(crew);
   std::vector<int> values(64, 0);
@@ -77,7 +77,7 @@ TEST(Crew, HelpersTakePart) {
   EXPECT_EQ(seen.size(), 3U);
 }
 
-TEST(Crew, LoopsAreDoneAloneWithoutACrewOnDutyAndWithinOtherLoops) {
+TEST(Crew, RunsSeriallyOffDutyOrNested) {
   const auto me = std::this_thread::get_id();
   parallel_for(100, 1, [&](int) { ASSERT_EQ(std::this_thread::get_id(), me); });
   Crew crew(4);
@@ -89,7 +89,7 @@ TEST(Crew, LoopsAreDoneAloneWithoutACrewOnDutyAndWithinOtherLoops) {
   });
 }
 
-TEST(Crew, OfSeveralExceptionsThatOfTheFirstIterationIsThrownAndAllOthersAreDone) {
+TEST(Crew, RethrowsFirstExceptionAfterAllIterations) {
   for (const int threads : {1, 2, 4}) {
     Crew crew(threads);
     const Crew::Duty duty(crew);
@@ -128,7 +128,7 @@ void stand_still(int) {
   while (!g_may_run) ::usleep(1000);
 }
 
-TEST(Crew, ALoopDoesNotWaitForThreadsThatDoNotRun) {
+TEST(Crew, DoesNotWaitForStoppedThreads) {
 #if defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the thread sanitizer delivers signals late";
 #endif

@@ -23,7 +23,7 @@ TEST(FirstException, NothingIsThrownWhereNothingWas) {
   EXPECT_NO_THROW(failure.rethrow());
 }
 
-TEST(FirstException, OfSeveralTheOneOfTheFirstPartIsThrownForAnyNumberOfThreads) {
+TEST(FirstException, SelectsFirstPartRegardlessOfThreads) {
   for (const int threads : {1, 2, 4}) {
     Crew crew(threads);
     const Crew::Duty duty(crew);

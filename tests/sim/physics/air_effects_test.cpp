@@ -14,7 +14,7 @@ Wake hover_wake(const Airframe& airframe) {
   return make_wake(airframe, {0, 0, 0}, Matrix3::Identity(), airframe.mass_kg * kGravity, kAirDensity);
 }
 
-TEST(Downwash, InducedSpeedIsThatOfMomentumTheory) {
+TEST(Downwash, InducedSpeedMatchesMomentumTheory) {
   const Airframe airframe = test_quad();
   const Wake wake = hover_wake(airframe);
   const double area = 4 * std::numbers::pi * 0.15 * 0.15;
@@ -26,7 +26,7 @@ TEST(Downwash, InducedSpeedIsThatOfMomentumTheory) {
   EXPECT_LT(wake.axis_speed_mps(0.6) / induced, 2.0);
 }
 
-TEST(Downwash, CarriesTheMomentumOfTheThrustAtEveryDistance) {
+TEST(Downwash, ConservesThrustMomentumAtEveryDistance) {
   const Airframe airframe = test_quad();
   const Wake wake = hover_wake(airframe);
   for (const double z : {4.0, 8.0, 16.0}) {
@@ -56,7 +56,7 @@ TEST(Downwash, BlowsDownBelowAndNowhereElse) {
   EXPECT_LT(tilted.velocity_world_mps({-2, 0, 0}).x(), -4.0);
 }
 
-TEST(Downwash, PushesAVehicleBelowByItsDragInTheWake) {
+TEST(Downwash, PushesVehiclesBelowByWakeDrag) {
   PhysicsConfig config = bare_physics();
   config.downwash = true;
   const Airframe airframe = test_quad();
@@ -89,7 +89,7 @@ TEST(GroundEffect, FollowsItsCurveAndIsClipped) {
   EXPECT_LT(ground_effect_gain(1.01 * clip_m, 0.2, 11.36859), 4.0 / 15.0);
 }
 
-TEST(GroundEffect, LiftsAHoveringVehicleByTheHeightOfItsRotors) {
+TEST(GroundEffect, LiftsHoveringVehiclesByRotorHeight) {
   PhysicsConfig config = bare_physics();
   config.ground_effect = true;
   const Airframe airframe = test_quad();
@@ -105,7 +105,7 @@ TEST(GroundEffect, LiftsAHoveringVehicleByTheHeightOfItsRotors) {
   }
 }
 
-TEST(GroundEffect, OverATablesEdgeLiftsOneSideOnly) {
+TEST(GroundEffect, LiftsOneSideOverTableEdge) {
   PhysicsConfig config = bare_physics();
   config.ground_effect = true;
   TestScene builder;

@@ -20,7 +20,7 @@ std::shared_ptr<const StaticScene> slope(double angle_rad) {
   return std::make_shared<StaticScene>(builder.scene());
 }
 
-TEST(Landing, ADroppedVehicleComesToRestOnItsLegs) {
+TEST(Landing, BringsDroppedVehiclesToRestUpright) {
   PhysicsConfig config;  // every effect on
   config.crash_speed_mps = 3.0;
   const Airframe airframe = test_quad();
@@ -38,7 +38,7 @@ TEST(Landing, ADroppedVehicleComesToRestOnItsLegs) {
   EXPECT_LT((flight.state().p_world_m - rest).norm(), 1e-9);
 }
 
-TEST(Landing, StandingWithIdlingRotorsDoesNotDrift) {
+TEST(Landing, StandsWithIdlingRotorsWithoutDrift) {
   const Airframe airframe = test_quad();
   Flight flight(PhysicsConfig{}, {vehicle_at({1, 2, airframe.leg_height_m}, airframe)}, flat_ground());
   flight.command(0, 0.0);
@@ -50,7 +50,7 @@ TEST(Landing, StandingWithIdlingRotorsDoesNotDrift) {
   EXPECT_FALSE(flight.state().crashed);
 }
 
-TEST(Landing, SlowTouchdownIsNoCrashAndItTakesOffAgain) {
+TEST(Landing, SurvivesSlowTouchdown) {
   const Airframe airframe = test_quad();
   PhysicsVehicle vehicle = vehicle_at({0, 0, airframe.leg_height_m + 0.05}, airframe);
   vehicle.motors_on = true;
@@ -73,7 +73,7 @@ TEST(Landing, SlowTouchdownIsNoCrashAndItTakesOffAgain) {
   EXPECT_LT(tilt_rad(flight.state()), 0.02);
 }
 
-TEST(Friction, HoldsOnAGentleSlopeAndSlidesOnASteepOne) {
+TEST(Friction, SlidesOnSteepSlopesOnly) {
   const Airframe airframe = test_quad();
   PhysicsConfig config = contact_physics();
   config.crash_speed_mps = 10.0;
@@ -126,7 +126,7 @@ std::shared_ptr<const StaticScene> wall_at_2m() {
   return std::make_shared<StaticScene>(builder.scene());
 }
 
-TEST(Crash, IntoAWallNamesTimePlaceSpeedAndPartnerAndStopsTheMotors) {
+TEST(Crash, ReportsWallImpactAndStopsMotors) {
   const Airframe airframe = test_quad();
   PhysicsConfig config = contact_physics();
   config.motor_lag = true;
@@ -157,7 +157,7 @@ TEST(Crash, IntoAWallNamesTimePlaceSpeedAndPartnerAndStopsTheMotors) {
   EXPECT_EQ(flight.crashes.size(), 1U);  // one event a vehicle
 }
 
-TEST(Crash, MotorsKeepRunningWhenToldSo) {
+TEST(Crash, KeepsMotorsRunningWhenConfigured) {
   PhysicsConfig config = contact_physics();
   config.stop_motors_on_crash = false;
   PhysicsVehicle vehicle = vehicle_at({0, 0, 0});
@@ -169,7 +169,7 @@ TEST(Crash, MotorsKeepRunningWhenToldSo) {
   EXPECT_GT(flight.state().rotor_speed_radps[0], 100.0);
 }
 
-TEST(Crash, ATurningPropellerBreaksHoweverSlowlyItTouches) {
+TEST(Crash, BreaksTurningPropellersAtAnySpeed) {
   PhysicsConfig config = contact_physics();
   config.gravity_mps2.setZero();
   for (const bool strict : {true, false}) {
@@ -190,7 +190,7 @@ TEST(Crash, ATurningPropellerBreaksHoweverSlowlyItTouches) {
   }
 }
 
-TEST(Crash, OfTwoVehiclesGivesOneEventEachAndKeepsMomentum) {
+TEST(Crash, ConservesMomentumOfBothVehicles) {
   PhysicsConfig config = contact_physics();
   config.gravity_mps2.setZero();
   PhysicsVehicle left = vehicle_at({-1, 0, 0}, test_quad(), "left");
@@ -214,7 +214,7 @@ TEST(Crash, OfTwoVehiclesGivesOneEventEachAndKeepsMomentum) {
   EXPECT_LT(flight.state(0).v_world_mps.x(), 2.0);
 }
 
-TEST(Crash, DoesNotDependOnHowOftenTheWorldIsAdvanced) {
+TEST(Crash, IsIndependentOfAdvanceIntervals) {
   const auto fly = [](double tick_s) {
     PhysicsVehicle vehicle = vehicle_at({0, 0.3, 0});
     vehicle.start.v_world_mps = {4, 1, 0.5};

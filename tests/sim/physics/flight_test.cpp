@@ -32,7 +32,7 @@ TEST(Hover, ThrustEqualsWeightAtHoverSpeed) {
   EXPECT_NEAR(tilt_rad(flight.state()), 0.0, 1e-9);
 }
 
-TEST(Hover, TwiceTheThrustClimbsWithOneG) {
+TEST(Hover, DoubleThrustClimbsWithOneG) {
   const Airframe airframe = test_quad();
   Flight flight(bare_physics(), {vehicle_at({0, 0, 0})});
   flight.command(0, command_for(airframe, airframe.hover_rotor_speed_radps() * std::numbers::sqrt2));
@@ -54,7 +54,7 @@ TEST(BodyDrag, FallApproachesTerminalVelocity) {
   EXPECT_NEAR(flight.state().v_world_mps.z(), -terminal, 1e-6);
 }
 
-TEST(BodyDrag, ActsOnTheVelocityThroughTheAir) {
+TEST(BodyDrag, ActsOnVelocityRelativeToAir) {
   PhysicsConfig config = bare_physics();
   config.body_drag = true;
   config.gravity_mps2.setZero();
@@ -88,7 +88,7 @@ TEST(RotorDrag, BrakesInTheRotorPlaneOnly) {
   EXPECT_NEAR(flight.state().v_world_mps.z(), 2.0, 1e-9);
 }
 
-TEST(Motors, FollowAStepWithTheirTwoTimeConstants) {
+TEST(Motors, FollowStepsWithTwoTimeConstants) {
   PhysicsConfig config = bare_physics();
   config.motor_lag = true;
   const Airframe airframe = test_quad();
@@ -115,7 +115,7 @@ TEST(Motors, FollowAStepWithTheirTwoTimeConstants) {
   EXPECT_NEAR(flight.state().rotor_speed_radps[3], 0.0, 1e-9);
 }
 
-TEST(Motors, CommandsAreLimitedAndNanStopsThem) {
+TEST(Motors, LimitCommandsAndStopOnNan) {
   const Airframe airframe = test_quad();
   Flight flight(bare_physics(), {vehicle_at({0, 0, 0})});
   flight.command(0, 7.0);
@@ -146,7 +146,7 @@ TEST(Yaw, TurnsAgainstTheFasterRotors) {
   EXPECT_NEAR(flight.state().omega_body_radps.head<2>().norm(), 0.0, 1e-12);
 }
 
-TEST(Roll, MoreThrustOnTheLeftRollsToTheRight) {
+TEST(Roll, MoreLeftThrustRollsRight) {
   const Airframe airframe = test_quad();
   Flight flight(bare_physics(), {vehicle_at({0, 0, 0})});
   const double fast = 500.0;
@@ -200,7 +200,7 @@ Airframe flywheel_quad() {
   return airframe;
 }
 
-TEST(Momentum, GoesFromRotorsToTheBodyWhenTheySpinUp) {
+TEST(Momentum, PassesFromSpinningRotorsToBody) {
   PhysicsConfig config = bare_physics();
   config.gravity_mps2.setZero();
   config.motor_lag = config.gyroscopic_torque = true;

@@ -22,7 +22,7 @@ std::optional<NoRoom> room_at(const StaticScene& world, const Vector3& p_world_m
   return FreePlaces(vehicles, PhysicsConfig{}, world).check(0, p_world_m);
 }
 
-TEST(FreePlaces, AreInTheAirAndOnWhatOneStandsOn) {
+TEST(FreePlaces, IncludeAirAndStandingSurfaces) {
   const StaticScene world = table_on_the_ground();
   const double legs_m = test_quad().leg_height_m;
   EXPECT_FALSE(room_at(world, {0, 0, 5}));
@@ -31,7 +31,7 @@ TEST(FreePlaces, AreInTheAirAndOnWhatOneStandsOn) {
   EXPECT_FALSE(room_at(world, {30, 30, 1}));  // outside the world
 }
 
-TEST(FreePlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
+TEST(FreePlaces, ReportSurfaceClassAndFreeHeight) {
   const StaticScene world = table_on_the_ground();
   const double legs_m = test_quad().leg_height_m;
   for (const double z_m : {2.0, 2.1}) {
@@ -52,7 +52,7 @@ TEST(FreePlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
 }
 
 // There is room under a ceiling just above its upper plate, but not if the plate intersects it.
-TEST(FreePlaces, TheBodyIsAsHighAsTheAirframeSays) {
+TEST(FreePlaces, UseTheAirframesBodyHeight) {
   Airframe airframe = test_quad();
   airframe.body_height_m = 0.4;
   for (const double gap_m : {-0.09, 0.03}) {  // a few centimeters do not count

@@ -115,7 +115,7 @@ Errors errors_at_step(double step_s) {
           (state.omega_body_radps - reference.rate_body(s)).norm()};
 }
 
-TEST(Integrator, AgreesWithAFineReferenceWhileTumblingUnderThrust) {
+TEST(Integrator, MatchesAFineReferenceWhileTumbling) {
   const Errors at_1ms = errors_at_step(0.001);
   EXPECT_LT(at_1ms.position_m, 1e-7);
   EXPECT_LT(at_1ms.velocity_mps, 1e-6);
@@ -123,7 +123,7 @@ TEST(Integrator, AgreesWithAFineReferenceWhileTumblingUnderThrust) {
   EXPECT_LT(at_1ms.rate_radps, 1e-5);
 }
 
-TEST(Integrator, ErrorFallsWithTheFourthPowerOfTheStep) {
+TEST(Integrator, ConvergesWithTheFourthOrder) {
   const Errors at_8ms = errors_at_step(0.008);
   const Errors at_4ms = errors_at_step(0.004);
   const Errors at_2ms = errors_at_step(0.002);

@@ -203,7 +203,7 @@ TEST(Memory, AdvanceAllocatesNothingOnceWarm) {
 #endif
 }
 
-TEST(Arguments, TooManyRotorsOrTooFewCommandsAreRefused) {
+TEST(Arguments, RefusesExcessRotorsOrMissingCommands) {
   Airframe airframe = test_quad();
   airframe.rotors.resize(9);
   EXPECT_THROW(Flight(bare_physics(), {vehicle_at({0, 0, 0}, airframe)}), std::invalid_argument);

@@ -123,7 +123,7 @@ double off_after_five_seconds_m(const Airframe& airframe) {
   return (flight.state().p_world_m - model.p_m).norm();
 }
 
-TEST(PublishedModel, FiveSecondsOfTumblingEndWithinMillimeters) {
+TEST(PublishedModel, MatchesFiveTumblingSecondsWithinMillimeters) {
   const double off_m = off_after_five_seconds_m(x500_of_that_model());
   std::printf("after 5 s: %.2e m off\n", off_m);
   EXPECT_LT(off_m, 0.012);

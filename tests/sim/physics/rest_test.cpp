@@ -19,7 +19,7 @@ PhysicsVehicle standing(const Airframe& airframe = test_quad()) {
   return vehicle_at({0, 0, airframe.leg_height_m}, airframe);
 }
 
-TEST(Rest, BeginsAfterAQuarterOfASecond) {
+TEST(Rest, BeginsAfterQuarterSecond) {
   PhysicsVehicle vehicle = standing();
   vehicle.start.v_world_mps = {0.005, 0, 0};
   Flight flight(smooth_ground(), {vehicle}, flat_ground());

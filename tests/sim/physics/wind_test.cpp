@@ -15,7 +15,7 @@ WindConfig gusty(const Vector3& mean_mps = Vector3::Zero()) {
   return wind;
 }
 
-TEST(Dryden, ScalesAtTenMetersAreThoseOfTheStandard) {
+TEST(Dryden, ScalesMatchStandardAtTenMeters) {
   // 32.8 ft: L_u = h / (0.177 + 0.000823 h)^1.2 = 221 ft, sigma_u / sigma_w = 1.89.
   const DrydenScales scales = dryden_scales(10.0, 7.7);
   EXPECT_NEAR(scales.scale_length_m.x(), 67.0, 1.0);
@@ -29,7 +29,7 @@ TEST(Dryden, ScalesAtTenMetersAreThoseOfTheStandard) {
   EXPECT_NEAR(dryden_scales(1e4, 7.7).scale_length_m.x(), 304.8, 0.1);  // isotropic there
 }
 
-TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
+TEST(Dryden, GustsMatchTheStandardStatistics) {
   // Whatever the step: the discretization is exact.
   for (const double dt_s : {0.02, 0.5}) {
     Gusts gusts(gusty(), 7, "uav1");
@@ -59,7 +59,7 @@ TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
   }
 }
 
-TEST(Dryden, StrongestComponentLiesAlongTheMeanWind) {
+TEST(Dryden, IsStrongestAlongTheMeanWind) {
   // Against (0, -5, 0) the longitudinal axis is y: same numbers as u in the still case's x.
   Gusts still(gusty(), 3, "uav1");
   Gusts south(gusty({0, -5, 0}), 3, "uav1");
@@ -70,7 +70,7 @@ TEST(Dryden, StrongestComponentLiesAlongTheMeanWind) {
   EXPECT_NEAR(b.z(), a.z(), 1e-12);
 }
 
-TEST(Dryden, EachVehicleHasItsOwnGustsThatOthersDoNotChange) {
+TEST(Dryden, VehiclesHaveIndependentGusts) {
   const PhysicsVehicle one = vehicle_at({0, 0, 10}, test_quad(), "one");
   const PhysicsVehicle two = vehicle_at({100, 0, 10}, test_quad(), "two");
   const PhysicsConfig config;

@@ -15,7 +15,7 @@ namespace swiftlet::sim {
 namespace {
 
 // Above six radii all rotors use the ground below the center, below that each rotor its own.
-TEST(Air, EveryRotorHasItsOwnGroundBelowSixRadii) {
+TEST(Air, SensesGroundForEachRotor) {
   TestScene builder;
   builder.add_box({0.05F, -9, 0}, {9, 9, 0.05F}, SurfaceClass::kObject);  // a step of 5 cm beside the center
   builder.add_wall({-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}, SurfaceClass::kGround);
@@ -33,7 +33,7 @@ TEST(Air, EveryRotorHasItsOwnGroundBelowSixRadii) {
   }
 }
 
-TEST(Air, ATiltedOrOverturnedVehicleFeelsLessOrNoGround) {
+TEST(Air, WeakensGroundEffectOnTiltedVehicles) {
   PhysicsConfig config = bare_physics();
   config.gravity_mps2.setZero();
   config.ground_effect = true;
@@ -82,7 +82,7 @@ TEST(Crash, AlmostStandingPropellersBreakNothing) {
   }
 }
 
-TEST(Crash, OfABodyIsOneFromItsSpeedOn) {
+TEST(Crash, RequiresTheCrashSpeedForBodies) {
   for (const double speed_mps : {0.45, 0.55}) {  // 0.5 m/s by default
     PhysicsConfig config = bare_physics();
     config.contacts = true;
@@ -96,7 +96,7 @@ TEST(Crash, OfABodyIsOneFromItsSpeedOn) {
 }
 
 // The other vehicle's propeller turns, the own ones do not: both break.
-TEST(Crash, IntoATurningPropellerOfAnotherBreaksBoth) {
+TEST(Crash, BreaksBothPropellersThatTouch) {
   for (const bool turning : {false, true}) {
     PhysicsConfig config = bare_physics();
     config.contacts = true;
@@ -116,7 +116,7 @@ TEST(Crash, IntoATurningPropellerOfAnotherBreaksBoth) {
   }
 }
 
-TEST(Start, MotorsThatAreOnHoldTheVehicle) {
+TEST(Start, RunningMotorsHoldTheVehicle) {
   PhysicsVehicle on = vehicle_at({0, 0, 5}), off = vehicle_at({0, 0, 5});
   on.motors_on = true;
   on.start.q_world_body.coeffs() *= 2.0;
@@ -135,7 +135,7 @@ TEST(Start, MotorsThatAreOnHoldTheVehicle) {
 }
 
 // Every pair, and every surface, at any distance.
-TEST(Clearance, OfManyVehiclesIsThatOfAllPairs) {
+TEST(Clearance, IsThatOfAllVehiclePairs) {
   const Random random(4, "clearance");
   std::vector<PhysicsVehicle> vehicles;
   for (std::uint32_t i = 0; i < 24; ++i) {
@@ -170,7 +170,7 @@ TEST(Clearance, OfManyVehiclesIsThatOfAllPairs) {
   }
 }
 
-TEST(Arguments, AStepThatTakesNoTimeIsRefused) {
+TEST(Arguments, RefuseStepsOfZeroDuration) {
   PhysicsConfig config = bare_physics();
   config.step_s = 1e-10;
   EXPECT_THROW(Flight(config, {vehicle_at({0, 0, 0})}), std::invalid_argument);

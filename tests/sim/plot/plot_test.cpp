@@ -49,13 +49,13 @@ std::vector<std::pair<double, double>> polyline_of(const std::string& svg) {
   return points;
 }
 
-TEST(PlotTicks, AreRoundAndLabeledWithoutSuperfluousDigits) {
+TEST(PlotTicks, AreRoundWithMinimalDigits) {
   EXPECT_THAT(labels(linear_ticks(0.0, 1.0, 5)), ElementsAre("0", "0.2", "0.4", "0.6", "0.8", "1"));
   EXPECT_THAT(labels(linear_ticks(-3.2, 3.9, 4)), ElementsAre("-2", "0", "2"));
   EXPECT_THAT(labels(linear_ticks(0.012, 0.033, 4)), ElementsAre("0.015", "0.02", "0.025", "0.03"));
 }
 
-TEST(PlotTicks, BeyondPlainNumbersShareThePowerOfTheLargest) {
+TEST(PlotTicks, ShareThePowerOfTheLargest) {
   EXPECT_THAT(labels(linear_ticks(0.0, 2.0e-6, 4)), ElementsAre("0", "0.5·10⁻⁶", "1·10⁻⁶", "1.5·10⁻⁶", "2·10⁻⁶"));
 }
 
@@ -71,7 +71,7 @@ TEST(PlotTicks, NumberTextIsShort) {
   EXPECT_EQ(number_text(100.0, 0), "100");
 }
 
-TEST(Plot, DrawsALineFromTheLowerLeftToTheUpperRightOfItsFrame) {
+TEST(Plot, DrawsDiagonalLineAcrossItsFrame) {
   Figure figure;
   figure.set_panel_size(400, 300);
   Panel& panel = figure.add_panel();
@@ -87,7 +87,7 @@ TEST(Plot, DrawsALineFromTheLowerLeftToTheUpperRightOfItsFrame) {
 }
 
 // All figures of a page share one namespace, and the first definition of a name wins.
-TEST(Plot, ClippingOfOneFigureDoesNotReachIntoAnotherOnTheSamePage) {
+TEST(Plot, ConfinesClippingToEachFigure) {
   const std::vector<double> x{0.0, 1.0}, y{0.0, 1.0};
   const auto clip_of = [&](double width_px, double height_px) {
     Figure figure;
@@ -102,7 +102,7 @@ TEST(Plot, ClippingOfOneFigureDoesNotReachIntoAnotherOnTheSamePage) {
   EXPECT_EQ(clip_of(400, 300), clip_of(400, 300));  // equal rectangles have equal names
 }
 
-TEST(Plot, MarkersAtTheEndsOfALineStandWholeInTheFrame) {
+TEST(Plot, ShowsEndMarkersWhole) {
   Figure figure;
   figure.set_panel_size(400, 300);
   const std::vector<double> x{3.0, 4.0, 5.0}, y{1.0, 2.0, 1.5};
@@ -116,7 +116,7 @@ TEST(Plot, MarkersAtTheEndsOfALineStandWholeInTheFrame) {
   EXPECT_LT(points.back().first, left + width - 5.0);
 }
 
-TEST(Plot, LogarithmicAxesGiveEveryDecadeTheSameLength) {
+TEST(Plot, GivesLogarithmicDecadesEqualLength) {
   Figure figure;
   Panel& panel = figure.add_panel();
   panel.y.log = true;
@@ -127,7 +127,7 @@ TEST(Plot, LogarithmicAxesGiveEveryDecadeTheSameLength) {
   EXPECT_NEAR(points[0].second - points[1].second, points[1].second - points[2].second, 0.11);
 }
 
-TEST(Plot, ValuesThatALogarithmCannotShowBreakTheLine) {
+TEST(Plot, BreaksLogarithmicLinesAtNonpositiveValues) {
   Figure figure;
   Panel& panel = figure.add_panel();
   panel.y.log = true;
@@ -136,7 +136,7 @@ TEST(Plot, ValuesThatALogarithmCannotShowBreakTheLine) {
   EXPECT_EQ(count_of(figure.svg(), "<polyline"), 2);
 }
 
-TEST(Plot, NanBreaksALineAndNeverReachesTheText) {
+TEST(Plot, BreaksLinesAtNanWithoutPrinting) {
   Figure figure;
   Panel& panel = figure.add_panel();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -148,7 +148,7 @@ TEST(Plot, NanBreaksALineAndNeverReachesTheText) {
   EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
-TEST(Plot, AHundredThousandPointsStaySmallAndKeepTheirPeak) {
+TEST(Plot, DecimatesManyPointsKeepingTheirPeak) {
   Figure figure;
   Panel& panel = figure.add_panel();
   panel.y.min = 0.0;
@@ -167,7 +167,7 @@ TEST(Plot, AHundredThousandPointsStaySmallAndKeepTheirPeak) {
   EXPECT_GT(usual - top, 200.0);
 }
 
-TEST(Plot, TheSameFigureGivesTheSameBytes) {
+TEST(Plot, GivesIdenticalBytesWhenRepeated) {
   const auto draw = [] {
     Figure figure("Twice", 2);
     const std::vector<double> x{0, 1, 2}, y{3, 1, 2};
@@ -192,7 +192,7 @@ TEST(Plot, SeriesOfUnequalLengthAreRefused) {
   EXPECT_THROW(figure.add_panel().line("speed", two, three), std::invalid_argument);
 }
 
-TEST(Plot, TheLegendNamesOnlyLabeledSeriesAndAvoidsTheData) {
+TEST(Plot, LegendShowsLabelsAndAvoidsData) {
   Figure figure;
   figure.set_panel_size(500, 400);
   Panel& panel = figure.add_panel();
@@ -216,7 +216,7 @@ double left_of_text(const std::string& svg, const std::string& text) {
   return std::stod(svg.substr(svg.find("x=\"", svg.rfind("<text", end)) + 3));
 }
 
-TEST(Plot, TheLegendKeepsAwayFromAVerticalAndFromEveryBox) {
+TEST(Plot, LegendAvoidsVerticalsAndBoxes) {
   Figure marked;
   marked.set_panel_size(500, 400);
   Panel& panel = marked.add_panel();
@@ -241,7 +241,7 @@ TEST(Plot, TheLegendKeepsAwayFromAVerticalAndFromEveryBox) {
   EXPECT_EQ(count_of(free.svg(), "stroke=\"#ccc\""), 1);
 }
 
-TEST(Plot, EqualAxesGiveAMeterOneLength) {
+TEST(Plot, ScalesEqualAxesAlike) {
   Figure figure;
   figure.set_panel_size(700, 300);
   Panel& panel = figure.add_panel();
@@ -254,7 +254,7 @@ TEST(Plot, EqualAxesGiveAMeterOneLength) {
   EXPECT_GT(points[1].first - points[0].first, 150.0);  // the largest size in a frame of 300 px
 }
 
-TEST(Plot, BoxOfSamplesHasQuartilesAndTukeysWhiskers) {
+TEST(Plot, DrawsQuartilesAndTukeyWhiskers) {
   const std::vector<double> samples{5, 1, 2, 3, 4, 100};
   const Box box = box_of(samples);
   EXPECT_DOUBLE_EQ(box.median, 3.5);
@@ -267,14 +267,14 @@ TEST(Plot, BoxOfSamplesHasQuartilesAndTukeysWhiskers) {
   EXPECT_THROW(box_of({}), std::invalid_argument);
 }
 
-TEST(Plot, AnEmptyFigureAndAnEmptyPanelAreStillPictures) {
+TEST(Plot, DrawsEmptyFiguresAndPanels) {
   EXPECT_THAT(Figure().svg(), HasSubstr("</svg>"));
   Figure figure;
   figure.add_panel("nothing yet");
   EXPECT_THAT(figure.svg(), HasSubstr("nothing yet"));
 }
 
-TEST(Plot, IsWrittenUnderItsNameOnlyWhenComplete) {
+TEST(Plot, TakesItsNameOnlyWhenComplete) {
   const TemporaryDirectory directory;
   const auto path = directory.path() / "sub" / "figure.svg";
   Figure figure("Written");
@@ -287,7 +287,7 @@ TEST(Plot, IsWrittenUnderItsNameOnlyWhenComplete) {
   EXPECT_THROW(figure.write("/dev/null/figure.svg"), std::runtime_error);
 }
 
-TEST(Plot, ValuesThatDifferInTheirLastBitsHaveFewTicks) {
+TEST(Plot, LimitsTicksOfNearlyEqualValues) {
   const std::pair<double, double> pairs[] = {
       {0.3, 0.30000000000000004}, {1e300, 1.0000000000000002e300}, {-7.0, -6.999999999999999}, {1e17, 1e17 + 16.0}};
   for (const auto& [low, high] : pairs) {

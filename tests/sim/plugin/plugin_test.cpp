@@ -45,7 +45,7 @@ class Plugins : public ::testing::Test {
   TemporaryDirectory folder;
 };
 
-TEST_F(Plugins, AreLoadedOnceFromBesideTheFileThatNamesThem) {
+TEST_F(Plugins, LoadOnceRelativeToNamingFile) {
   build("fine", plugin_for("1.2"));
   const std::size_t before = loaded_plugins().size();
   EXPECT_EQ(load_plugin("fine.so", folder.path()), "");
@@ -72,7 +72,7 @@ TEST_F(Plugins, AreOfThisVersion) {
   EXPECT_FALSE(is_loaded(folder.path() / "old.so"));
 }
 
-TEST_F(Plugins, OfAnotherVersionOrOfNoneRunNoCode) {
+TEST_F(Plugins, RunNoCodeOnVersionMismatch) {
   const fs::path trace = folder.path() / "trace";
   const std::string runs =
       "#include <fstream>\nstatic const bool ran = [] { std::ofstream(\"" + trace.string() + "\"); return true; }();\n";
@@ -86,7 +86,7 @@ TEST_F(Plugins, OfAnotherVersionOrOfNoneRunNoCode) {
   EXPECT_TRUE(fs::exists(trace));
 }
 
-TEST_F(Plugins, WhoseVersionIsNullOrNotThatOfTheirMarkAreRefused) {
+TEST_F(Plugins, NeedVersionThatMatchesTheirMark) {
   const std::string rest = "extern \"C\" void swiftlet_plugin_register(const void*) {}\n";
   build("null", mark("1.2") + "extern \"C\" const char* swiftlet_plugin_version() { return nullptr; }\n" + rest);
   EXPECT_THAT(load_plugin("null.so", folder.path()), HasSubstr("which has no SWIFTLET_PLUGIN"));
@@ -94,7 +94,7 @@ TEST_F(Plugins, WhoseVersionIsNullOrNotThatOfTheirMarkAreRefused) {
   EXPECT_THAT(load_plugin("other.so", folder.path()), HasSubstr("for 1.1; build it again"));
 }
 
-TEST_F(Plugins, AreLibrariesThatSayWhatTheyAre) {
+TEST_F(Plugins, MustBeMarkedSharedLibraries) {
   std::ofstream(folder.path() / "text.so") << "no library";
   EXPECT_THAT(load_plugin("text.so", folder.path()), HasSubstr("a shared library, found \"text.so\": "));
   EXPECT_THAT(load_plugin("none.so", folder.path()), HasSubstr("a shared library, found \"none.so\": "));
@@ -115,7 +115,7 @@ TEST_F(Plugins, TellWhenTheirNamesAreTaken) {
   EXPECT_FALSE(is_loaded(folder.path() / "taken.so"));
 }
 
-TEST_F(Plugins, ThatThrowWhatIsNoExceptionAreRefused) {
+TEST_F(Plugins, AreRefusedForThrowingNonExceptions) {
   build("odd", plugin_for("1.2", "throw 42;"));
   EXPECT_EQ(load_plugin("odd.so", folder.path()),
             "a plugin whose modules can be added, found \"odd.so\": it threw something that is no std::exception");

@@ -60,7 +60,7 @@ struct Network {
   Radio radio;
 };
 
-TEST(Radio, AMessageTakesItsSizeOverTheRatePlusTheDelay) {
+TEST(Radio, TakesTransmissionTimePlusDelay) {
   Network network(plain_radio());
   network.ticks(3);
   Message sent = message("hello", 100, 1);
@@ -79,7 +79,7 @@ TEST(Radio, AMessageTakesItsSizeOverTheRatePlusTheDelay) {
   EXPECT_TRUE(network.inboxes[0].empty());
 }
 
-TEST(Radio, NothingArrivesInTheTickInWhichItIsPosted) {
+TEST(Radio, NeverDeliversInPostingTick) {
   RadioConfig config;
   config.rate_kbps = 1e9;
   config.delay_s = config.jitter_s = 0.0;
@@ -91,7 +91,7 @@ TEST(Radio, NothingArrivesInTheTickInWhichItIsPosted) {
   EXPECT_EQ(network.inboxes[1].size(), 1U);
 }
 
-TEST(Radio, ASenderTransmitsOneMessageAfterTheOther) {
+TEST(Radio, TransmitsSequentiallyPerSender) {
   Network network(plain_radio(), 3);
   network.post(0, {message("a", 50), message("b", 30)});
   network.post(2, {message("c", 60)});  // another sender does not wait
@@ -106,7 +106,7 @@ TEST(Radio, ASenderTransmitsOneMessageAfterTheOther) {
   EXPECT_EQ(inbox[2].received, 85'000'000);
 }
 
-TEST(Radio, EqualArrivalsComeInTheOrderOfSenders) {
+TEST(Radio, BreaksArrivalTiesBySenderOrder) {
   Network network(plain_radio(), 4);
   network.post(2, {message("x", 40)});
   network.post(0, {message("x", 40)});
@@ -118,7 +118,7 @@ TEST(Radio, EqualArrivalsComeInTheOrderOfSenders) {
   EXPECT_EQ(network.inboxes[1][2].from, 3);
 }
 
-TEST(Radio, BroadcastReachesEverybodyElseAndUnicastOneOnly) {
+TEST(Radio, BroadcastReachesOthersAndUnicastOne) {
   Network network(plain_radio(), 3);
   network.post(0, {message("all", 40), message("one", 40, 2), message("self", 40, 0)});
   network.ticks(50);
@@ -128,7 +128,7 @@ TEST(Radio, BroadcastReachesEverybodyElseAndUnicastOneOnly) {
   EXPECT_THROW(network.post(0, {message("nobody", 40, 3)}), std::invalid_argument);
 }
 
-TEST(Radio, LossesAreIndependentAndAtTheStatedRate) {
+TEST(Radio, LosesMessagesIndependentlyAtStatedRate) {
   RadioConfig config = plain_radio();
   config.rate_kbps = 1e6;
   config.loss_probability = 0.2;
@@ -148,7 +148,7 @@ TEST(Radio, LossesAreIndependentAndAtTheStatedRate) {
   EXPECT_NEAR(both / static_cast<double>(n), 0.64, share_bound(0.64, n));
 }
 
-TEST(Radio, JitterIsTheAbsoluteValueOfANormal) {
+TEST(Radio, DrawsJitterFromHalfNormal) {
   RadioConfig config = plain_radio();
   config.rate_kbps = 1e6;
   config.jitter_s = 0.01;
@@ -170,7 +170,7 @@ TEST(Radio, JitterIsTheAbsoluteValueOfANormal) {
 }
 
 // A message of zero duration still arrives after earlier ones.
-TEST(Radio, EvenTheShortestMessageTakesANanosecond) {
+TEST(Radio, TakesAtLeastOneNanosecond) {
   RadioConfig config;
   config.rate_kbps = 1e12;
   config.delay_s = config.jitter_s = 0.0;
@@ -182,7 +182,7 @@ TEST(Radio, EvenTheShortestMessageTakesANanosecond) {
   EXPECT_EQ(network.inboxes[1][1].received, 2);
 }
 
-TEST(Radio, NobodyHearsBeyondTheRange) {
+TEST(Radio, DeliversNothingBeyondRange) {
   RadioConfig config = plain_radio();
   config.range_m = 50.0;
   Network network(config, 3);
@@ -195,7 +195,7 @@ TEST(Radio, NobodyHearsBeyondTheRange) {
   EXPECT_EQ(network.radio.statistics().out_of_range, 1U);
 }
 
-TEST(Radio, AWallBlocksWhereLineOfSightIsNeeded) {
+TEST(Radio, RequiresLineOfSightWhenConfigured) {
   TestScene wall;
   wall.add_box({5, -1, 0}, {6, 1, 10});
   const auto world = std::make_shared<const StaticScene>(wall.scene());
@@ -214,7 +214,7 @@ TEST(Radio, AWallBlocksWhereLineOfSightIsNeeded) {
   }
 }
 
-TEST(Radio, AQueuedMessageIsHeardFromWhereItsSenderIsWhenItStarts) {
+TEST(Radio, UsesSenderPositionAtTransmissionStart) {
   RadioConfig config = plain_radio();
   config.range_m = 50.0;
   Network network(config);
@@ -228,7 +228,7 @@ TEST(Radio, AQueuedMessageIsHeardFromWhereItsSenderIsWhenItStarts) {
   EXPECT_EQ(network.inboxes[1][0].topic, "first");
 }
 
-TEST(Radio, AFullQueueDropsTheOldestThatWaits) {
+TEST(Radio, DropsOldestWaitingMessageWhenFull) {
   RadioConfig config = plain_radio();
   config.queue_limit_kB = 0.1;
   Network network(config);
@@ -263,7 +263,7 @@ TEST(Radio, CountsTrafficByTopic) {
   EXPECT_EQ(network.radio.statistics().bytes_sent, topics[0].bytes + topics[1].bytes);
 }
 
-TEST(Radio, DoesNotAllocateWhenMessagesAreRecycled) {
+TEST(Radio, DoesNotAllocateForRecycledMessages) {
   Network network(RadioConfig{}, 3);
   const std::vector<Message> messages = {message("odometry", 700), message("path", 400, 1)};
   std::uint64_t before = 0;
@@ -281,7 +281,7 @@ TEST(Radio, DoesNotAllocateWhenMessagesAreRecycled) {
   EXPECT_GT(num_received, 2000U);
 }
 
-TEST(Radio, AnotherVehicleChangesNothingBetweenTheOthers) {
+TEST(Radio, IsUnaffectedByAdditionalVehicle) {
   RadioConfig config;
   config.loss_probability = 0.3;
   config.jitter_s = 0.01;

@@ -198,7 +198,7 @@ void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) 
   }
 }
 
-TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
+TEST(ExactHits, MatchBruteForceDespiteEmbreeRounding) {
   const Mesh mesh = hard_mesh();
   expect_what_a_search_finds(mesh, hard_rays(mesh));
 }
@@ -296,12 +296,12 @@ std::vector<Ray> rays_at_meetings(const Mesh& mesh) {
   return rays;
 }
 
-TEST(ExactHits, WhereSurfacesCrossTouchOrCoverEachOtherAreThoseOfASearch) {
+TEST(ExactHits, MatchBruteForceWhereSurfacesMeet) {
   const Mesh mesh = meeting_surfaces();
   expect_what_a_search_finds(mesh, rays_at_meetings(mesh));
 }
 
-TEST(ExactHits, OfAVehicleWithinAWallHaveTheSameBitsUnderEveryInstructionSet) {
+TEST(ExactHits, MatchAcrossInstructionSetsWithinWall) {
   Mesh wall;
   wall.vertices_mesh_m = {{3, -5, -5}, {3.2F, 5, -5}, {3.2F, 5, 5}, {3, -5, 5}};
   wall.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -357,7 +357,7 @@ TEST(ExactHits, OfAVehicleWithinAWallHaveTheSameBitsUnderEveryInstructionSet) {
   }
 }
 
-TEST(ExactHits, InAForestHaveTheSameBitsUnderEveryInstructionSet) {
+TEST(ExactHits, MatchAcrossInstructionSetsInForest) {
   ForestConfig forest;
   forest.size_m = {20.0, 20.0};
   const Scene description = make_forest(forest, 4);
@@ -385,7 +385,7 @@ TEST(ExactHits, InAForestHaveTheSameBitsUnderEveryInstructionSet) {
   EXPECT_GT(hits, 10000);
 }
 
-TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
+TEST(ExactHits, LetNoRayThroughClosedSurfaces) {
   // A ball of triangles, seen from within: at its corners, along its edges, anywhere.
   Mesh mesh;
   constexpr int kRings = 24, kSides = 36;
@@ -424,7 +424,7 @@ TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
   }
 }
 
-TEST(ExactHits, ASurfaceSeenEdgeOnIsNotMet) {
+TEST(ExactHits, MissSurfacesSeenEdgeOn) {
   Mesh mesh;
   mesh.vertices_mesh_m = {{1, -5, 0}, {21, -5, 0}, {21, 5, 0}, {1, 5, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};

@@ -51,7 +51,7 @@ double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b
   return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
 }
 
-TEST(StaticScene, APlaneAtFiveMetersIsFiveMetersAwayAlongItsNormal) {
+TEST(StaticScene, MeasuresPlaneDistanceAlongItsNormal) {
   TestScene builder;
   builder.add_wall({5, -50, -50}, {5, 50, -50}, {5, 50, 50}, {5, -50, 50}, SurfaceClass::kWall, 3);
   const StaticScene scene(builder.scene());
@@ -78,7 +78,7 @@ TEST(StaticScene, OcclusionLooksStrictlyBetweenTheEnds) {
   EXPECT_FALSE(scene.occluded({5, 0, 0}, {9, 1, 2})) << "a start on the surface";
 }
 
-TEST(StaticScene, NearestSurfaceIsThatOfBruteForce) {
+TEST(StaticScene, MatchesBruteForceNearestSurface) {
   const Scene soup = triangle_soup(500);
   const StaticScene scene(soup);
   const Random random(5, "test.query");
@@ -100,7 +100,7 @@ TEST(StaticScene, NearestSurfaceIsThatOfBruteForce) {
   }
 }
 
-TEST(StaticScene, NoTriangleThatTouchesABoxIsMissed) {
+TEST(StaticScene, FindsEveryTriangleTouchingBox) {
   const Scene soup = triangle_soup(500);
   const StaticScene scene(soup);
   const auto& mesh = soup.meshes[0];
@@ -140,7 +140,7 @@ TEST(StaticScene, NothingEscapesAClosedRoom) {
   }
 }
 
-TEST(StaticScene, AnInstanceLiesWhereItsTransformPutsIt) {
+TEST(StaticScene, PlacesInstancesByTheirTransform) {
   TestScene builder;
   builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kRack, 4);
   Scene scene = builder.scene();

@@ -94,7 +94,7 @@ void meet_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleI
   }
 }
 
-TEST(SweepDefinition, BeamsMeetWhatAWalkThroughAllTrianglesFinds) {
+TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
   TestScene world;
   world.add_box({-20, -20, -4}, {20, 20, 9}, SurfaceClass::kWall, 5, 0);
   world.add_box({4.5F, -2, -1}, {5, -1, 1}, SurfaceClass::kPillar, 6, world.add_material(0.5F));
@@ -216,7 +216,7 @@ struct Plate {
 
 // Embree errs by 5e-7 of the range and of the triangle's size, beside a meter, at most. Triangles are enlarged by a
 // margin; seen along the ray it must be more than that.
-TEST(ExactHits, ATriangleIsSeenWhereItsMarginIsMoreThanTheTracerErrs) {
+TEST(ExactHits, SeesTrianglesWiderThanTracerError) {
   for (const auto& [side_m, x_m] :
        {std::pair{0.01, 0.0}, std::pair{0.05, 0.0}, std::pair{0.3, 0.0}, std::pair{4.0, 0.0}, std::pair{40.0, 0.0},
         std::pair{0.05, 1000.0}, std::pair{0.1, 3000.0}}) {
@@ -235,7 +235,7 @@ TEST(ExactHits, ATriangleIsSeenWhereItsMarginIsMoreThanTheTracerErrs) {
   }
 }
 
-TEST(ExactHits, APlaneIsLeftByATenthOfAMillimeterBeforeItIsMet) {
+TEST(ExactHits, IgnoresPlaneWithinTenthOfMillimeter) {
   const Plate plate(1.0);
   const auto meets = [&](double height_m) {
     return plate.scene->trace(plate.center_m + height_m * Vector3::UnitZ(), -Vector3::UnitZ(), 10.0).range_m > 0.0F;
@@ -245,7 +245,7 @@ TEST(ExactHits, APlaneIsLeftByATenthOfAMillimeterBeforeItIsMet) {
   EXPECT_FALSE(meets(-0.1));
 }
 
-TEST(StaticScene, TheEndsOfASightMayLieOnSurfaces) {
+TEST(StaticScene, AllowsSightlineEndsOnSurfaces) {
   const Plate plate(1.0);
   const auto blocked = [&](double above_m, double below_m) {
     return plate.scene->occluded(plate.center_m + above_m * Vector3::UnitZ(),
@@ -258,7 +258,7 @@ TEST(StaticScene, TheEndsOfASightMayLieOnSurfaces) {
 }
 
 // The boxes of triangles, with a hair of slack, and no others.
-TEST(StaticScene, TrianglesNearABoxAreThoseWhoseBoxesTouchIt) {
+TEST(StaticScene, SelectsTrianglesByTouchingBoundingBoxes) {
   const Random random(2, "test.boxes");
   TestScene builder;
   std::vector<Eigen::AlignedBox3d> bounds;
@@ -301,7 +301,7 @@ TEST(StaticScene, TrianglesNearABoxAreThoseWhoseBoxesTouchIt) {
   }
 }
 
-TEST(StaticScene, OfEquallyNearSurfacesTheFirstInTheSceneIsTheNearest) {
+TEST(StaticScene, PrefersFirstOfEquallyNearSurfaces) {
   TestScene builder;
   for (std::uint16_t i = 1; i <= 6; ++i) builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kObject, i);
   const StaticScene scene(builder.scene());
@@ -313,7 +313,7 @@ TEST(StaticScene, OfEquallyNearSurfacesTheFirstInTheSceneIsTheNearest) {
   }
 }
 
-TEST(StaticScene, AWorldOfMoreThanABillionTrianglesIsRefused) {
+TEST(StaticScene, RefusesMoreThanBillionTriangles) {
   Scene scene;
   Mesh mesh;
   mesh.vertices_mesh_m.resize(3, Eigen::Vector3f::Zero());
@@ -323,7 +323,7 @@ TEST(StaticScene, AWorldOfMoreThanABillionTrianglesIsRefused) {
   EXPECT_THROW(StaticScene{scene}, std::invalid_argument);
 }
 
-TEST(StaticScene, AVertexThatIsNowhereIsRefused) {
+TEST(StaticScene, RefusesNonFiniteVertices) {
   TestScene builder;
   builder.add_mesh({{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<float>::infinity(), 0}}, {{0, 1, 2}},
                    SurfaceClass::kObject, 0, 0);

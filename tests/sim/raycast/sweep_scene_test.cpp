@@ -64,7 +64,7 @@ std::vector<Firing> firings_every(double step_s) {
   return firings;
 }
 
-TEST(SweepScene, EachBeamMeetsAVehicleWhereItIsAtThatInstant) {
+TEST(SweepScene, MeetsVehiclesAtEachBeamsInstant) {
   SweepScene scene(nothing(), {point(), plate()}, 0, Pose::Identity(), 100.0);
   StateHistory history(2, 300);
   for (TimeNs t = 0; t <= 200 * kMs; t += kMs) {
@@ -92,7 +92,7 @@ TEST(SweepScene, EachBeamMeetsAVehicleWhereItIsAtThatInstant) {
   for (const float range : hits.range_m) EXPECT_NEAR(range, 11.0, 1e-5);
 }
 
-TEST(SweepScene, EachBeamStartsWhereTheSensorIsAtThatInstant) {
+TEST(SweepScene, StartsBeamsFromInstantaneousSensorPose) {
   TestScene world;
   world.add_wall({30, -50, -50}, {30, 50, -50}, {30, 50, 50}, {30, -50, 50}, SurfaceClass::kWall, 9);
   const Pose T_body_lidar = make_pose({0.1, 0, 0.2}, Eigen::Quaterniond::Identity());
@@ -118,7 +118,7 @@ TEST(SweepScene, EachBeamStartsWhereTheSensorIsAtThatInstant) {
   }
 }
 
-TEST(SweepScene, ATurningVehicleIsMetAsItIsTurned) {
+TEST(SweepScene, MeetsTurningVehicleInCurrentAttitude) {
   SweepScene scene(nothing(), {point(), plate(2.0F)}, 0, Pose::Identity(), 100.0);
   StateHistory history(2, 300);
   for (TimeNs t = 0; t <= 100 * kMs; t += kMs) {
@@ -137,7 +137,7 @@ TEST(SweepScene, ATurningVehicleIsMetAsItIsTurned) {
   }
 }
 
-TEST(SweepScene, TheNearestOfWorldAndVehiclesIsMet) {
+TEST(SweepScene, MeetsNearestOfWorldAndVehicles) {
   TestScene world;
   world.add_wall({12, -50, -50}, {12, 50, -50}, {12, 50, 50}, {12, -50, 50});
   for (const double x : {10.0, 14.0}) {
@@ -156,7 +156,7 @@ TEST(SweepScene, TheNearestOfWorldAndVehiclesIsMet) {
   }
 }
 
-TEST(SweepScene, RotorsAreMetWhereABladeIsAtThatInstant) {
+TEST(SweepScene, MeetsRotorBladesAtEachInstant) {
   const auto shape = rotor_only();
   const VehicleShape::RotorShape& rotor = shape->rotors[0];
   SweepScene scene(nothing(), {point(), shape}, 0, Pose::Identity(), 100.0);
@@ -222,7 +222,7 @@ TEST(SweepScene, RotorsAreMetWhereABladeIsAtThatInstant) {
               5.0 * std::sqrt(solidity * (1 - solidity) / num_inside));
 }
 
-TEST(SweepScene, OwnRotorsAreInTheWayWithTheirWholeDiscAndMetBladeByBlade) {
+TEST(SweepScene, TestsOwnRotorDiscsThenBlades) {
   const auto shape = rotor_only();
   SweepScene scene(nothing(), {shape}, 0, make_pose({0.2, 0.25, 1.0}, Eigen::Quaterniond::Identity()), 100.0);
   StateHistory history(1, 300);
@@ -247,7 +247,7 @@ TEST(SweepScene, OwnRotorsAreInTheWayWithTheirWholeDiscAndMetBladeByBlade) {
   }
 }
 
-TEST(SweepScene, TheOwnSensorHousingIsTransparentFromAboardOnly) {
+TEST(SweepScene, SeesThroughHousingFromAboardOnly) {
   auto shape = std::make_shared<VehicleShape>(*plate());
   shape->meshes[0].part = VehiclePart::kSensor;
   SweepScene scene(nothing(), {shape, shape}, 0, make_pose({-0.2, 0, 0}, Eigen::Quaterniond::Identity()), 100.0);

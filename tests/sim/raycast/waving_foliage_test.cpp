@@ -80,7 +80,7 @@ class Sweeper {
 };
 
 // The leaf's middle hangs at three quarters of the tree's height. It is met in the middle of the sweep.
-TEST(WavingFoliage, ALeafIsMetWhereTheClosedFormSaysTheTrunkWhereItStands) {
+TEST(WavingFoliage, MatchesClosedFormForLeaves) {
   const FoliageMotion motion(storm(), 42);
   for (const bool coherent : {true, false}) {
     Sweeper leaves(one_tree(storm()), {0.0, 0.0, 6.0}, coherent), trunk(one_tree(storm()), {0.0, 0.0, 2.0}, coherent);
@@ -102,7 +102,7 @@ TEST(WavingFoliage, ALeafIsMetWhereTheClosedFormSaysTheTrunkWhereItStands) {
   }
 }
 
-TEST(WavingFoliage, WithoutWindLeavesAreWhereTheyHang) {
+TEST(WavingFoliage, HangsStillWithoutWind) {
   Sweeper still(one_tree({}), {0.0, 0.0, 6.0});
   for (const TimeNs t : {TimeNs{0}, 7'300 * kOneMs}) {
     EXPECT_EQ(still.look(t, 100 * kOneMs, packet_along(Eigen::Vector3f::UnitX())).range_m[0], 10.0F);
@@ -146,7 +146,7 @@ Scene frozen_at(Scene scene, double t_s) {
   return scene;
 }
 
-TEST(WavingFoliage, AForestIsMetLikeOneThatHangsThere) {
+TEST(WavingFoliage, MatchesAForestFrozenInPlace) {
   ForestConfig config;
   config.size_m = {24.0, 24.0};
   config.surroundings_m = 0.0;

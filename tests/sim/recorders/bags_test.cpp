@@ -77,7 +77,7 @@ struct BagRecord {
   }
 };
 
-TEST(Rosbag, EveryIndexLeadsToItsMessagesAndEveryCountIsRight) {
+TEST(Rosbag, IndicesAndCountsMatchMessages) {
   const TemporaryDirectory directory;
   const auto file = directory.path() / "a.bag";
   RosbagWriter writer(file, false, 700);
@@ -156,7 +156,7 @@ struct McapRecord {
       : opcode(from.take<std::uint8_t>()), content(from.take(static_cast<std::size_t>(from.take<std::uint64_t>()))) {}
 };
 
-TEST(Mcap, TheSummaryLeadsToEveryChunkAndEveryMessage) {
+TEST(Mcap, SummaryLeadsToChunksAndMessages) {
   const TemporaryDirectory directory;
   const auto file = directory.path() / "a.mcap";
   McapWriter writer(file, {.profile = "", .library = "test", .compress = false, .chunk_bytes = 500});
@@ -221,7 +221,7 @@ TEST(Mcap, TheSummaryLeadsToEveryChunkAndEveryMessage) {
   EXPECT_GT(chunks, 2);
 }
 
-TEST(Mcap, AFileWithoutMessagesHasNoTimeAndNoChunk) {
+TEST(Mcap, EmptyFileHasNoChunk) {
   const TemporaryDirectory directory;
   const auto file = directory.path() / "a.mcap";
   McapWriter writer(file, {.profile = "", .library = "test"});

@@ -151,7 +151,7 @@ void expect_points_of(const LabeledScan& labeled, bool organized, const CloudFil
   EXPECT_EQ(k, file.points.size());
 }
 
-TEST(ScanFiles, EveryPointComesBackWithAllThatIsKnownOfItAndTheIndexTellsItsScan) {
+TEST(ScanFiles, PointsAndIndexRoundTrip) {
   for (const std::string format : {"pcd", "organized", "ply"}) {
     const TemporaryDirectory directory;
     SyntheticRun run(directory.path());
@@ -215,7 +215,7 @@ TEST(ScanFiles, EveryPointComesBackWithAllThatIsKnownOfItAndTheIndexTellsItsScan
   }
 }
 
-TEST(ScanFiles, WithoutAnEstimateTheIndexHasNoneAndAFrozenScanHasOnePose) {
+TEST(ScanFiles, IndexOmitsMissingEstimateAndMotion) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   PcdConfig config;
@@ -259,7 +259,7 @@ std::map<std::string, std::string> map_files(const MapConfig& config, int ticks)
   return files;
 }
 
-TEST(Maps, AreWrittenInTheFirstTickAtOrAfterTheirInstantsAndAtTheEnd) {
+TEST(Maps, AreWrittenAtInstantsAndEnd) {
   MapConfig config;
   config.vehicles = {"uav1"};
   config.maps = {"mapping"};
@@ -285,7 +285,7 @@ TEST(Maps, AreWrittenInTheFirstTickAtOrAfterTheirInstantsAndAtTheEnd) {
                                         "maps/uav-2_detector_end.ply", "maps/uav-2_mapping_end.ply"}));
 }
 
-TEST(Maps, HoldTheirVoxelsOrTheOccupiedOnes) {
+TEST(Maps, HoldAllOrOnlyOccupiedVoxels) {
   const MapVoxels map = made_up_maps().front();
   for (const bool occupied : {false, true}) {
     for (const MapConfig::Format format : {MapConfig::Format::kPly, MapConfig::Format::kPcd}) {
@@ -326,7 +326,7 @@ TEST(Maps, HoldTheirVoxelsOrTheOccupiedOnes) {
   }
 }
 
-TEST(Maps, OctreesAreOfTheirFormatAndAVehicleWithoutAnAgentHasNone) {
+TEST(Maps, WriteValidOctreesOnlyWithAgents) {
   for (const auto& [format, head] : {std::pair(MapConfig::Format::kOt, "# Octomap OcTree file"),
                                      std::pair(MapConfig::Format::kBt, "# Octomap OcTree binary file")}) {
     MapConfig config;
@@ -368,7 +368,7 @@ TEST(Events, AreALineOfJsonEach) {
             "\"position_m\":[0.0,0.0,0.0],\"note\":\"\"}\n");
 }
 
-TEST(Events, OfOtherVehiclesThanTheNamedAreLeftOutButNotThoseOfTheRun) {
+TEST(Events, KeepOnlyNamedVehiclesAndRun) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   EventsConfig config;
@@ -380,7 +380,7 @@ TEST(Events, OfOtherVehiclesThanTheNamedAreLeftOutButNotThoseOfTheRun) {
   EXPECT_THAT(bytes_of(directory.path() / "events.jsonl"), ::testing::StartsWith("{\"t_s\":0.09,\"kind\":\"end\""));
 }
 
-TEST(Tum, HoldsEachPoseOnceAndTheEstimateOfItsOwnTime) {
+TEST(Tum, HoldsEachPoseAndEstimateOnce) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   TumConfig config;
@@ -411,7 +411,7 @@ TEST(Tum, HoldsEachPoseOnceAndTheEstimateOfItsOwnTime) {
   EXPECT_EQ(split(bytes_of(directory.path() / "trajectories/uav-2.estimate.tum"), '\n').size(), 1U);
 }
 
-TEST(Tum, WithoutEstimatesThereIsNoFileForThem) {
+TEST(Tum, WithoutEstimatesOmitsTheirFile) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   TumConfig config;
@@ -484,7 +484,7 @@ TEST(Csv, RowsHoldWhatTheTickHolds) {
   EXPECT_EQ(names_in(directory.path() / "csv/uav1").size(), 0U);
 }
 
-TEST(Csv, NoTopicIsNoTableAndWhatNobodyMeasuredHasNoRow) {
+TEST(Csv, OmitsEmptyTablesAndUnmeasuredRows) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
@@ -507,7 +507,7 @@ TEST(Csv, NoTopicIsNoTableAndWhatNobodyMeasuredHasNoRow) {
   EXPECT_EQ(split(bytes_of(directory.path() / "csv/uav1/tracks.csv"), '\n').size(), 1U);
 }
 
-TEST(Csv, EveryTableIsListedOnceAndTheStateHasItsFirstRotor) {
+TEST(Csv, ListsTablesOnceWithFirstRotor) {
   std::set<std::string> names;
   for (const TableType& table : csv_tables()) {
     EXPECT_TRUE(names.insert(table.name).second) << table.name;
@@ -550,7 +550,7 @@ TEST(Mcap, TheLayoutShowsCloudsAndMarkers) {
 }
 
 /// Values of rmw's policies: history keep last, reliable; volatile, or transient local for late subscribers.
-TEST(Mcap, ALatchedTopicIsTransientLocalWithADepthOfOne) {
+TEST(Mcap, LatchedTopicIsTransientLocal) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   McapConfig config;

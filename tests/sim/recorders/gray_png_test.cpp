@@ -150,7 +150,7 @@ void expect_same(int width, int height, const std::vector<std::uint16_t>& gray) 
   }
 }
 
-TEST(GrayPng, IsReadByLibpngPixelForPixel) {
+TEST(GrayPng, MatchesLibpngPixelForPixel) {
   const Random random(1, "test");
   expect_same(1, 1, {0});
   expect_same(1, 1, {65535});
@@ -173,7 +173,7 @@ TEST(GrayPng, IsReadByLibpngPixelForPixel) {
   }
 }
 
-TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
+TEST(GrayPng, LimitsCodeLengthForSkewedCounts) {
   // Fibonacci numbers as counts give the longest Huffman codes: here 23 bits without a limit.
   std::vector<std::uint16_t> gray;
   std::uint16_t value = 0;
@@ -209,7 +209,7 @@ TEST(GrayPng, HasARunOfEveryLength) {
   }
 }
 
-TEST(GrayPng, NoisePicturesOfEverySizeFillTheirRoom) {
+TEST(GrayPng, EncodesNoisyImagesOfEverySize) {
   const Random random(3, "test");
   GrayPng once;  // keeps its memory, and may not take old bytes for new ones
   for (int width = 1; width <= 40; ++width) {
@@ -224,7 +224,7 @@ TEST(GrayPng, NoisePicturesOfEverySizeFillTheirRoom) {
   }
 }
 
-TEST(GrayPng, MakesNoisyRangesSmallerThanTheyAre) {
+TEST(GrayPng, CompressesNoisyRanges) {
   const Random random(1, "test");
   std::vector<std::uint16_t> ranges(1024 * 128);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -237,7 +237,7 @@ TEST(GrayPng, MakesNoisyRangesSmallerThanTheyAre) {
             0.55 * 2.0 * static_cast<double>(ranges.size()));
 }
 
-TEST(GrayPng, RefusesASizeThatDoesNotFit) {
+TEST(GrayPng, RefusesMismatchedSizes) {
   GrayPng encoder;
   EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(3)), std::invalid_argument);
   EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(5)), std::invalid_argument);

@@ -39,7 +39,7 @@ TEST(RosTypes, HaveTheFingerprintsThatRosKnows) {
   EXPECT_EQ(ros1_fingerprint(kMarkerArray), "d155b9ce5188fbaf89745847fd5882d7");
 }
 
-TEST(RosTypes, WhatRosHasNoTypeForIsARowOfColumns) {
+TEST(RosTypes, FallBackToRowsOfColumns) {
   const RosType type = row_type("neighbors", columns_of<NeighborSample>());
   EXPECT_EQ(full_name(type, RosDialect::kRos1), "swiftlet_msgs/Neighbors");
   const std::string ros1 = full_definition(type, RosDialect::kRos1), ros2 = full_definition(type, RosDialect::kRos2);
@@ -68,7 +68,7 @@ TEST(Md5, IsThatOfTheRfc) {
   EXPECT_EQ(md5(every), "e2c865db4162bed963bfaa9ef6ac18f0");
 }
 
-TEST(RateGate, OpensOnceAPeriodWhateverTheTick) {
+TEST(RateGate, OpensOncePerPeriod) {
   RateGate gate(25.0);  // every 40 ms, ticks of 15 ms
   std::vector<TimeNs> taken;
   for (TimeNs t = 0; t <= 150'000'000; t += 15'000'000) {
@@ -83,7 +83,7 @@ TEST(RateGate, TakesEveryTickAtRateZero) {
   EXPECT_TRUE(gate.due(1));
 }
 
-TEST(Selection, TakesAllVehiclesWhenNoneIsNamed) {
+TEST(Selection, DefaultsToAllVehicles) {
   EXPECT_THAT(select_vehicles({}, {"a", "b"}), ElementsAre(true, true));
   EXPECT_THAT(select_vehicles({"b"}, {"a", "b"}), ElementsAre(false, true));
 }
@@ -122,7 +122,7 @@ TEST(PoseHistory, TakesOnlyWhatIsNewer) {
   EXPECT_DOUBLE_EQ(history.at(175).translation().x(), 17.5);
 }
 
-TEST(PoseHistory, ForgetsWhatIsOlderThanAnySweep) {
+TEST(PoseHistory, ForgetsPosesOlderThanAnySweep) {
   PoseHistory history;
   for (int second = 0; second <= 10; ++second) {
     history.push(second * kNsPerSecond, make_pose({1.0 * second, 0, 0}, Eigen::Quaterniond::Identity()));
@@ -136,7 +136,7 @@ std::vector<int> ints(std::span<const std::byte> bytes) {
   return out;
 }
 
-TEST(RosEncoder, AlignsNumbersInCdrButNotInRos1) {
+TEST(RosEncoder, AlignsNumbersOnlyInCdr) {
   // Written by hand: CDR header, text "a" with its zero, padding to 4, a uint16, padding to 8 after the header, a
   // uint64.
   RosEncoder cdr(RosDialect::kRos2);
@@ -168,7 +168,7 @@ TEST(RosEncoder, CountsNanosecondsUpwardsBeforeZero) {
   EXPECT_EQ(nanoseconds, 750'000'000U);
 }
 
-TEST(RosEncoder, Ros1HasNoTimeBeforeZeroAndBothSplitTimesAtTheSecond) {
+TEST(RosEncoder, SplitsTimesClampingNegativesInRos1) {
   const auto words_of = [](RosDialect dialect, TimeNs t) {
     RosEncoder encoder(dialect);
     encoder.begin();
@@ -219,7 +219,7 @@ TEST(Geodesy, GoesThereAndBack) {
   }
 }
 
-TEST(Geodesy, EastAndNorthHaveTheEllipsoidsCurvature) {
+TEST(Geodesy, AppliesEllipsoidCurvatureEastAndNorth) {
   // Radii of curvature at 45 deg (closed form): meridian M = a (1 - e^2) / W^3, prime vertical N = a / W.
   const double e2 = 0.00669437999014132, w = std::sqrt(1 - e2 / 2);
   const double m = 6378137.0 * (1 - e2) / (w * w * w), n = 6378137.0 / w;
@@ -230,7 +230,7 @@ TEST(Geodesy, EastAndNorthHaveTheEllipsoidsCurvature) {
   EXPECT_NEAR(geodetic_of_world({0, 0, 30}, datum).altitude_m, 30, 1e-8);
 }
 
-TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
+TEST(RosPoints, MeasureOusterRangesFromTheAxis) {
   // Two beams that start 27.67 mm off the axis, 10 m long; one of them without return.
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
@@ -262,7 +262,7 @@ Number number_at(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
-TEST(RosPoints, TheSmallLayoutHasReturnsAloneAndRoundsThemToItsStep) {
+TEST(RosPoints, SmallLayoutHoldsOnlyRoundedReturns) {
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
   beams->cols = 3;
@@ -289,7 +289,7 @@ TEST(RosPoints, TheSmallLayoutHasReturnsAloneAndRoundsThemToItsStep) {
 }
 
 // Offsets of the fields as the makers' drivers publish them.
-TEST(RosPoints, TheLayoutsOfTheMakersHaveEveryPointWithItsRowAndTime) {
+TEST(RosPoints, VendorLayoutsHoldRowsAndTimes) {
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 2;
   beams->cols = 3;
@@ -330,7 +330,7 @@ TEST(RosPoints, TheLayoutsOfTheMakersHaveEveryPointWithItsRowAndTime) {
   EXPECT_EQ(std::count(lines.begin(), lines.end(), 1), 3);
 }
 
-TEST(RosMarkers, AWorldIsTrianglesByMaterialWhereItsInstancesStand) {
+TEST(RosMarkers, GroupWorldTrianglesByMaterial) {
   Scene scene;
   scene.materials = {{.name = "nothing"}, {.name = "wall", .color_rgb = {0.25F, 0.5F, 0.75F}}};
   Mesh mesh;
@@ -359,7 +359,7 @@ TEST(RosMarkers, AWorldIsTrianglesByMaterialWhereItsInstancesStand) {
   EXPECT_EQ(number_at<double>(bytes, points + 4 + 4 * 24), 11.0) << "the second corner of the second one";
 }
 
-TEST(RosMarkers, AVehicleMovesWithItsFrameAndARotorIsADisc) {
+TEST(RosMarkers, FollowVehicleFramesWithRotorDiscs) {
   VehicleShape shape;
   shape.materials = {{.name = "frame"}};
   VehicleShape::RotorShape rotor;
@@ -381,7 +381,7 @@ TEST(RosMarkers, AVehicleMovesWithItsFrameAndARotorIsADisc) {
   }
 }
 
-TEST(RosPoints, ReflectivityIsLinearUpToWhiteAndLogarithmicBeyond) {
+TEST(RosPoints, ScaleReflectivityLinearlyThenLogarithmically) {
   for (const int white : {100, 150}) {
     for (float reflectivity = 1e-3F; reflectivity < 1e4F; reflectivity *= 1.0137F) {
       const double beyond = std::min(std::log10(static_cast<double>(reflectivity)) / 3.0, 1.0);

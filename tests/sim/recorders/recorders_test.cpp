@@ -65,7 +65,7 @@ TEST(Recorders, EveryTypeRecordsWithItsDefaults) {
   }
 }
 
-TEST(Recorders, TheSameRunGivesTheSameBytes) {
+TEST(Recorders, WriteIdenticalBytesForIdenticalRuns) {
   for (const char* type : recorders_of_any_run()) {
     std::vector<std::string> contents[2];
     for (auto& content : contents) {
@@ -146,7 +146,7 @@ TEST(Recorders, EveryTypeWorksWhenNothingHappens) {
   }
 }
 
-TEST(Recorders, AFullDiskIsAnErrorThatNamesTheFile) {
+TEST(Recorders, NameFileOnAFullDisk) {
   const std::pair<const char*, const char*> files[] = {{"tum", "trajectories/uav1.tum"},
                                                        {"csv", "csv/uav1/state.csv"},
                                                        {"events", "events.jsonl"},
@@ -170,7 +170,7 @@ TEST(Recorders, AFullDiskIsAnErrorThatNamesTheFile) {
   }
 }
 
-TEST(Recorders, WriteOnlyTheVehiclesThatAreNamed) {
+TEST(Recorders, WriteOnlyTheNamedVehicles) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   TumConfig config;
@@ -192,7 +192,7 @@ TEST(Tum, WritesAtTheGivenRate) {
   EXPECT_EQ(lines_of(directory.path() / "trajectories/uav1.estimate.tum").size(), 1U + 6U);
 }
 
-TEST(Csv, EveryRowHasAsManyFieldsAsTheHeader) {
+TEST(Csv, HasHeaderFieldsInEveryRow) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
@@ -208,7 +208,7 @@ TEST(Csv, EveryRowHasAsManyFieldsAsTheHeader) {
 }
 
 /// Column names used by other programs: renaming or moving a field changes the format.
-TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
+TEST(Csv, NamesColumnsByFieldAndUnit) {
   const std::string covariance = "cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
   const std::string pose = "x_m,y_m,z_m,qx,qy,qz,qw", velocity = "vx_mps,vy_mps,vz_mps";
   const std::string rate = "omega_x_radps,omega_y_radps,omega_z_radps";
@@ -251,7 +251,7 @@ TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
   }
 }
 
-TEST(Csv, ASeriesOfTheWholeRunHasAFileWhenItHasARow) {
+TEST(Csv, WritesRunSeriesOnlyWithRows) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
@@ -265,7 +265,7 @@ TEST(Csv, ASeriesOfTheWholeRunHasAFileWhenItHasARow) {
   EXPECT_EQ(lines_of(directory.path() / "csv/uav1/spread.csv").size(), 1U);
 }
 
-TEST(Csv, AMessageOfANewerProgramIsListedButNotRead) {
+TEST(Csv, ListsNewerMessagesWithoutReadingThem) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
@@ -278,7 +278,7 @@ TEST(Csv, AMessageOfANewerProgramIsListedButNotRead) {
   EXPECT_THAT(read[1], HasSubstr(",uav-2,"));
 }
 
-TEST(Csv, ATableThatNobodyMakesIsRefused) {
+TEST(Csv, RefusesTablesWithoutASource) {
   CsvConfig config;
   config.topics = {"imu", "scores", "weather"};
   test::CheckingVisitor refused;
@@ -373,7 +373,7 @@ float x_in_frame(ScanFilesConfig::Frame frame, double offset_m) {
   return x;
 }
 
-TEST(ScanFiles, FramesAreTheLidarTheTrueWorldAndTheEstimatedWorld) {
+TEST(ScanFiles, SupportLidarWorldAndEstimatedFrames) {
   EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kLidar, 0.25), 5.0F);
   // the vehicle has flown 0.5 m when the beam fires
   EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorld, 0.25), 5.5F);
@@ -381,7 +381,7 @@ TEST(ScanFiles, FramesAreTheLidarTheTrueWorldAndTheEstimatedWorld) {
                   5.75F);  // estimated 0.25 m further ahead
 }
 
-TEST(Csv, TwoRecordersOfTheSameFilesAreRefused) {
+TEST(Csv, RefusesTwoRecordersOfSameFiles) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   const auto first = make_recorder(Module(recorder_module_types(), "csv"));
@@ -391,7 +391,7 @@ TEST(Csv, TwoRecordersOfTheSameFilesAreRefused) {
 }
 
 /// Bytes that the open recorder has written so far must grow with the run, so that its memory does not.
-TEST(Recorders, BagsAreWrittenWhileTheRunGoesOn) {
+TEST(Recorders, WriteBagsDuringTheRun) {
   for (const char* type : {"mcap", "rosbag"}) {
     const TemporaryDirectory directory;
     SyntheticRun run(directory.path());

@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, RosPointsOfScans,
                          ::testing::Combine(::testing::Values(1, 4, 7), ::testing::Bool(),
                                             ::testing::Values(0.0F, 0.25F)));
 
-TEST_P(RosPointsOfScans, OustersAreRowsOfColumnsWithGapsAsZeros) {
+TEST_P(RosPointsOfScans, OusterKeepsRowsWithZeroGaps) {
   const Cloud cloud(scan, PointsLayout::kOuster, step_m);
   EXPECT_EQ(cloud.layout_of, (decltype(cloud.layout_of){{"x", 0, 7},
                                                         {"y", 4, 7},
@@ -178,7 +178,7 @@ TEST_P(RosPointsOfScans, OustersAreRowsOfColumnsWithGapsAsZeros) {
   expect_points(cloud, expected);
 }
 
-TEST_P(RosPointsOfScans, LivoxesAreOneRowInOrderOfTimeWithGapsAsZeros) {
+TEST_P(RosPointsOfScans, LivoxOrdersOneRowByTime) {
   const Cloud cloud(scan, PointsLayout::kLivox, step_m);
   EXPECT_EQ(cloud.layout_of, (decltype(cloud.layout_of){{"x", 0, 7},
                                                         {"y", 4, 7},
@@ -203,7 +203,7 @@ TEST_P(RosPointsOfScans, LivoxesAreOneRowInOrderOfTimeWithGapsAsZeros) {
             static_cast<double>(scan.time_of(in_order_of_time(scan).back())));
 }
 
-TEST_P(RosPointsOfScans, VelodynesAreReturnsInOrderOfTimeWithRingsFromBelow) {
+TEST_P(RosPointsOfScans, VelodyneSortsByTimeWithRings) {
   const Cloud cloud(scan, PointsLayout::kVelodyne, step_m);
   EXPECT_EQ(cloud.layout_of,
             (decltype(cloud.layout_of){
@@ -221,7 +221,7 @@ TEST_P(RosPointsOfScans, VelodynesAreReturnsInOrderOfTimeWithRingsFromBelow) {
   expect_points(cloud, expected);
 }
 
-TEST_P(RosPointsOfScans, SmallOnesAreReturnsInTheOrderOfTheScan) {
+TEST_P(RosPointsOfScans, SmallLayoutKeepsScanOrder) {
   const Cloud cloud(scan, PointsLayout::kSmall, step_m);
   EXPECT_EQ(cloud.layout_of, (decltype(cloud.layout_of){{"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}, {"intensity", 12, 7}}));
   EXPECT_EQ(cloud.step, 16U);
@@ -235,7 +235,7 @@ TEST_P(RosPointsOfScans, SmallOnesAreReturnsInTheOrderOfTheScan) {
   expect_points(cloud, expected);
 }
 
-TEST(RosPoints, TheMakerIsGuessedByTheNumberOfRows) {
+TEST(RosPoints, InferVendorFromRowCount) {
   const auto step_of = [](int rows) { return Cloud(scan_of(rows, 2, false), PointsLayout::kAuto, 0.0F).step; };
   for (const int rows : {1, 3, 5, 15, 17, 31, 33, 64, 128}) EXPECT_EQ(step_of(rows), 48U) << rows;
   EXPECT_EQ(step_of(4), 26U);
@@ -243,7 +243,7 @@ TEST(RosPoints, TheMakerIsGuessedByTheNumberOfRows) {
   EXPECT_EQ(step_of(32), 22U);
 }
 
-TEST(RosPoints, TheBytesOfACloudAreTheSameInBothDialects) {
+TEST(RosPoints, HaveEqualBytesInBothDialects) {
   const Scan scan = scan_of(4, 6, true);
   for (const PointsLayout layout :
        {PointsLayout::kOuster, PointsLayout::kLivox, PointsLayout::kVelodyne, PointsLayout::kSmall}) {
@@ -253,7 +253,7 @@ TEST(RosPoints, TheBytesOfACloudAreTheSameInBothDialects) {
   }
 }
 
-TEST(RosPoints, AFrozenScanIsOfOneInstant) {
+TEST(RosPoints, GiveFrozenScansOneInstant) {
   Scan scan = scan_of(4, 6, true);
   scan.duration = 0;
   for (const Point& point : Cloud(scan, PointsLayout::kLivox, 0.0F).points)

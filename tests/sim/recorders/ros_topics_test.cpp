@@ -136,7 +136,7 @@ class RosTopicsTest : public ::testing::TestWithParam<RosDialect> {};
 INSTANTIATE_TEST_SUITE_P(Dialects, RosTopicsTest, ::testing::Values(RosDialect::kRos1, RosDialect::kRos2),
                          [](const auto& dialect) { return dialect.param == RosDialect::kRos1 ? "Ros1" : "Ros2"; });
 
-TEST_P(RosTopicsTest, EachTickSendsWhatItHoldsAndNothingElse) {
+TEST_P(RosTopicsTest, SendsExactlyWhatEachTickHolds) {
   RosConfig config = config_of(kAllTopics);
   config.rate_hz = 50.0;  // every second tick
   RosRun run(config, GetParam());
@@ -308,7 +308,7 @@ TEST_P(RosTopicsTest, SamplesAreThoseOfTheTick) {
   }
 }
 
-TEST_P(RosTopicsTest, EventsAndSeriesTellWhomTheyAreAbout) {
+TEST_P(RosTopicsTest, NamesSubjectsOfEventsAndSeries) {
   RosRun run(config_of({"events", "scores", "spread"}), GetParam());
   for (int k = 0; k <= 9; ++k) {
     const TickView& view = run.tick();
@@ -345,7 +345,7 @@ double timestamp_of(const RosReading& cloud, std::size_t point) {
   return timestamp;
 }
 
-TEST_P(RosTopicsTest, EveryTimeCountsFromTheStartTime) {
+TEST_P(RosTopicsTest, CountsTimeFromStartTime) {
   constexpr TimeNs kStart = 1'700'000'000 * kNsPerSecond;
   RosConfig config = config_of(kAllTopics);
   config.rate_hz = 0.0;
@@ -380,7 +380,7 @@ TEST_P(RosTopicsTest, EveryTimeCountsFromTheStartTime) {
     EXPECT_TRUE(compared.contains(what)) << what;
 }
 
-TEST(RosNames, AreLettersDigitsAndUnderscoresAndMustStayApart) {
+TEST(RosNames, AreAlphanumericAndDistinct) {
   EXPECT_EQ(ros_name("uav-1.b"), "uav_1_b");
   std::map<std::string, std::string> taken = {{"body", "body"}};
   EXPECT_EQ(expected_ros_name("uav1", taken), "");
@@ -485,7 +485,7 @@ TEST_P(RosTopicsTest, MarkersShowDetectionsAndTracks) {
   EXPECT_TRUE(turned_over) << "some axes were left-handed before";
 }
 
-TEST_P(RosTopicsTest, WorldAndVehiclesAreTrianglesInTheirFrames) {
+TEST_P(RosTopicsTest, SendsWorldAndVehiclesAsTriangles) {
   RosRun run(config_of({"world", "models"}), GetParam());
   run.tick();
   const RosReading world = run.sink.read_all("/world").at(0), model = run.sink.read_all("/uav_2/model").at(0);
@@ -529,7 +529,7 @@ TEST_P(RosTopicsTest, WorldAndVehiclesAreTrianglesInTheirFrames) {
   EXPECT_THAT(run.topics_sent(), IsEmpty()) << "once is enough";
 }
 
-TEST_P(RosTopicsTest, WhereLidarsSitIsToldWithTheirFirstScanAndStaysTold) {
+TEST_P(RosTopicsTest, LatchesLidarMountsWithFirstScan) {
   RosRun run(config_of({"points", "tf"}), GetParam());
   for (int k = 0; k < 10; ++k) run.tick();
   const TickView& view = run.tick();
@@ -553,7 +553,7 @@ TEST_P(RosTopicsTest, WhereLidarsSitIsToldWithTheirFirstScanAndStaysTold) {
   }
 }
 
-TEST(RosTopics, EachTopicComesWhenItIsAskedForAndElseDoesNot) {
+TEST(RosTopics, SendsOnlyRequestedTopics) {
   const std::pair<std::string, std::set<std::string>> all[] = {
       {"points", {"/uav1/os1/points", "/uav_2/mid360/points", "/uav_2/puck/points"}},
       {"world", {"/world"}},
@@ -581,7 +581,7 @@ TEST(RosTopics, EachTopicComesWhenItIsAskedForAndElseDoesNot) {
   }
 }
 
-TEST(RosTopics, AVehicleThatIsNotNamedIsLeftOutOfAllOfThem) {
+TEST(RosTopics, OmitsUnnamedVehiclesFromAllTopics) {
   RosConfig config = config_of(kAllTopics);
   config.vehicles = {"uav1"};
   RosRun run(config, RosDialect::kRos2);
@@ -600,7 +600,7 @@ TEST(RosTopics, AVehicleThatIsNotNamedIsLeftOutOfAllOfThem) {
   EXPECT_THAT(sent, Contains("/uav1/os1/points"));
 }
 
-TEST(RosTopics, EveryNthScanOfTheNamedLidarsIsSent) {
+TEST(RosTopics, SendsEveryNthNamedLidarScan) {
   RosConfig config = config_of({"points"});
   config.every = 2;
   config.sensors = {"puck", "os1"};
@@ -643,7 +643,7 @@ class OneTick {
   std::optional<RosTopics> topics_;
 };
 
-TEST(RosTopics, AnEstimateIsToldOnceAndOnlyIfThereIsOne) {
+TEST(RosTopics, SendsExistingEstimateExactlyOnce) {
   OneTick tick({"estimate", "tf", "detections", "tracks"});
   Action action;
   action.estimate.t = 0;
@@ -662,7 +662,7 @@ TEST(RosTopics, AnEstimateIsToldOnceAndOnlyIfThereIsOne) {
   EXPECT_THAT(tick.sink.read_all("/a/tracks"), IsEmpty());
 }
 
-TEST(RosTopics, ManyDetectionsAndTracksAreNumberedAndAFlatOneHasNoThickness) {
+TEST(RosTopics, NumbersMarkersAndClampsNegativeThickness) {
   OneTick tick({"detections", "tracks"});
   Action action;
   action.has_detections = action.has_tracks = true;
@@ -685,7 +685,7 @@ TEST(RosTopics, ManyDetectionsAndTracksAreNumberedAndAFlatOneHasNoThickness) {
   EXPECT_EQ(tracks.vector("markers[6].scale").minCoeff(), 0.0);
 }
 
-TEST(RosTopics, NamesKeepLettersAndDigitsAndHaveUnderscoresForAllElse) {
+TEST(RosTopics, ReplacesOtherCharactersWithUnderscores) {
   OneTick tick({"truth"}, {"azAZ09_", "`{@[/:-"});
   tick.write(0, nullptr);
   std::vector<std::string> topics;

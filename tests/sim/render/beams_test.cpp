@@ -64,7 +64,7 @@ double elevation_of(const BeamTable& beams, int i) {
 }
 
 /// Within a cell's size of the nearest beam, that one; farther from all of them, none.
-TEST(BeamLookup, OfAPatternWithoutRowsFindsTheNearestBeamOfAll) {
+TEST(BeamLookup, FindsTheNearestBeamWithoutRows) {
   for (const std::uint32_t count : {300U, 4000U}) {
     const Random random(count, "test.scattered");
     BeamTable beams;
@@ -111,7 +111,7 @@ Scan scan_with(const BeamTable& beams) {
   return scan;
 }
 
-TEST(RangeImage, WithoutRoomThereIsOnlyTheBar) {
+TEST(RangeImage, DrawsOnlyTheBarWithoutSpace) {
   Look look;
   look.text_px = 10.0F;
   NotedCanvas canvas(120, 120);
@@ -140,7 +140,7 @@ BlocksSight leaves_and_wall(int leaves, double wall_behind_m) {
   return sight_in(std::make_shared<const StaticScene>(scene));
 }
 
-TEST(Sight, GoesThroughSixtyThreeLeavesAndTakesMoreForAWall) {
+TEST(Sight, Passes63LeavesAndAThinWall) {
   const Eigen::Vector3d a(0, 0, 0), b(20, 0, 0);
   EXPECT_FALSE(leaves_and_wall(63, 0.0)(a, b));
   EXPECT_TRUE(leaves_and_wall(64, 0.0)(a, b));

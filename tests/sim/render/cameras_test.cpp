@@ -20,7 +20,7 @@ TEST(View, ProjectsKnownPoints) {
   EXPECT_NEAR(view.pixels_per_m(5.0), 10.0, 1e-9);
 }
 
-TEST(View, MapsNearToOneAndFarToZero) {
+TEST(View, ReversesDepthFromOneToZero) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 200, 100);
   const auto depth = [&](double x) {
     const Eigen::Vector4d clip = view.clip_world() * Eigen::Vector4d(x, 0, 0, 1);
@@ -30,7 +30,7 @@ TEST(View, MapsNearToOneAndFarToZero) {
   EXPECT_NEAR(depth(view.far_m), 0.0, 1e-9);
 }
 
-TEST(View, FromTheTopHasNorthUpAndOneScale) {
+TEST(View, ShowsNorthUpAtUniformScale) {
   const View view = top_view({10, 20}, 50.0, 0.0, 30.0, 200, 100);
   EXPECT_TRUE(view.project({10, 20, 5})->head<2>().isApprox(Eigen::Vector2d(100, 50), 1e-9));
   EXPECT_NEAR(view.project({10, 45, 5})->y(), 0.0, 1e-9);
@@ -47,7 +47,7 @@ std::vector<VehicleState> team_at(double t_s) {
   return states;
 }
 
-TEST(Cameraman, FollowingATeamNeverLosesAVehicleAndMovesSmoothly) {
+TEST(Cameraman, FollowsAWholeTeamSmoothly) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   const double radius_m = 0.5;
@@ -92,7 +92,7 @@ bool behind_wall(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double gap_
   return at.z() < 6.0 && at.y() < gap_m;
 }
 
-TEST(Cameraman, GoesRoundWhatBlocksItsSightWhenItBegins) {
+TEST(Cameraman, AvoidsOcclusionAtTheStart) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-8, 0, 3};
@@ -108,7 +108,7 @@ TEST(Cameraman, GoesRoundWhatBlocksItsSightWhenItBegins) {
   EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6)) << "it still looks at the vehicle";
 }
 
-TEST(Cameraman, KeepsAVehicleInSightAlongAWallSmoothlyAndComesBackToItsPlace) {
+TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
   // The wall ends: from y = 12 on the configured place is free again.
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
@@ -135,7 +135,7 @@ TEST(Cameraman, KeepsAVehicleInSightAlongAWallSmoothlyAndComesBackToItsPlace) {
       << (last_eye - picture.states[0].p_world_m).transpose();
 }
 
-TEST(Cameraman, TakesTheBestPlaceWhenNoneIsFree) {
+TEST(Cameraman, TakesTheBestOfBlockedPlaces) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   PictureScene picture;
@@ -174,7 +174,7 @@ TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
   EXPECT_TRUE(ahead.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6));
 }
 
-TEST(Cameraman, WithoutAPlaceAFixedCameraShowsTheWholeWorldFromTheSouthWest) {
+TEST(Cameraman, DefaultsToOverviewFromTheSouthwest) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFixed;
   Cameraman cameraman(config, kNoVehicle, {}, kBounds);
@@ -189,7 +189,7 @@ TEST(Cameraman, WithoutAPlaceAFixedCameraShowsTheWholeWorldFromTheSouthWest) {
   }
 }
 
-TEST(Cameraman, WithoutAPlaceTheOthersStayWithTheirVehicle) {
+TEST(Cameraman, StaysWithItsVehicleByDefault) {
   PictureScene picture;
   picture.states = team_at(0.0);
   for (const auto type : {CameraConfig::Type::kFollow, CameraConfig::Type::kOnboard, CameraConfig::Type::kDepth}) {

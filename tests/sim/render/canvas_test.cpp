@@ -55,7 +55,7 @@ std::string not_well_formed(std::string_view xml) {
   return open.empty() ? "" : "not closed: " + open.back();
 }
 
-TEST(Canvas, OfPixelsDrawsWhereItIsTold) {
+TEST(Canvas, DrawsPixelsInTheRightPlace) {
   const Image image = test_figure().pixels(Rgb::Ones());
   EXPECT_TRUE(is_dominated_by(color_at(image, 30, 40), 2));
   EXPECT_TRUE(is_dominated_by(color_at(image, 120, 35), 0));
@@ -80,7 +80,7 @@ TEST(Canvas, OfPixelsClipsAtItsEdges) {
   EXPECT_TRUE(is_dominated_by(color_at(image, 20, 15), 0));
 }
 
-TEST(Canvas, OfSvgIsWellFormedAndKeepsTextAsText) {
+TEST(Canvas, WritesWellFormedSvgWithText) {
   const std::string svg = test_figure().svg(300.0, "a <title> & more");
   EXPECT_EQ(not_well_formed(svg), "");
   EXPECT_THAT(svg, HasSubstr("uav&lt;1&gt; &amp; &quot;two&quot;</text>"));
@@ -90,7 +90,7 @@ TEST(Canvas, OfSvgIsWellFormedAndKeepsTextAsText) {
   EXPECT_THAT(svg, HasSubstr("width=\"25.4mm\" height=\"16.933mm\" viewBox=\"0 0 300 200\""));
 }
 
-TEST(Canvas, OfSvgAnchorsTextAndGivesItAHalo) {
+TEST(Canvas, AnchorsSvgTextWithAHalo) {
   SvgCanvas canvas(100, 50, 100.0, "");
   canvas.text({50, 25}, "t = 1 s", {.height_px = 10.0F, .align = Align::kRight, .halo = Rgb::Ones()});
   const std::string svg = canvas.finish();
@@ -99,7 +99,7 @@ TEST(Canvas, OfSvgAnchorsTextAndGivesItAHalo) {
   EXPECT_THAT(svg, HasSubstr("paint-order=\"stroke\""));
 }
 
-TEST(Canvas, TestsOfFormFindWhatIsNotWellFormed) {
+TEST(Canvas, FormCheckDetectsMalformedMarkup) {
   EXPECT_NE(not_well_formed("<a><b></a></b>"), "");
   EXPECT_NE(not_well_formed("<a>x & y</a>"), "");
   EXPECT_NE(not_well_formed("<a>x > y</a>"), "");

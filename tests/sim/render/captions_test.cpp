@@ -39,9 +39,9 @@ Look paper_look() {
   return look_of(camera);
 }
 
-TEST(Sidebar, TakesNoRoomWithoutAnythingToTell) { EXPECT_EQ(sidebar_width_px({}, {}), 0); }
+TEST(Sidebar, TakesNoSpaceWhenEmpty) { EXPECT_EQ(sidebar_width_px({}, {}), 0); }
 
-TEST(Sidebar, LeavesThePictureAloneAndNothingInItOverlaps) {
+TEST(Sidebar, OverlapsNeitherThePictureNorItself) {
   for (const Look& look : {Look{}, paper_look()}) {
     for (const std::size_t rows : {0U, 3U, 9U, 40U}) {
       const Sidebar sidebar = full_sidebar(rows);
@@ -67,7 +67,7 @@ TEST(Sidebar, LeavesThePictureAloneAndNothingInItOverlaps) {
   }
 }
 
-TEST(Sidebar, CountsTheRowsThatFindNoRoom) {
+TEST(Sidebar, CountsRowsThatDoNotFit) {
   NotedCanvas canvas(400, 300);
   draw_sidebar(canvas, {}, full_sidebar(40), 150);
   std::size_t shown = 0;
@@ -76,7 +76,7 @@ TEST(Sidebar, CountsTheRowsThatFindNoRoom) {
   EXPECT_TRUE(canvas.says("and " + std::to_string(41 - shown) + " more"));
 }
 
-TEST(Legend, RowsOfAnyEntriesCanBeToldApartAndHaveEachMeaningOnce) {
+TEST(Legend, DistinguishesRowsAndNamesMeaningsOnce) {
   const Random random(1, "test.legends");
   for (std::uint32_t i = 0; i < 100; ++i) {
     std::vector<LegendEntry> entries;
@@ -122,7 +122,7 @@ TEST(Axes, LieAsTheWorldDoes) {
   EXPECT_LT(find("z").top + 20.0F, find("y").top);
 }
 
-TEST(VehicleMarks, RingWhatIsTooSmallToBeSeen) {
+TEST(VehicleMarks, RingVehiclesTooSmallToSee) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 1280, 720);
   PictureScene picture;
   picture.states.resize(3);
@@ -145,7 +145,7 @@ TEST(VehicleMarks, RingWhatIsTooSmallToBeSeen) {
 }
 
 // Vehicles in a crowd, seen from above.
-TEST(VehicleMarks, NamesCoverNeitherEachOtherNorAVehicleNorTheEdge) {
+TEST(VehicleMarks, PlaceNamesWithoutOverlap) {
   const View view = top_view({0, 0}, 36.0, 0.0, 10.0, 640, 360);  // 10 px a meter
   const std::vector<std::string> names = {"primary", "secondary", "uav3", "uav4", "uav5"};
   const std::vector<float> radii_m(5, 0.5F);
@@ -167,7 +167,7 @@ TEST(VehicleMarks, NamesCoverNeitherEachOtherNorAVehicleNorTheEdge) {
   }
 }
 
-TEST(VehicleMarks, NameATeamAndNotASwarm) {
+TEST(VehicleMarks, NameTeamsButNotSwarms) {
   const View view = top_view({0, 0}, 40.0, 0.0, 10.0, 640, 360);
   for (const std::size_t count : {1U, 10U, 24U, 100U}) {
     PictureScene picture;
@@ -180,7 +180,7 @@ TEST(VehicleMarks, NameATeamAndNotASwarm) {
   }
 }
 
-TEST(ScaleBar, IsAsLongAsItsRoundNumberOfMeters) {
+TEST(ScaleBar, HasTheLengthOfItsLabel) {
   for (const double span_m : {30.0, 70.0, 400.0}) {
     const View view = top_view({0, 0}, span_m, 0.0, 10.0, 640, 360);
     NotedCanvas canvas(640, 360);

@@ -33,7 +33,7 @@ Mesh roof(double turn_deg) {
 }
 
 // 42 degrees: flatter edges look round, sharper ones are edges.
-TEST(RenderMesh, SmoothsEdgesUpToFortyTwoDegrees) {
+TEST(RenderMesh, SmoothsEdgesUpTo42Degrees) {
   for (const double turn_deg : {10.0, 41.0, 43.5, 80.0}) {
     const RenderMesh ready = prepare_mesh(roof(turn_deg));
     const bool smooth = turn_deg < 42.0;
@@ -49,7 +49,7 @@ TEST(RenderMesh, SmoothsEdgesUpToFortyTwoDegrees) {
   }
 }
 
-TEST(RenderMesh, CornersAtOnePlaceAreOneUnlessTheirNormalsDiffer) {
+TEST(RenderMesh, MergesCornersOfEqualNormals) {
   Mesh twice;
   add_quad(twice, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
   add_quad(twice, {1, 0, 0}, {2, 0, -0.0F}, {2, 1, 0}, {1, 1, -0.0F});  // -0 is 0
@@ -89,7 +89,7 @@ TEST(RenderMesh, LeavesOfAChunkAreShuffled) {
 
 // ---- What changes between two pictures.
 
-TEST(PictureScene, OverlaysAreChosenByTheirNameWithOrWithoutTheVehicle) {
+TEST(PictureScene, MatchesOverlayNamesWithOptionalVehicle) {
   const auto chosen = [](const std::string& name, std::vector<std::string> names) {
     Overlay overlay;
     overlay.name = name;
@@ -105,7 +105,7 @@ TEST(PictureScene, OverlaysAreChosenByTheirNameWithOrWithoutTheVehicle) {
 }
 
 // When it has grown to eight thousand, every other point of its older half goes.
-TEST(PictureScene, LongTrailsAreThinnedInTheirOlderHalf) {
+TEST(PictureScene, ThinsOlderHalvesOfLongTrails) {
   std::vector<Eigen::Vector3f> trail;
   int count = 0;
   while (count < 8191) extend_trail(trail, {static_cast<float>(count++), 0, 0});
@@ -116,7 +116,7 @@ TEST(PictureScene, LongTrailsAreThinnedInTheirOlderHalf) {
     EXPECT_EQ(trail[i].x(), i < 2048 ? 2.0F * static_cast<float>(i) : 2048.0F + static_cast<float>(i)) << i;
 }
 
-TEST(PictureScene, CloudsKeepClassAndReflectivityOfEachReturn) {
+TEST(PictureScene, KeepsClassAndReflectivityOfReturns) {
   LabeledScan labeled;
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 2;
@@ -143,7 +143,7 @@ TEST(PictureScene, CloudsKeepClassAndReflectivityOfEachReturn) {
   EXPECT_TRUE(frozen.intensity.empty() && frozen.surface_class.empty());
 }
 
-TEST(CameraConfig, IsDueAtEachMultipleOfItsPeriodAndInTheFirstTick) {
+TEST(CameraConfig, IsDueAtPeriodMultiples) {
   CameraConfig camera;
   camera.every_s = 0.5;
   EXPECT_TRUE(camera.is_due(-1, 0));
@@ -163,7 +163,7 @@ TEST(CameraConfig, IsDueAtEachMultipleOfItsPeriodAndInTheFirstTick) {
   EXPECT_TRUE(wants_picture(std::vector<CameraConfig>{CameraConfig(), camera}, 0, 1'000'000'000));
 }
 
-TEST(CameraConfig, OnPaperHasThePixelsOfItsMillimeters) {
+TEST(CameraConfig, ConvertsPaperMillimetersToPixels) {
   CameraConfig camera;
   camera.style = PictureMedium::kPaper;
   camera.dpi = 254.0;

@@ -27,7 +27,7 @@ void expect_pixels(const Image& image, const std::function<Rgb(int, int)>& expec
   }
 }
 
-TEST(Image, RectanglesCoverTheirPixelsAndNoOthers) {
+TEST(Image, FillsExactlyThePixelsOfRectangles) {
   const Random random(1, "test.rectangles");
   for (std::uint32_t i = 0; i < 60; ++i) {
     const auto draw = [&](int low, int high, std::uint32_t k) {
@@ -43,7 +43,7 @@ TEST(Image, RectanglesCoverTheirPixelsAndNoOthers) {
   }
 }
 
-TEST(Canvas, OfPixelsTakesThePartOfAPictureThatLiesOnIt) {
+TEST(Canvas, ClipsPicturesToItsPixels) {
   Image source(7, 5);
   for (std::size_t i = 0; i < source.rgb.size(); ++i) source.rgb[i] = static_cast<std::uint8_t>(50 + i);
   for (const auto& [left, top] :
@@ -102,7 +102,7 @@ std::vector<ClipVertex> ribbon(const View& view, const std::vector<Vector3f>& po
   return out;
 }
 
-TEST(WideLines, WidthHoldsAtAnyDistanceAndColorsGoFromEndToEnd) {
+TEST(WideLines, KeepWidthAndBlendColors) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 300, 200);
   const std::vector<Vector4f> colors = {{1, 0, 0, 1}, {0, 0, 1, 0.5F}};
   const auto vertices = ribbon(view, {{3, -1, 0}, {40, 8, 2}}, colors, 5.0F);
@@ -122,7 +122,7 @@ TEST(WideLines, WidthHoldsAtAnyDistanceAndColorsGoFromEndToEnd) {
 }
 
 // A line that comes from behind begins just before the eye, in the color that it has there.
-TEST(WideLines, AreCutBeforeTheEyeWhereTheyPassIt) {
+TEST(WideLines, AreClippedBeforeTheEye) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 300, 200);
   const std::vector<Vector4f> colors = {{0, 0, 0, 1}, {1, 1, 1, 1}, {0, 1, 0, 1}};
   const auto enters = ribbon(view, {{-1, 0.2F, 0}, {3, 0.2F, 0}}, colors, 4.0F);

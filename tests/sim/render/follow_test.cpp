@@ -23,7 +23,7 @@ std::tuple<Vector3d, Vector3d, Vector3d> axes_of(const Vector3d& back) {
   return {right, back.cross(right), back};
 }
 
-TEST(View, HasALevelHorizonAndSeesWhatThePinholeSees) {
+TEST(View, LevelsHorizonAndMatchesThePinhole) {
   const Random random(1, "test.views");
   for (std::uint32_t i = 0; i < 200; ++i) {
     const auto draw = [&](double most, std::uint32_t k) { return random.uniform(-most, most, i, k); };
@@ -48,7 +48,7 @@ TEST(View, HasALevelHorizonAndSeesWhatThePinholeSees) {
   }
 }
 
-TEST(View, StraightDownHasNorthUpAndAlongTheHintXAtTheRight) {
+TEST(View, OrientsVerticalViewByHint) {
   const View down = perspective_view({1, 2, 10}, {1, 2, 0}, 90.0, 200, 100);
   EXPECT_TRUE(down.project({2, 2, 0})->head<2>().isApprox(Eigen::Vector2d(105, 50), 1e-9)) << "east is at the right";
   EXPECT_TRUE(down.project({1, 3, 0})->head<2>().isApprox(Eigen::Vector2d(100, 45), 1e-9)) << "north is up";
@@ -57,7 +57,7 @@ TEST(View, StraightDownHasNorthUpAndAlongTheHintXAtTheRight) {
   EXPECT_TRUE(along.project({0, 0, 1})->head<2>().isApprox(Eigen::Vector2d(100, 45), 1e-9));
 }
 
-TEST(View, FromTheTopSeesAllBetweenItsHeights) {
+TEST(View, SeesAllHeightsFromTheTop) {
   const View view = top_view({10, 20}, 50.0, -4.0, 30.0, 200, 100);
   const auto depth = [&](double z_m) { return (view.clip_world() * Vector4d(3, 4, z_m, 1)).z(); };
   EXPECT_NEAR(depth(30.5), 1.0, 1e-9) << "half a meter above";
@@ -90,7 +90,7 @@ CameraConfig follow_camera(const Vector3d& offset) {
   return config;
 }
 
-TEST(Cameraman, StaysWhereItIsWhenItsPictureBecomesWider) {
+TEST(Cameraman, KeepsItsPositionForWiderPictures) {
   // A narrower one has to step back.
   Cameraman cameraman(follow_camera({-1, 0, 1}), kNoVehicle, {0.5F, 0.5F}, kWorld);
   PictureScene picture;
@@ -104,7 +104,7 @@ TEST(Cameraman, StaysWhereItIsWhenItsPictureBecomesWider) {
   EXPECT_NEAR(cameraman.view(picture).eye_world_m.norm(), usual_m, 1e-9);
 }
 
-TEST(Cameraman, ACameraOfAVehicleThatIsNotThereStaysAtTheOrigin) {
+TEST(Cameraman, StaysAtOriginWithoutItsVehicle) {
   CameraConfig config;
   config.type = CameraConfig::Type::kOnboard;
   config.position_m = {1, 0, 0};
@@ -114,7 +114,7 @@ TEST(Cameraman, ACameraOfAVehicleThatIsNotThereStaysAtTheOrigin) {
     EXPECT_TRUE(Cameraman(config, vehicle, {0.3F}, kWorld).view(picture).eye_world_m.isApprox(Vector3d(1, 0, 0)));
 }
 
-TEST(Cameraman, FromTheTopShowsAllWithAQuarterOfRoomAndAtLeastTwelveMeters) {
+TEST(Cameraman, FramesEverythingFromTopWithMargin) {
   struct Case {
     std::vector<Vector3d> places;
     double span_m;
@@ -134,7 +134,7 @@ TEST(Cameraman, FromTheTopShowsAllWithAQuarterOfRoomAndAtLeastTwelveMeters) {
   }
 }
 
-TEST(Cameraman, FromTheTopInPerspectiveSeesItsSpanOnTheGround) {
+TEST(Cameraman, SpansTheGroundInTopPerspective) {
   for (const double bottom_m : {-6.0, 3.0}) {
     CameraConfig config;
     config.width_px = 300;

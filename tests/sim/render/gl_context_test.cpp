@@ -74,7 +74,7 @@ TEST(GlContext, IsHandedFromThreadToThread) {
   EXPECT_EQ(cleared_to(1.0F, 0.0F, 0.0F), (Pixel{255, 0, 0, 255}));
 }
 
-TEST(GlContext, DrawsInSeveralThreadsAtOnceEachWithItsOwn) {
+TEST(GlContext, DrawsInSeveralThreadsConcurrently) {
   std::array<Pixel, 4> pixels = {};
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -89,7 +89,7 @@ TEST(GlContext, DrawsInSeveralThreadsAtOnceEachWithItsOwn) {
   }
 }
 
-TEST(GlContext, LeavesTheCurrentOneWhenAnotherIsDestroyed) {
+TEST(GlContext, StaysCurrentWhenAnotherIsDestroyed) {
   GlContext context;
   { const GlContext another; }
   context.make_current();

@@ -42,7 +42,7 @@ TEST(Png, HoldsExactlyThePixelsGiven) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png.part"));
 }
 
-TEST(Png, TellsHowLargeItIsWhenPrinted) {
+TEST(Png, StoresItsPrintSize) {
   const TemporaryDirectory folder;
   write_png(folder.path() / "plain.png", test_picture(8, 8));
   write_png(folder.path() / "paper.png", test_picture(8, 8), 300.0);
@@ -92,7 +92,7 @@ TEST(Png, SaysWhereItCannotWrite) {
   }
 }
 
-TEST(Video, IsMadeByFfmpegOrRefusedInOneLine) {
+TEST(Video, UsesFfmpegOrRefusesConcisely) {
   const TemporaryDirectory folder;
   const std::filesystem::path path = folder.path() / "run.mp4";
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) {
@@ -116,14 +116,14 @@ TEST(Video, IsMadeByFfmpegOrRefusedInOneLine) {
 }
 
 // In DejaVu Sans 2.37 all digits are 1303 of 2048 units wide and capitals 1493 high: a running clock does not jitter.
-TEST(Text, IsAsWideAsTheFontSays) {
+TEST(Text, HasWidthGivenByFont) {
   EXPECT_EQ(text_width_px("", 9.0F), 0.0F);
   for (const char* text : {"0", "1", "8"}) EXPECT_NEAR(text_width_px(text, 149.3F), 130.3F, 0.1F) << text;
   EXPECT_NEAR(text_width_px("10.25", 20.0F), text_width_px("10.", 20.0F) + text_width_px("25", 20.0F), 1e-3F);
   EXPECT_EQ(text_width_px("\xc3\xa9", 20.0F), text_width_px("e", 20.0F)) << "UTF-8 is one letter";
 }
 
-TEST(Text, StaysInItsPlaceAndIsClippedAtTheEdges) {
+TEST(Text, KeepsPositionAndClipsAtEdges) {
   Image image(200, 60, Rgb::Constant(0.5F));
   draw_text(image, 20.0F, 40.0F, "Hg 0.25", {.height_px = 20.0F, .color = Rgb::Ones(), .halo_alpha = 0.0F});
   const float width = text_width_px("Hg 0.25", 20.0F);
@@ -142,7 +142,7 @@ TEST(Text, StaysInItsPlaceAndIsClippedAtTheEdges) {
   for (const char* text : {"\xc3\xa9", "\xff", "\xe2\x82", "\xf0"}) draw_text(image, 190.0F, 70.0F, text, {});
 }
 
-TEST(Colors, OfHeightsGetLighterAllTheWay) {
+TEST(Colors, OfHeightsLightenMonotonically) {
   float last = -1.0F;
   for (int i = 0; i <= 100; ++i) {
     const Rgb linear = to_linear(viridis_like(static_cast<float>(i) / 100.0F));
@@ -159,7 +159,7 @@ TEST(Colors, DifferAsOklabSays) {
   EXPECT_NEAR(color_difference({1, 0, 0}, {0, 0, 1}), std::sqrt(0.176 * 0.176 + 0.257 * 0.257 + 0.438 * 0.438), 2e-3);
 }
 
-TEST(Colors, OfVehiclesAndOfSurfacesCanBeToldApart) {
+TEST(Colors, OfVehiclesAndSurfacesAreDistinguishable) {
   std::vector<Rgb> vehicles, surfaces = {class_color(static_cast<std::uint16_t>(SurfaceClass::kVehicle))};
   for (VehicleId v = 0; v < 10; ++v) vehicles.push_back(vehicle_color(v));
   for (const char* name : static_class_names())
@@ -182,7 +182,7 @@ TEST(Captions, RoundToNiceNumbers) {
   EXPECT_EQ(tick_text(-20.0, 10.0), "-20");
 }
 
-TEST(DepthPicture, ColorsNearBlueAndFarRedAndNothingGray) {
+TEST(DepthPicture, ColorsNearFarAndMissingDistinctly) {
   DepthImage depth{300, 200, std::vector<float>(300 * 200, 0.0F)};
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 100; ++x) depth.depth_m[y * 300 + x] = x < 50 ? 2.0F : 19.0F;
@@ -205,7 +205,7 @@ TEST(DepthPicture, ShowsEveryPixel) {
   }
 }
 
-TEST(Text, EndsAtItsPlaceOrLiesAroundItAsAligned) {
+TEST(Text, FollowsItsAlignment) {
   const float width = text_width_px("left", 20.0F);
   for (const Align align : {Align::kLeft, Align::kCenter, Align::kRight}) {
     Image image(300, 60, Rgb::Constant(0.5F));
@@ -224,7 +224,7 @@ TEST(Text, EndsAtItsPlaceOrLiesAroundItAsAligned) {
 }
 
 // Each color of the wheel has a strongest and a weakest channel: all six pairs occur.
-TEST(Colors, OfManyVehiclesGoAroundTheWheel) {
+TEST(Colors, SpreadManyVehiclesAroundTheWheel) {
   std::set<std::pair<int, int>> pairs;
   for (VehicleId vehicle = 10; vehicle < 80; ++vehicle) {
     const Rgb color = vehicle_color(vehicle);

@@ -38,7 +38,7 @@ PictureScene with_vehicle(const Eigen::Vector3d& p) {
   return picture;
 }
 
-TEST(Looks, WhatAWallHidesOfVehiclesAndTrailsShinesThroughFaintly) {
+TEST(Looks, HiddenVehiclesAndTrailsShineThrough) {
   BoxWorld world;
   world.add({4, -3, -3}, {4.5F, 3, 3}, kLightGray).add({30, -60, -60}, {31, 60, 60}, kLightGray);
   Renderer renderer(world.scene(), std::vector{make_test_shape()});
@@ -62,7 +62,7 @@ TEST(Looks, WhatAWallHidesOfVehiclesAndTrailsShinesThroughFaintly) {
   EXPECT_GT(share(trail), 0.1F);
 }
 
-TEST(Looks, CloudsHaveTheColorsThatTheirStyleNames) {
+TEST(Looks, CloudsHaveTheirStylesColors) {
   Renderer& renderer = floor_renderer();
   const View view = from_above(8.0);
   PictureScene picture;
@@ -110,7 +110,7 @@ TEST(Looks, CloudsHaveTheColorsThatTheirStyleNames) {
   EXPECT_EQ(unknown.x(), unknown.z());
 }
 
-TEST(Looks, PointsOutsideOfTheViewAreNotShown) {
+TEST(Looks, HidesPointsOutsideTheView) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 90.0, 100, 100);  // 90 degrees in both directions
   PictureCloud cloud;
   const std::pair<Eigen::Vector3f, bool> points[] = {
@@ -129,7 +129,7 @@ TEST(Looks, PointsOutsideOfTheViewAreNotShown) {
   EXPECT_EQ(shown_of(std::vector{cloud}, view, style).at(0).points_world_m.size(), 1U);
 }
 
-TEST(Looks, TranslucentOverlaysLieOverOpaqueOnesAndFarOnesUnderNearOnes) {
+TEST(Looks, BlendsTranslucentOverlaysInDepthOrder) {
   Renderer& renderer = floor_renderer();
   const View view = from_above(8.0);
   PictureScene picture;
@@ -152,7 +152,7 @@ TEST(Looks, TranslucentOverlaysLieOverOpaqueOnesAndFarOnesUnderNearOnes) {
 // ---- Rotors.
 
 // Exact to the pixel: a square of 40 px around the middle, and a plane up to all four borders.
-TEST(Looks, PicturesAreNeitherShiftedNorCutAtTheirBorders) {
+TEST(Looks, PicturesAreNeitherShiftedNorCut) {
   BoxWorld world;
   world.add({-30, -30, -1}, {30, 30, 0}, Rgb(0.2F, 0.2F, 0.9F))
       .add({-2, -2, -0.5F}, {2, 2, 0.001F}, Rgb(0.9F, 0.1F, 0.1F));
@@ -187,7 +187,7 @@ TEST(Looks, PicturesAreNeitherShiftedNorCutAtTheirBorders) {
 }
 
 // A renderer that has drawn other sizes, styles and depths draws as a new one does.
-TEST(Looks, PicturesDoNotDependOnThoseBefore) {
+TEST(Looks, PicturesAreIndependentOfEarlierOnes) {
   BoxWorld world = floor_world();
   world.add({2, -2, 0}, {3, 2, 2}, Rgb(0.9F, 0.1F, 0.1F));
   const auto shape = make_test_shape();
@@ -215,7 +215,7 @@ TEST(Looks, PicturesDoNotDependOnThoseBefore) {
 }
 
 // A hole in the leaves, 0.4 m and 1.6 of its radius wide where the vehicle is, narrower towards the camera.
-TEST(Looks, LeavesBeforeAFollowedVehicleAreLeftOutAsFarAsItReaches) {
+TEST(Looks, OmitsLeavesBeforeTheFollowedVehicle) {
   const Scene scene = leaf_wall(0.2F, 40, -4.0F);
   auto shape = std::make_shared<VehicleShape>(*make_test_shape());
   shape->circumscribed_radius_m = 0.5F;

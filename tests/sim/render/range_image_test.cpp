@@ -35,7 +35,7 @@ BeamTable spinning(int rows, int cols) {
   return beams;
 }
 
-TEST(BeamLookup, UndoesTheStaggeringOfASpinningSensor) {
+TEST(BeamLookup, UndoesStaggerOfSpinningSensors) {
   const BeamTable beams = spinning(32, 256);
   const BeamLookup lookup(beams);
   ASSERT_TRUE(lookup.organized());
@@ -46,7 +46,7 @@ TEST(BeamLookup, UndoesTheStaggeringOfASpinningSensor) {
   EXPECT_EQ(lookup.beam_at(0.0, 0.6), -1) << "above the field of view";
 }
 
-TEST(BeamLookup, FindsTheNearestBeamOfAPatternWithoutRows) {
+TEST(BeamLookup, FindsTheNearestBeamWithoutRows) {
   BeamTable beams;
   beams.rows = 1;
   beams.cols = 5000;
@@ -80,7 +80,7 @@ Scan scan_of(const BeamTable& beams) {
   return scan;
 }
 
-TEST(RangeImage, ShowsWhatIsAheadInTheMiddleOfTheFirstStrip) {
+TEST(RangeImage, CentersTheFrontInFirstStrip) {
   const BeamTable beams = spinning(64, 512);
   Scan scan = scan_of(beams);
   for (int i = 0; i < beams.size(); ++i) {
@@ -106,7 +106,7 @@ TEST(RangeImage, ShowsWhatIsAheadInTheMiddleOfTheFirstStrip) {
   EXPECT_LT(left_x / left + 50, ahead_x / ahead) << "azimuth grows to the left";
 }
 
-TEST(RangeImage, CanBeMadeOfAnEmptyScan) {
+TEST(RangeImage, AcceptsAnEmptyScan) {
   const Scan scan = scan_of(spinning(16, 64));
   for (const auto quantity : {ScanQuantity::kRange, ScanQuantity::kIntensity}) {
     int left_px = 0;
@@ -120,7 +120,7 @@ TEST(RangeImage, CanBeMadeOfAnEmptyScan) {
 TEST(BeamLookup, OfNoBeamsFindsNone) { EXPECT_EQ(BeamLookup(BeamTable()).beam_at(0.0, 0.0), -1); }
 
 // Weak and strong returns must be distinguishable at any power.
-TEST(RangeImage, OfIntensitiesUsesAllShadesFromTheWeakestToTheStrongest) {
+TEST(RangeImage, UsesTheFullScaleOfIntensities) {
   const BeamTable beams = spinning(64, 512);
   for (const float weak : {1e-4F, 0.1F}) {
     Scan scan = scan_of(beams);

@@ -47,7 +47,7 @@ void expect_same_triangles(const Mesh& mesh, const RenderMesh& ready) {
   EXPECT_EQ(triangles_of(before), triangles_of(after));
 }
 
-TEST(RenderMesh, KeepsTheEdgesOfABoxSharp) {
+TEST(RenderMesh, KeepsBoxEdgesSharp) {
   Mesh mesh;
   add_box(mesh, Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 2, 3));
   const RenderMesh ready = prepare_mesh(mesh);
@@ -67,7 +67,7 @@ TEST(RenderMesh, MakesASphereRound) {
   }
 }
 
-TEST(RenderMesh, CutsLargeMeshesIntoCompactChunksWithoutLosingATriangle) {
+TEST(RenderMesh, CutsMeshesIntoChunksWithoutLoss) {
   Mesh mesh;
   std::vector<float> heights(201 * 201);
   for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = std::sin(0.01F * static_cast<float>(i));
@@ -111,7 +111,7 @@ TEST(RenderMesh, KnowsLeavesFromSolids) {
   EXPECT_EQ(prepare_mesh(ball).leaf_size_m, 0.0F) << "a crown that is one solid";
 }
 
-TEST(Frustum, NeverDropsABoxOfWhichAPointIsSeen) {
+TEST(Frustum, NeverDropsPartlyVisibleBoxes) {
   const View view = perspective_view({1, 2, 3}, {5, 4, 2}, 50.0, 160, 90);
   const Frustum frustum = frustum_of(view.clip_world().cast<float>());
   const Random random(7, "test.frustum");
@@ -139,7 +139,7 @@ TEST(Frustum, NeverDropsABoxOfWhichAPointIsSeen) {
   EXPECT_GT(dropped, 2000) << "most boxes are far outside";
 }
 
-TEST(Frustum, DropsWhatLiesBeyondAnyOneOfItsSides) {
+TEST(Frustum, DropsBoxesBeyondAnySide) {
   const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 200, 100);  // looks east, north is left
   const Frustum frustum = frustum_of(view.clip_world().cast<float>());
   const auto seen = [&](double x, double y, double z) {

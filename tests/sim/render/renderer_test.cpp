@@ -30,7 +30,7 @@ Image draw_world(Scene& scene, const View& view, const PictureStyle& style = {})
   return renderer.draw(view, {}, style);
 }
 
-TEST(Renderer, ShowsARedBoxInFrontOfTheCameraAndTheSkyAroundIt) {
+TEST(Renderer, ShowsABoxAgainstTheSky) {
   BoxWorld world;
   world.add({5, -1, 0}, {6, 1, 2}, kRed);
   const Image image = draw_world(world.scene(), view_along_x());
@@ -43,7 +43,7 @@ TEST(Renderer, ShowsARedBoxInFrontOfTheCameraAndTheSkyAroundIt) {
   EXPECT_GT(color_at(image, 80, 5).z(), color_at(image, 80, 5).x()) << "the sky is blue";
 }
 
-TEST(Renderer, MeasuresTheDepthOfPlanesAndOfNothing) {
+TEST(Renderer, MeasuresDepthOfPlanesAndSky) {
   BoxWorld world;
   world.add({5, -50, -50}, {6, -0.5F, 50}, kGray).add({80, 0.5F, -50}, {81, 50, 50}, kGray);
   Renderer renderer(world.scene(), {});
@@ -104,7 +104,7 @@ TEST(Renderer, GivesTheSamePixelsAgain) {
   EXPECT_EQ(another.draw(view_along_x(), {}, {}).rgb, first.rgb);
 }
 
-TEST(Renderer, GivesTheSamePixelsInAnyThread) {
+TEST(Renderer, IsIndependentOfTheThread) {
   BoxWorld world;
   world.add({5, -1, 0}, {6, 1, 2}, kRed).add({-20, -20, -1}, {20, 20, 0}, kGray, SurfaceClass::kGround);
   Renderer renderer(world.scene(), {});
@@ -123,7 +123,7 @@ TEST(Renderer, GivesTheSamePixelsInAnyThread) {
   EXPECT_EQ(renderer.draw(view_along_x(), {}, {}).rgb, first.rgb);
 }
 
-TEST(Renderer, LooksUnderARoofWhenToldToCut) {
+TEST(Renderer, LooksUnderARoofWhenCutting) {
   BoxWorld world;
   world.add({-5, -5, 4}, {5, 5, 4.2F}, kGreen).add({-5, -5, -0.2F}, {5, 5, 0}, kRed);
   Renderer renderer(world.scene(), {});
@@ -137,7 +137,7 @@ TEST(Renderer, LooksUnderARoofWhenToldToCut) {
   EXPECT_GT(floor.x(), 0.5F) << "the roof that is cut away throws no shadow";
 }
 
-TEST(Renderer, ThrowsShadowsOfTheWorldAndOfVehicles) {
+TEST(Renderer, CastsShadowsOfWorldAndVehicles) {
   // The sun stands at (-0.62, 0.28, 0.80): a thing at height h shades the ground at (+0.775, -0.35) h.
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({-7, -1, 5}, {-5, 1, 5.2F}, kGray);
@@ -157,7 +157,7 @@ TEST(Renderer, ThrowsShadowsOfTheWorldAndOfVehicles) {
   EXPECT_NEAR(ground(8.0, -8.0), lit, 0.1F);
 }
 
-TEST(Renderer, DrawsVehiclesInTheirColorsUnlessTheyCarryTheCamera) {
+TEST(Renderer, DrawsVehiclesExceptTheCameraCarrier) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   const auto shape = make_test_shape();
@@ -181,7 +181,7 @@ TEST(Renderer, DrawsVehiclesInTheirColorsUnlessTheyCarryTheCamera) {
   EXPECT_FALSE(is_dominated_by(color_at(renderer.draw(view, picture, style), x0, y0), 0));
 }
 
-TEST(Renderer, BlursSpinningRotorsAndTurnsTheirBlades) {
+TEST(Renderer, BlursSpinningRotorsAndTurnsBlades) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), std::vector{make_test_shape()});
@@ -200,7 +200,7 @@ TEST(Renderer, BlursSpinningRotorsAndTurnsTheirBlades) {
   EXPECT_LT(brightness(color_at(turned, 150, 150 - 60)), 0.5F * brightness(color_at(turned, 150 + 60, 150)));
 }
 
-TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
+TEST(Renderer, DrawsTrailsCloudsAndChosenOverlays) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   const auto shape = make_test_shape();
@@ -253,7 +253,7 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   EXPECT_TRUE(is_dominated_by(color(renderer.draw(view, picture, style), 8, 0), 2));
 }
 
-TEST(Renderer, DrawsTheSameWhetherOrNotItKeptTheWorldOfACameraThatStandsStill) {
+TEST(Renderer, DrawsIdenticallyWithACachedWorld) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -3, 0}, {5, -1, 2}, {0.8F, 0.1F, 0.1F});
   const auto shape = make_test_shape();
@@ -280,7 +280,7 @@ TEST(Renderer, DrawsTheSameWhetherOrNotItKeptTheWorldOfACameraThatStandsStill) {
   }
 }
 
-TEST(Renderer, SmoothsTheEdgesOfQuickPicturesAndLeavesTheRest) {
+TEST(Renderer, SmoothsOnlyEdgesOfQuickPictures) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -1, -1}, {4.2F, 1, 3}, {0.05F, 0.05F, 0.05F});
   const View view = perspective_view({0, 0, 1}, {1, 0, 1}, 60.0, kWidth, kHeight, {0.0, 0.25, 1.0});  // tilted
@@ -308,7 +308,7 @@ int columns_unlike(const Image& image, const Image& plain, int y) {
   return count;
 }
 
-TEST(Renderer, DrawsPointsOfAsManyPixelsAsAskedWhateverTheirDistance) {
+TEST(Renderer, PointSizeIsIndependentOfDistance) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), {});
@@ -330,7 +330,7 @@ TEST(Renderer, DrawsPointsOfAsManyPixelsAsAskedWhateverTheirDistance) {
   }
 }
 
-TEST(Renderer, LinesArePairsOfEndsEachInItsColor) {
+TEST(Renderer, DrawsLinesAsColoredPairsEnds) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), {});
@@ -360,7 +360,7 @@ TEST(Renderer, LinesArePairsOfEndsEachInItsColor) {
   }
 }
 
-TEST(Renderer, LeavesPaperWhiteWhereThereIsNothing) {
+TEST(Renderer, LeavesEmptyPaperWhite) {
   BoxWorld world;
   world.add({3, -1, 0}, {5, 1, 2}, kGray);
   Renderer renderer(world.scene(), {});
@@ -371,7 +371,7 @@ TEST(Renderer, LeavesPaperWhiteWhereThereIsNothing) {
   EXPECT_EQ(corner(), Rgb::Ones());
 }
 
-TEST(Renderer, FillsThePixelsWhoseCentersLieInADisc) {
+TEST(Renderer, FillsPixelsCenteredWithinADisc) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), {});
@@ -397,7 +397,7 @@ TEST(Renderer, FillsThePixelsWhoseCentersLieInADisc) {
   }
 }
 
-TEST(ShownPoints, AreThoseInTheViewBelowTheCut) {
+TEST(ShownPoints, LieInViewBelowCut) {
   PictureCloud cloud;
   cloud.vehicle = 3;
   cloud.points_world_m = {{5, 0, 1}, {-5, 0, 1}, {5, 0, 4}, {5, 40, 1}, {8, 0, 2}};
@@ -414,7 +414,7 @@ TEST(ShownPoints, AreThoseInTheViewBelowTheCut) {
   EXPECT_EQ(shown[0].points_world_m, (std::vector<Eigen::Vector3f>{{5, 0, 1}, {8, 0, 2}}));
 }
 
-TEST(Renderer, SeesAVehicleThroughLeavesWhenFollowingIt) {
+TEST(Renderer, ShowsAFollowedVehicleThroughLeaves) {
   // A wall of loose leaves between camera and vehicle.
   const Scene scene = leaf_wall(0.4F, 20, -3.0F);
   Renderer renderer(scene, std::vector{make_test_shape()});

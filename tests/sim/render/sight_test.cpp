@@ -8,7 +8,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(Sight, IsBlockedByWallsAndNotByLeaves) {
+TEST(Sight, IsBlockedByWallsNotLeaves) {
   BoxWorld world;
   world.add({4, -1, 0}, {5, 1, 2}, {0.5F, 0.5F, 0.5F}, SurfaceClass::kWall);
   world.add({-5, -1, 0}, {-4, 1, 2}, {0.1F, 0.5F, 0.1F}, SurfaceClass::kVegetation);

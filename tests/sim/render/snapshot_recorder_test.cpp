@@ -44,7 +44,7 @@ TEST(WantsPicture, AtListedTimesAndAtMultiples) {
   EXPECT_EQ(count, 100);
 }
 
-TEST(Trail, KeepsItsMemoryBoundedAndItsEnds) {
+TEST(Trail, KeepsItsEndsInBoundedMemory) {
   std::vector<Eigen::Vector3f> trail;
   for (int i = 0; i < 100'000; ++i) extend_trail(trail, {0.06F * static_cast<float>(i), 0, 0});
   EXPECT_LT(trail.size(), 9000U);
@@ -56,7 +56,7 @@ TEST(Trail, KeepsItsMemoryBoundedAndItsEnds) {
   EXPECT_EQ(trail.size(), before) << "a vehicle that hovers";
 }
 
-TEST(Cloud, LiesWhereTheSensorTrulyWasColumnByColumn) {
+TEST(Cloud, LiesAtTruePosesPerColumn) {
   LabeledScan labeled;
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
@@ -109,7 +109,7 @@ class SnapshotRecorderTest : public testing::Test {
   std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans_;
 };
 
-TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
+TEST_F(SnapshotRecorderTest, WritesCameraPicturesAtTheirTimes) {
   CameraConfig top = small_camera("above", CameraConfig::Type::kTop);
   top.times_s = {0.05, 0.2};
   CameraConfig depth = small_camera("depth", CameraConfig::Type::kDepth);
@@ -134,7 +134,7 @@ TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
   EXPECT_EQ(files, written.size());
 }
 
-TEST_F(SnapshotRecorderTest, WritesPaperAsPngAndAsSvgOfTheSizeAsked) {
+TEST_F(SnapshotRecorderTest, WritesPaperAsPngAndSvg) {
   CameraConfig camera = small_camera("figure", CameraConfig::Type::kTop);
   camera.times_s = {0.1};
   camera.style = PictureMedium::kPaper;
@@ -152,7 +152,7 @@ TEST_F(SnapshotRecorderTest, WritesPaperAsPngAndAsSvgOfTheSizeAsked) {
   EXPECT_THAT(svg, testing::HasSubstr("figure, t = 0.100 s</title>"));
 }
 
-TEST_F(SnapshotRecorderTest, DrawsNoTrailAndNoMarksOnBoard) {
+TEST_F(SnapshotRecorderTest, OmitsTrailAndMarksOnBoard) {
   // In backward flight, uav1 would look along its own trail, as wide as the picture.
   CameraConfig camera = small_camera("onboard", CameraConfig::Type::kOnboard);
   camera.position_m = {0.0, 0.0, 0.6};
@@ -165,7 +165,7 @@ TEST_F(SnapshotRecorderTest, DrawsNoTrailAndNoMarksOnBoard) {
   EXPECT_EQ(read_whole_file(folder_.path() / "snapshots/onboard_0001.000s.png"), with);
 }
 
-TEST_F(SnapshotRecorderTest, LetsAFollowCameraGoRoundWhatTheWorldBlocks) {
+TEST_F(SnapshotRecorderTest, MovesFollowCamerasAroundObstacles) {
   CameraConfig camera = small_camera("chase", CameraConfig::Type::kFollow);
   camera.vehicle = "uav1";
   camera.position_m = {-8, 0, 3};
@@ -180,7 +180,7 @@ TEST_F(SnapshotRecorderTest, LetsAFollowCameraGoRoundWhatTheWorldBlocks) {
   EXPECT_NE(picture_with(true), picture_with(false));
 }
 
-TEST(CameraConfig, TellsItsSizeInPixels) {
+TEST(CameraConfig, ReportsItsSizeInPixels) {
   CameraConfig camera;
   EXPECT_EQ(camera.size_px(), Eigen::Vector2i(1280, 720));
   camera.width_mm = 127.0;
@@ -194,7 +194,7 @@ TEST(CameraConfig, TellsItsSizeInPixels) {
   EXPECT_EQ(camera.size_px(), Eigen::Vector2i(356, 200)) << "as wide as 1280 is to 720";
 }
 
-TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {
+TEST_F(SnapshotRecorderTest, RefusesUnknownVehicles) {
   CameraConfig camera = small_camera("onboard", CameraConfig::Type::kOnboard);
   camera.vehicle = "uav7";
   try {
@@ -205,7 +205,7 @@ TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {
   }
 }
 
-TEST_F(SnapshotRecorderTest, TouchesNothingWhenNoPictureIsDue) {
+TEST_F(SnapshotRecorderTest, ChangesNothingWithoutDuePictures) {
   CameraConfig camera = small_camera("late", CameraConfig::Type::kTop);
   camera.times_s = {100.0};
   EXPECT_TRUE(fly({camera}, 0.1).empty());
@@ -263,7 +263,7 @@ class PaperTest : public SnapshotRecorderTest {
   }
 };
 
-TEST_F(PaperTest, TellsScenarioCameraAndVehicleInItsTitle) {
+TEST_F(PaperTest, NamesScenarioCameraAndVehicle) {
   info_.scenario = "forest";
   CameraConfig second = paper("second", CameraConfig::Type::kFollow);
   second.vehicle = "uav2";
@@ -308,7 +308,7 @@ TEST_F(PaperTest, ExplainsTheColorsOfClouds) {
   EXPECT_THAT(texts_of(without[1]), Not(Contains("reflectivity [-]"))) << "no scan, nothing to explain";
 }
 
-TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
+TEST_F(PaperTest, ShowsTheScanOfItsSensor) {
   CameraConfig camera = paper("lidar", CameraConfig::Type::kLidarRange);
   EXPECT_THAT(texts_of(svg_of(camera)), ElementsAre("no scan yet"));
   scans_[0] = {scan("os1", 3.0F), scan("puck", 90.0F)};
@@ -337,7 +337,7 @@ TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
   EXPECT_NEAR(end_of_scale("uav1", "os1"), 50.0, 10.0);
 }
 
-TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
+TEST_F(PaperTest, PlacesTheLegendBesideThePicture) {
   // A legend reduces the picture; the size of the figure stays.
   CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);
   alone.span_m = beside.span_m = 30.0;
@@ -355,7 +355,7 @@ TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
   EXPECT_THAT(svgs[1], testing::HasSubstr("viewBox=\"0 0 " + std::to_string(beside.size_px().x()) + " "));
 }
 
-TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
+TEST_F(PaperTest, ShowsDepthWithItsScaleBeside) {
   CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
   camera.position_m = {0, 0, 0.6};
   camera.target_m = {1, 0, -0.4};

@@ -48,7 +48,7 @@ TEST(WideLines, CornersOfAnyAngleAreMitred) {
   }
 }
 
-TEST(WideLines, OfOnePointOrOfNoLengthAreNotThere) {
+TEST(WideLines, OmitPointsAndZeroLengths) {
   EXPECT_EQ(drawn_px({{1, 1, 1}}, 4.0F), 0.0);
   EXPECT_EQ(drawn_px({{1, 1, 1}, {1, 1, 1}}, 4.0F), 0.0);
 }

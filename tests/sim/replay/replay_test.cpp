@@ -19,7 +19,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(ReplayBlock, ATableReadsBackToHalfAStep) {
+TEST(ReplayBlock, RestoresTablesToHalfAStep) {
   ReplayTable table(R"({"table":"a"})", {{"x_m", 0.01}, {"n", 1.0}});
   std::vector<double> xs;
   for (int i = 0; i < 1000; ++i) {
@@ -39,7 +39,7 @@ TEST(ReplayBlock, ATableReadsBackToHalfAStep) {
   }
 }
 
-TEST(ReplayBlock, WhatIsNoNumberIsMissingAndWhatIsTooLargeIsTheLargest) {
+TEST(ReplayBlock, OmitsNanAndClampsLargeValues) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   ReplayTable table("{}", {{"x", 1.0}});
   for (const double x : {1.0, std::nan(""), 2.0, kInfinity, 1e300, -1e300, 3.0}) table.add({x});
@@ -77,7 +77,7 @@ class ReplayOfMadeUpRun : public ::testing::Test {
 
 TEST_F(ReplayOfMadeUpRun, IsTheSameFileTwice) { EXPECT_EQ(write("a.html"), write("b.html")); }
 
-TEST_F(ReplayOfMadeUpRun, HoldsTheTrueStatesAtTheirRate) {
+TEST_F(ReplayOfMadeUpRun, HoldsTrueStatesAtTheirRate) {
   const auto blocks = read_page(write("a.html"));
   ASSERT_FALSE(blocks.empty());
   EXPECT_EQ(blocks.front().about["kind"], "head");
@@ -102,7 +102,7 @@ TEST_F(ReplayOfMadeUpRun, HoldsTheTrueStatesAtTheirRate) {
   EXPECT_NEAR(static_cast<double>(rows), 4.5 * 20.0, 2.0);
 }
 
-TEST_F(ReplayOfMadeUpRun, HoldsEventsRadioDetectionsTracksScansAndMetrics) {
+TEST_F(ReplayOfMadeUpRun, HoldsEveryKindOfRecordedData) {
   std::map<std::string, std::size_t> rows;
   std::size_t events = 0;
   for (const ReadBlock& block : read_page(write("a.html"))) {
@@ -118,7 +118,7 @@ TEST_F(ReplayOfMadeUpRun, HoldsEventsRadioDetectionsTracksScansAndMetrics) {
   EXPECT_GT(rows["overlay"], 0U) << "the maps that the vehicles keep";
 }
 
-TEST_F(ReplayOfMadeUpRun, HasNothingOfWhatARateOfZeroSwitchesOff) {
+TEST_F(ReplayOfMadeUpRun, OmitsDataAtZeroRate) {
   ReplayConfig config;
   config.scan_rate_hz = config.overlay_rate_hz = 0.0;
   for (const ReadBlock& block : read_page(write("a.html", config))) {
@@ -129,7 +129,7 @@ TEST_F(ReplayOfMadeUpRun, HasNothingOfWhatARateOfZeroSwitchesOff) {
   }
 }
 
-TEST_F(ReplayOfMadeUpRun, AsksForOverlaysAtTheirRateOnly) {
+TEST_F(ReplayOfMadeUpRun, RequestsOverlaysOnlyAtTheirRate) {
   SyntheticRun run(folder_.path());
   ReplayConfig config;
   config.overlay_rate_hz = 2.0;
@@ -143,7 +143,7 @@ TEST_F(ReplayOfMadeUpRun, AsksForOverlaysAtTheirRateOnly) {
   EXPECT_NEAR(asked, 8, 1);
 }
 
-TEST_F(ReplayOfMadeUpRun, LeavesNothingBehindWhenTheRunEndsEarly) {
+TEST_F(ReplayOfMadeUpRun, LeavesNothingAfterAnEarlyEnd) {
   SyntheticRun run(folder_.path());
   {
     auto recorder = make_replay_recorder({}, folder_.path() / "a.html");
@@ -172,7 +172,7 @@ TEST_F(ReplayOfMadeUpRun, NamesNeverBecomeMarkup) {
   EXPECT_EQ(read_page(page).front().about["scenario"], info.scenario);
 }
 
-TEST(ReplayScan, PointsLieWhereTheSensorSawThemAndAreThinnedToTheLimit) {
+TEST(ReplayScan, PlacesPointsThinnedToTheLimit) {
   TemporaryDirectory folder;
   SyntheticRun run(folder.path());
   const TickView& tick = run.tick(10);  // frozen after tick 20, rolling after tick 10
@@ -198,7 +198,7 @@ TEST(ReplayScan, PointsLieWhereTheSensorSawThemAndAreThinnedToTheLimit) {
   EXPECT_LE(append_scan(labeled, 0, 20, 0, few), 20U);
 }
 
-TEST(ReplayScan, ReturnsFromOtherVehiclesAreKeptHoweverFewPointsThereMayBe) {
+TEST(ReplayScan, AlwaysKeepsReturnsFromOtherVehicles) {
   TemporaryDirectory folder;
   SyntheticRun run(folder.path());
   LabeledScan labeled = *run.tick(10).scans[0].front();
@@ -243,7 +243,7 @@ Scene square_with_leaves(int n) {
   return scene;
 }
 
-TEST(ReplayWorld, IsCompleteWhereItIsSmallAndCoarserWhereItIsLarge) {
+TEST(ReplayWorld, CoarsensOnlyLargeWorlds) {
   const Scene scene = square_with_leaves(40);
   const auto triangles = [&](std::size_t most) {
     ReplayBlock block("{}");
@@ -296,7 +296,7 @@ class OverlaysOfOneVehicle : public ::testing::Test {
 };
 
 // A line without some of its corners would be another line; of points there are enough.
-TEST_F(OverlaysOfOneVehicle, LinesAreWholeAndManyPointsAreThinned) {
+TEST_F(OverlaysOfOneVehicle, KeepLinesWholeAndThinPoints) {
   const auto tables =
       write({row_of("path", Overlay::Kind::kPolyline, 700), row_of("cloud", Overlay::Kind::kPoints, 700),
              row_of("long", Overlay::Kind::kPolyline, 20000), row_of("large", Overlay::Kind::kPoints, 20000)},
@@ -314,7 +314,7 @@ TEST_F(OverlaysOfOneVehicle, LinesAreWholeAndManyPointsAreThinned) {
   EXPECT_GT(large["x_m"].back(), 199.0);  // evenly, up to the end
 }
 
-TEST_F(OverlaysOfOneVehicle, WhatIsGoneIsWrittenOnceAsEmptyAndMapsStayUntilTheirNextTime) {
+TEST_F(OverlaysOfOneVehicle, WriteRemovalOnceAndKeepMaps) {
   const Overlay path = row_of("path", Overlay::Kind::kPolyline, 5);
   EXPECT_EQ(named(write({path}, 10), "path").size(), 1U);
   EXPECT_EQ(named(write({path}, 11), "path").size(), 0U);  // unchanged

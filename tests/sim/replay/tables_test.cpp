@@ -114,7 +114,7 @@ ReadBlock read_scan(const LabeledScan& labeled, std::size_t most, std::uint64_t 
   return read_block(block.bytes());
 }
 
-TEST(ReplayScan, TellsAnglesRangesPowerAndWhatWasHit) {
+TEST(ReplayScan, WritesAnglesRangesPowerAndTargets) {
   const LabeledScan labeled = scan_of(8, 40, false);
   const ReadBlock read = read_scan(labeled, 100000, 0);
   const ReadTable& points = read.tables.at(0);
@@ -179,7 +179,7 @@ class Overlays : public ::testing::Test {
   OverlayTables tables_{10 * SyntheticRun::kTick};
 };
 
-TEST_F(Overlays, TellTheirKindSizeColorsAndLegend) {
+TEST_F(Overlays, WriteKindSizeColorsAndLegend) {
   const char* kinds[] = {"points", "lines", "polyline", "cubes", "spheres", "triangles"};
   for (int kind = 0; kind < 6; ++kind) {
     Overlay made = overlay(kinds[kind], static_cast<Overlay::Kind>(kind), 6);
@@ -205,7 +205,7 @@ TEST_F(Overlays, TellTheirKindSizeColorsAndLegend) {
   }
 }
 
-TEST_F(Overlays, OfManyColorsTellTheNumberOfEach) {
+TEST_F(Overlays, CountEachOfManyColors) {
   Overlay made = overlay("colored", Overlay::Kind::kPoints, 5);
   const Eigen::Vector4f red(1, 0, 0, 1), blue(0, 0, 1, 1);
   made.colors = {red, blue, blue, red, blue};
@@ -221,7 +221,7 @@ TEST_F(Overlays, OfManyColorsTellTheNumberOfEach) {
   EXPECT_TRUE(find(write({overlay("none", Overlay::Kind::kPoints, 2)}, 13), "none")->about["palette"].empty());
 }
 
-TEST_F(Overlays, OfOneNameAreNumberedAndThoseThatThePageKnowsOtherwiseAreLeftOut) {
+TEST_F(Overlays, NumberEqualAndOmitReservedNames) {
   const auto tables =
       write({overlay("cells", Overlay::Kind::kCubes, 1), overlay("cells", Overlay::Kind::kCubes, 2),
              overlay("cells", Overlay::Kind::kCubes, 3), overlay("tracks", Overlay::Kind::kPoints, 1),
@@ -234,7 +234,7 @@ TEST_F(Overlays, OfOneNameAreNumberedAndThoseThatThePageKnowsOtherwiseAreLeftOut
 }
 
 // Groups stay together: both ends of a line, the corners of a triangle.
-TEST_F(Overlays, OfMoreThanTwelveThousandPositionsAreThinnedInWholeGroups) {
+TEST_F(Overlays, ThinLargeOverlaysInWholeGroups) {
   struct Case {
     Overlay::Kind kind;
     int group;
@@ -261,7 +261,7 @@ TEST_F(Overlays, OfMoreThanTwelveThousandPositionsAreThinnedInWholeGroups) {
   }
 }
 
-TEST_F(Overlays, MapsAreTheOccupiedCellsOfEachButTheDetectors) {
+TEST_F(Overlays, ShowMapsExceptThoseOfDetectors) {
   const auto tables = write({}, 10);
   ASSERT_EQ(tables.size(), 1U);
   EXPECT_EQ(tables[0].about["name"], "map.mapping");
@@ -361,7 +361,7 @@ class WholeReplay : public ::testing::Test {
   TemporaryDirectory folder_;
 };
 
-TEST_F(WholeReplay, HeadTellsRatesBoundsAndThePalette) {
+TEST_F(WholeReplay, WritesRatesBoundsAndPaletteFirst) {
   Scene scene;
   scene.bounds_m = Eigen::AlignedBox3d(Vector3(-1, -2, -3), Vector3(4, 5, 6));
   scene.materials.resize(1);
@@ -412,7 +412,7 @@ TEST_F(WholeReplay, ChunksHaveTwoSecondsEach) {
   EXPECT_EQ(starts, (std::vector<double>{0.0, 2.0, 4.0}));
 }
 
-TEST_F(WholeReplay, StatesComeAtTheirRateFromTheFirstTickOn) {
+TEST_F(WholeReplay, WritesStatesAtTheirRate) {
   ReplayConfig config;
   config.rate_hz = 8.0;  // every 0.125 s; ticks come every 0.01 s
   const auto times = column(write(config, 100), "state", "t_s");
@@ -426,7 +426,7 @@ TEST_F(WholeReplay, StatesComeAtTheirRateFromTheFirstTickOn) {
   for (std::size_t i = 0; i < sorted.size(); ++i) EXPECT_NEAR(sorted[i], expected[i], 1e-9);
 }
 
-TEST_F(WholeReplay, DetectionsAndTracksAreToldInFull) {
+TEST_F(WholeReplay, WritesCompleteDetectionsAndTracks) {
   const auto blocks = write({}, 3);
   SyntheticRun again(folder_.path());
   std::size_t d = 0, t = 0;
@@ -463,7 +463,7 @@ TEST_F(WholeReplay, DetectionsAndTracksAreToldInFull) {
   EXPECT_GT(d, 0U);
 }
 
-TEST_F(WholeReplay, EventsTellWhatWhoWhereAndWhen) {
+TEST_F(WholeReplay, WritesCompleteEvents) {
   json events = json::array();
   for (const ReadBlock& block : write({}, 10)) {
     if (block.about.contains("events"))
@@ -497,7 +497,7 @@ std::string asked(const std::string& address, const std::string& request) {
   return answer;
 }
 
-TEST(LiveServer, AnswersReadersWhoKnowItsAddressAndNobodyElse) {
+TEST(LiveServer, AnswersOnlyReadersWithItsAddress) {
   LiveServer server;
   const std::string& address = server.address();
   ASSERT_EQ(address.rfind("http://127.0.0.1:", 0), 0U);
@@ -538,7 +538,7 @@ TEST(LiveServer, AnswersReadersWhoKnowItsAddressAndNobodyElse) {
   EXPECT_EQ(padded(9000), "");
 }
 
-TEST(LiveServer, WaitsForAPageThatIsOpenAndForNoOther) {
+TEST(LiveServer, WaitsOnlyForAnOpenPage) {
   {
     LiveServer nobody;
     nobody.put("last");

@@ -99,7 +99,7 @@ TEST_F(BatchReport, GathersGroupsOutcomesAndNumbers) {
 }
 
 // Databases that no batch of Swiftlet leaves behind: each ends in a report or in a message with the file.
-TEST_F(BatchReport, IncompleteDatabasesEndInAReportOrAMessage) {
+TEST_F(BatchReport, IncompleteDatabasesYieldReportOrMessage) {
   const fs::path file = folder_.path() / "results.sqlite";
   const auto run = [&](const char* sql) {
     sqlite3* database = nullptr;
@@ -153,7 +153,7 @@ TEST_F(BatchReport, DifferencesArePairedBySeed) {
   EXPECT_EQ(counts.neither, 3U);
 }
 
-TEST_F(BatchReport, AllPointsTogetherArePairedByPointAndSeed) {
+TEST_F(BatchReport, PairsAllByPointAndSeed) {
   const BatchTable t = table();
   ASSERT_EQ(t.totals.size(), 2U);
   EXPECT_EQ(t.name_of(t.totals[1]), "all points, new");
@@ -169,7 +169,7 @@ TEST_F(BatchReport, AllPointsTogetherArePairedByPointAndSeed) {
   EXPECT_EQ(paired_outcomes(t, "crashed", t.totals[0], t.totals[1]).first_only, 4U);
 }
 
-TEST_F(BatchReport, ThePageTellsItAll) {
+TEST_F(BatchReport, PageContainsEveryResult) {
   const std::string page = batch_report_html(table());
   EXPECT_THAT(page, HasSubstr("winds &amp; gains"));
   EXPECT_THAT(page, HasSubstr("crashed [% of episodes]"));
@@ -186,7 +186,7 @@ TEST_F(BatchReport, ThePageTellsItAll) {
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
-TEST_F(BatchReport, TheTenWorstEpisodesComeFirstToLast) {
+TEST_F(BatchReport, ListsTenWorstEpisodesInOrder) {
   const std::string page = batch_report_html(table());
   const std::size_t begin = page.find("Worst episodes");
   std::string section = page.substr(begin, page.find("</table>", begin) - begin);
@@ -199,7 +199,7 @@ TEST_F(BatchReport, TheTenWorstEpisodesComeFirstToLast) {
   EXPECT_EQ(episodes, (std::vector<int>{22, 10, 11, 20, 21, 8, 9, 18, 19, 6}));
 }
 
-TEST_F(BatchReport, APictureOfPointsNamesEachOfThem) {
+TEST_F(BatchReport, FiguresOfPointsNameEachPoint) {
   const std::string page = batch_report_html(table());
   int figures = 0;
   for (std::size_t at = 0; (at = page.find("<figure>", at)) != std::string::npos; ++at) {
@@ -211,7 +211,7 @@ TEST_F(BatchReport, APictureOfPointsNamesEachOfThem) {
 }
 
 // Points with one episode each are summed up by the totals only; points with two are listed.
-TEST(BatchReportOfFew, PointsOfTwoEpisodesAreShownOneByOneAndPointsOfOneTogether) {
+TEST(BatchReportOfFew, ListsPointsOnlyWithRepeatedEpisodes) {
   for (const std::uint64_t seeds : {1U, 2U}) {
     const TemporaryDirectory folder;
     {
@@ -252,7 +252,7 @@ TEST(BatchReportOfFew, PointsOfTwoEpisodesAreShownOneByOneAndPointsOfOneTogether
   }
 }
 
-TEST_F(BatchReport, TheCsvHasEveryGroupAndQuantity) {
+TEST_F(BatchReport, CsvHasEveryGroupAndQuantity) {
   const auto written = write_batch_report(folder_.path());
   ASSERT_EQ(written.size(), 2U);
   std::ifstream file(folder_.path() / "report.csv");
@@ -303,7 +303,7 @@ std::map<std::string, std::string> csv_row(const std::string& csv, const std::st
   return row;
 }
 
-TEST_F(BatchReport, RowsOfTheCsvHoldTheNumbersOfTheirGroups) {
+TEST_F(BatchReport, CsvRowsHoldTheirGroupsNumbers) {
   const BatchTable t = table();
   const std::string csv = batch_report_csv(t);
   const auto expect_number = [](const std::string& found, double expected) {
@@ -401,7 +401,7 @@ std::vector<std::string> labels(const std::vector<const Quantity*>& quantities) 
   return names;
 }
 
-TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
+TEST(BatchTables, ShowsSixBestExplainedQuantities) {
   // Shares of the variance between two points of four seeds each: noise of growing size beside a difference of one.
   const auto metrics = [](std::size_t point, std::size_t, std::uint64_t seed) {
     std::vector<MetricRow> rows;
@@ -427,7 +427,7 @@ TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
             (std::vector<std::string>{"about_zero", "more", "negative", "little"}));
 }
 
-TEST(BatchTables, NamedQuantitiesAreThoseOfTheRunTheMeanOrTheVehicle) {
+TEST(BatchTables, NamesSelectRunMeanOrVehicle) {
   const auto metrics = [](std::size_t, std::size_t, std::uint64_t seed) {
     const auto s = static_cast<double>(seed);
     return std::vector<MetricRow>{{"of_run", "", s, "", ""},
@@ -458,7 +458,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST(BatchPages, ManyPointsGroupsAndFailuresAreCutAndSaidSo) {
+TEST(BatchPages, TruncatesLongListsWithANotice) {
   const auto metrics = [](std::size_t point, std::size_t, std::uint64_t seed) {
     return std::vector<MetricRow>{{"m", "", static_cast<double>(point) + 0.1 * static_cast<double>(seed), "", ""}};
   };
@@ -485,7 +485,7 @@ TEST(BatchPages, ManyPointsGroupsAndFailuresAreCutAndSaidSo) {
   EXPECT_THAT(page_of(3, 10), Not(HasSubstr("Episodes that are not done")));
 }
 
-TEST(BatchPages, TheWorstAreTheLeastWhereThatIsAsked) {
+TEST(BatchPages, RanksLowestFirstWhenConfigured) {
   const auto metrics = [](std::size_t, std::size_t, std::uint64_t seed) {
     return std::vector<MetricRow>{{"m", "a", static_cast<double>(seed * 7 % 12), "", ""},
                                   {"n", "", static_cast<double>(seed), "", ""}};
@@ -503,7 +503,7 @@ TEST(BatchPages, TheWorstAreTheLeastWhereThatIsAsked) {
   EXPECT_EQ(order("report: {metrics: [n], worst_is: low}\n").front(), "0");
 }
 
-TEST(Html, NumbersHaveFourDigitsOrAllBeforeThePoint) {
+TEST(Html, RoundsToFourDigitsOrInteger) {
   EXPECT_EQ(html::number(0.123456), "0.1235");
   EXPECT_EQ(html::number(9999.4), "9999");
   EXPECT_EQ(html::number(10000.0), "10000");
@@ -523,14 +523,14 @@ TEST_F(BatchReport, OnlyABatchHasOne) {
   EXPECT_THROW(write_run_report(folder_.path()), InputError);
 }
 
-TEST(RunReport, ASummaryOfSomethingElseIsRefusedWithItsName) {
+TEST(RunReport, RefusesAForeignSummaryByName) {
   const TemporaryDirectory folder;
   std::ofstream(folder.path() / "summary.json") << R"({"scenario": "gap", "metrics": 7, "stage_wall_s": "x"})";
   EXPECT_THAT([&] { write_run_report(folder.path()); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("summary.json: expected the summary of a run")));
 }
 
-TEST(RunReport, ShowsMetricsFlightEventsPicturesAndStages) {
+TEST(RunReport, ShowsMetricsEventsPicturesAndStages) {
   const TemporaryDirectory folder;
   const auto write = [&](const std::string& name, const std::string& text) {
     std::filesystem::create_directories((folder.path() / name).parent_path());
@@ -562,7 +562,7 @@ TEST(RunReport, ShowsMetricsFlightEventsPicturesAndStages) {
   EXPECT_NEAR(series[0].estimate_error_m[1], std::hypot(0.5, 0.2, 0.15), 1e-12);
 }
 
-TEST(RunReport, CountsFromTheStartOfTheRunWhateverTheRecordingsCountFrom) {
+TEST(RunReport, CountsTimeFromTheRunsStart) {
   const TemporaryDirectory folder;
   std::filesystem::create_directories(folder.path() / "trajectories");
   std::ofstream(folder.path() / "summary.json") << R"({"scenario":"gap","outcome":"done"})";
@@ -578,7 +578,7 @@ TEST(RunReport, CountsFromTheStartOfTheRunWhateverTheRecordingsCountFrom) {
   EXPECT_THAT(page, ::testing::Not(HasSubstr("10⁹")));
 }
 
-TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
+TEST(TimeSeries, ComputesErrorsFromCsvAndThins) {
   const TemporaryDirectory folder;
   std::filesystem::create_directories(folder.path() / "csv/uav1");
   std::ofstream file(folder.path() / "csv/uav1/state.csv");
@@ -596,7 +596,7 @@ TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
   EXPECT_EQ(series[0].clearance_m[7], 2.5);
 }
 
-TEST(TimeSeries, AreThinnedToTheMostThatIsAskedForAndNotMore) {
+TEST(TimeSeries, ThinsToTheRequestedMaximum) {
   const TemporaryDirectory folder;
   for (const int rows : {0, 1, 99, 100, 101, 199, 200, 201, 1000}) {
     std::ofstream file(folder.path() / "a.csv");
@@ -612,7 +612,7 @@ TEST(TimeSeries, AreThinnedToTheMostThatIsAskedForAndNotMore) {
   }
 }
 
-TEST(TimeSeries, WhatIsNoNumberIsNoneAndLinesMayBeShort) {
+TEST(TimeSeries, ToleratesNonNumbersAndShortLines) {
   const TemporaryDirectory folder;
   std::ofstream(folder.path() / "a.csv") << "t_s,x,word\n1,2,three\n# a comment\n\n4\n5,,6\n7,8,9,10\n1e,2x,inf\n";
   const NumberTable table = read_number_table(folder.path() / "a.csv", ',', 0);
@@ -634,7 +634,7 @@ TEST(TimeSeries, WhatIsNoNumberIsNoneAndLinesMayBeShort) {
   EXPECT_THROW(read_number_table(folder.path() / "none", ',', 0), std::runtime_error);
 }
 
-TEST(TimeSeries, EstimatesAreTakenBetweenTheirInstantsAndNotBeyond) {
+TEST(TimeSeries, InterpolatesEstimatesWithoutExtrapolating) {
   const TemporaryDirectory folder;
   std::filesystem::create_directories(folder.path() / "trajectories");
   std::ofstream(folder.path() / "trajectories/a.tum")
@@ -662,7 +662,7 @@ TEST(TimeSeries, EstimatesAreTakenBetweenTheirInstantsAndNotBeyond) {
   EXPECT_TRUE(all[1].clearance_m.empty());
 }
 
-TEST(RunReport, ListsAreCutWhereTheyGetLong) {
+TEST(RunReport, TruncatesLongLists) {
   const TemporaryDirectory folder;
   write_file(folder.path() / "summary.json",
              R"({"scenario": "x", "threads": 2, "simulated_s": 4.0, "stage_wall_s": {"a": 0.5, "b": 1.5},
@@ -711,7 +711,7 @@ TEST(RunReport, ListsAreCutWhereTheyGetLong) {
   EXPECT_THAT(bare, Not(HasSubstr("<h2>Radio")));
 }
 
-TEST(RunReport, DrawsRecallAndErrorOverDistanceOfEveryVehicleThatDetects) {
+TEST(RunReport, PlotsRecallAndErrorOverDistance) {
   const TemporaryDirectory folder;
   write_file(folder.path() / "summary.json", R"({"detection_over_distance": {
     "a<b": {"tracker": [{"from_m": 0, "to_m": 10, "targets": 8, "recall": 1.0, "recall_visible": 1.0, "error_mean_m": 0.125},
@@ -732,7 +732,7 @@ TEST(RunReport, DrawsRecallAndErrorOverDistanceOfEveryVehicleThatDetects) {
   EXPECT_THROW(write_run_report(folder.path()), InputError);
 }
 
-TEST(RunReport, NobodyWhoDetectsNoPlotOverDistance) {
+TEST(RunReport, OmitsDistancePlotWithoutDetectors) {
   const TemporaryDirectory folder;
   write_file(folder.path() / "summary.json", R"({"detection_over_distance": {}})");
   write_run_report(folder.path());
@@ -741,7 +741,7 @@ TEST(RunReport, NobodyWhoDetectsNoPlotOverDistance) {
   EXPECT_THAT(page, Not(HasSubstr("over distance")));
 }
 
-TEST(RunReport, DamagedTablesAreRefusedByTheirName) {
+TEST(RunReport, RefusesDamagedTablesByName) {
   for (const std::string& content : {std::string(), std::string("# t_s\n1\n2\n"), std::string("# t_s x_m y_m\n1 2 3\n"),
                                      std::string("\0\0\n\xff 1", 6)}) {
     const TemporaryDirectory folder;
@@ -759,7 +759,7 @@ TEST(RunReport, DamagedTablesAreRefusedByTheirName) {
   }
 }
 
-TEST(RunReport, JsonThatIsNestedWithoutEndIsRefused) {
+TEST(RunReport, RefusesEndlesslyNestedJson) {
   const TemporaryDirectory folder;
   const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
   write_file(folder.path() / "summary.json", "{\"outcome\": " + deep + "}");

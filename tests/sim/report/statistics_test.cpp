@@ -29,7 +29,7 @@ TEST(Statistics, ASampleIsSummarized) {
   EXPECT_EQ(s.max, 9.0);
 }
 
-TEST(Statistics, QuartilesAreThoseOfTheOrderedSampleAtAnySize) {
+TEST(Statistics, QuartilesMatchTheOrderedSample) {
   const Random random(5, "test");
   for (std::uint32_t n = 1; n <= 40; ++n) {
     std::vector<double> samples;
@@ -115,7 +115,7 @@ Interval wilson_by_roots(double successes, double trials, double n) {
   return {std::max(0.0, (-b - root) / (2.0 * a)), std::min(1.0, (-b + root) / (2.0 * a))};
 }
 
-TEST(Statistics, WilsonsIntervalIsWhereTheScoreTestEnds) {
+TEST(Statistics, WilsonIntervalInvertsTheScoreTest) {
   for (const std::uint64_t trials : {1U, 2U, 7U, 40U}) {
     for (std::uint64_t successes = 0; successes <= trials; ++successes) {
       for (const double share : {1.0, 0.4}) {
@@ -134,7 +134,7 @@ TEST(Statistics, WilsonsIntervalIsWhereTheScoreTestEnds) {
 }
 
 /// Newcombe's method 10, from the intervals of either rate and the correlation with its correction for continuity.
-TEST(Statistics, PairedRatesAreSquaredAndAddedWithTheirCorrelation) {
+TEST(Statistics, PairedRatesFollowNewcombesMethodTen) {
   const auto square_and_add = [](double x, double y, double phi) {
     return std::sqrt(std::max(0.0, x * x + y * y - 2.0 * phi * x * y));
   };
@@ -189,7 +189,7 @@ TEST(Statistics, WilsonsIntervalIsThePublishedOne) {
   EXPECT_EQ(wilson(20, 20).high, 1.0);
 }
 
-TEST(Statistics, PairedDifferencesLeaveOutTheNoiseThatBothShare) {
+TEST(Statistics, PairedDifferencesCancelSharedNoise) {
   const Random random(1, "test");
   std::vector<double> first, second;
   for (std::uint32_t i = 0; i < 50; ++i) {
@@ -216,7 +216,7 @@ TEST(Statistics, PairedRatesHaveThePublishedInterval) {
   EXPECT_NEAR(d.ci.high, 0.3404, 5e-5);
 }
 
-TEST(Statistics, IntervalsCoverAsOftenAsTheySay) {
+TEST(Statistics, IntervalsHaveTheirNominalCoverage) {
   const Random random(7, "coverage");
   int mean_covered = 0, rate_covered = 0, difference_covered = 0;
   constexpr int kTrials = 4000, kSamples = 20;
@@ -244,7 +244,7 @@ TEST(Statistics, IntervalsCoverAsOftenAsTheySay) {
   EXPECT_NEAR(static_cast<double>(difference_covered) / kTrials, 0.95, 0.03);
 }
 
-TEST(Statistics, TheSameFlightCountedFiveTimesSaysNoMore) {
+TEST(Statistics, RepeatedFlightsAddNoInformation) {
   const Random random(3, "clusters");
   std::vector<double> once, often;
   std::vector<std::uint64_t> seeds;
@@ -266,7 +266,7 @@ TEST(Statistics, TheSameFlightCountedFiveTimesSaysNoMore) {
   EXPECT_THROW(summarize(often, {seeds.data(), 3}), std::invalid_argument);
 }
 
-TEST(Statistics, IntervalsOfSeedsThatComeUpAgainCoverAsOftenAsTheySay) {
+TEST(Statistics, ClusteredIntervalsHaveNominalCoverage) {
   const Random random(8, "coverage");
   int mean_covered = 0, rate_covered = 0, difference_covered = 0;
   constexpr int kTrials = 2000, kSeeds = 25, kPoints = 4;

@@ -61,7 +61,7 @@ std::string violation_of(const Scenario& scenario, int threads) {
 }
 
 // More vehicles than it takes to fly them in a parallel region, out of which no exception may fall.
-TEST(Contracts, AStateThatCeasesToBeFiniteEndsTheRunWithVehicleAndInstantForAnyNumberOfThreads) {
+TEST(Contracts, EndRunAtNonFiniteState) {
   Scenario scenario = row_of(20);
   ASSERT_EQ(violation_of(scenario, 2), "none");
   scenario.wind.mean_mps = {1e200, 0.0, 0.0};
@@ -71,7 +71,7 @@ TEST(Contracts, AStateThatCeasesToBeFiniteEndsTheRunWithVehicleAndInstantForAnyN
   EXPECT_EQ(violation_of(scenario, 4), violation);
 }
 
-TEST(Contracts, ASampleThatIsNotFiniteIsToldWithItsSensorVehicleAndInstant) {
+TEST(Contracts, ReportNonFiniteSamplesWithContext) {
   for (const int vehicles : {1, 20}) {
     Scenario scenario = row_of(vehicles);
     Module compass(sensor_module_types(), "compass");
@@ -83,7 +83,7 @@ TEST(Contracts, ASampleThatIsNotFiniteIsToldWithItsSensorVehicleAndInstant) {
   }
 }
 
-TEST(Contracts, EveryPartOfAnActionIsLookedAt) {
+TEST(Contracts, CheckEveryPartOfAnAction) {
   const auto broken = [](const auto& spoil) {
     Action action;
     action.estimate.valid = action.has_tracks = true;
@@ -102,13 +102,13 @@ TEST(Contracts, EveryPartOfAnActionIsLookedAt) {
   broken([](Action& a) { a.tracks[0].covariance(8, 8) = kNan; });
 }
 
-TEST(Contracts, AnEstimateThatIsNotValidMayBeAnything) {
+TEST(Contracts, IgnoreInvalidEstimates) {
   Action action;
   action.estimate.v_local_mps.x() = kNan;
   EXPECT_NO_THROW(ensure_finite(action));
 }
 
-TEST(Contracts, EveryRangeOfAScanIsLookedAt) {
+TEST(Contracts, CheckEveryRangeOfAScan) {
   Observation observation;
   auto scan = std::make_shared<Scan>();
   scan->range_m.assign(1001, 5.0F);
@@ -124,7 +124,7 @@ TEST(Contracts, EveryRangeOfAScanIsLookedAt) {
   }
 }
 
-TEST(Contracts, AHistoryThatHasForgottenAnInstantSaysSo) {
+TEST(Contracts, RefuseForgottenInstantsOfAHistory) {
   StateHistory history(1, 4);
   VehicleState state;
   for (state.t = 0; state.t < 3; ++state.t) history.push(0, state);
@@ -135,7 +135,7 @@ TEST(Contracts, AHistoryThatHasForgottenAnInstantSaysSo) {
   EXPECT_THROW(history.at(1, 6), ContractViolation);
 }
 
-TEST(Counters, WhatDidNotFitIsInTheSummaryWithTheSettingToChange) {
+TEST(Counters, SummarizeOverflowsWithTheirSetting) {
   RunSummary summary;
   summary.counters = {{"messages dropped from full queues", 3, 10, "radio.queue_limit_kB"},
                       {"returns outside the detector's map", 0, 10, "vehicles[0].agent.detector.map.size_m"}};
@@ -147,7 +147,7 @@ TEST(Counters, WhatDidNotFitIsInTheSummaryWithTheSettingToChange) {
   EXPECT_THAT(to_text(summary), HasSubstr("radio.queue_limit_kB: 3 of 10 messages dropped from full queues"));
 }
 
-TEST(Counters, WhatHappenedToSeveralVehiclesIsOneLine) {
+TEST(Counters, MergeVehiclesIntoOneLine) {
   const auto far = [](int vehicle, std::uint64_t count) {
     return Counter{"returns too far", count, 10, "vehicles[" + std::to_string(vehicle) + "].agent.mapping.range_max_m"};
   };
@@ -159,7 +159,7 @@ TEST(Counters, WhatHappenedToSeveralVehiclesIsOneLine) {
   EXPECT_THAT(to_text(summary), Not(HasSubstr("vehicles[1]")));
 }
 
-TEST(Counters, TheSettingOfAnAgentIsNamedByItsPathInTheScenario) {
+TEST(Counters, NameAgentSettingByScenarioPath) {
   Scenario scenario = row_of(2);
   scenario.vehicles[1].agent.as<StackConfig>().detector = Module(detector_module_types(), "vofod");
   scenario.vehicles[1].sensors.emplace_back(sensor_module_types(), "lidar");
@@ -178,7 +178,7 @@ class HungryRecorder : public Recorder {
   std::vector<std::filesystem::path> finish() override { return {}; }
 };
 
-TEST(Contracts, RunningOutOfMemoryNamesTheStage) {
+TEST(Contracts, NameStageRunningOutOfMemory) {
   Simulation simulation(row_of(1), 1);
   simulation.attach(std::make_unique<HungryRecorder>(), "");
   try {
@@ -206,7 +206,7 @@ std::string refusal_of(const Scenario& scenario) {
   return "none";
 }
 
-TEST(Memory, WhatDoesNotFitIsRefusedByKeyAndNumberBeforeTheFlight) {
+TEST(Memory, RefusesExcessBeforeFlightByKey) {
   EXPECT_EQ(refusal_of(with_detector([](VofodConfig&) {})), "none");
   const Scenario large = with_detector([](VofodConfig& vofod) { vofod.map.size_m = {1e5, 1e5, 1e4}; });
   EXPECT_THAT(refusal_of(large), HasSubstr("vehicles[0].agent.detector.map.size_m: expected a setting that fits into"));
@@ -232,7 +232,7 @@ Scenario with_sparse_map(int num_vehicles, double keep_radius_m, double edge_m, 
   return scenario;
 }
 
-TEST(Memory, SparseMapsCountWithAllThatTheirRadiusCanHold) {
+TEST(Memory, CountsSparseMapsAtFullRadius) {
   EXPECT_EQ(refusal_of(with_sparse_map(10, 25.0, 0.2, 40.0)), "none");
   const Scenario team = with_sparse_map(200, 90.0, 0.2, 100.0);
   EXPECT_THAT(refusal_of(team),

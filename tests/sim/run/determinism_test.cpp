@@ -44,7 +44,7 @@ TEST(Determinism, ThreadsDoNotChangeTheBits) {
 }
 
 // Large crowds are flown by several threads. Two vehicles fall onto others, the rest stay clear.
-TEST(Determinism, ThreadsDoNotChangeTheBitsOfACrowd) {
+TEST(Determinism, CrowdIsIndependentOfThreadCount) {
   Scenario scenario = load_scenario("bench_crowd", {{"duration_s", "1.5"}});
   const VehicleConfig model = scenario.vehicles.front();
   scenario.vehicles.clear();
@@ -82,7 +82,7 @@ TEST(Determinism, AnotherDetectorGivesAnotherRun) {
   EXPECT_NE(hash_with("0.05"), hash_with("0.1"));
 }
 
-TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
+TEST(Determinism, ResolvedScenarioReproducesTheRun) {
   const TemporaryDirectory folder;
   const std::string path = folder.path() / "resolved.yaml";
   write_file(path, write_scenario(load_scenario(kMixedTeam)));
@@ -91,7 +91,7 @@ TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
   EXPECT_EQ(fly(resolved, 2), reference_hash());
 }
 
-TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
+TEST(Determinism, IsUnaffectedByRecordersAndPictures) {
   Scenario scenario = load_scenario(kMixedTeam);
   for (const char* type : recorders_of_any_run()) scenario.recorders.emplace_back(recorder_module_types(), type);
   CameraConfig camera;
@@ -136,7 +136,7 @@ std::map<std::string, std::string> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-TEST(Determinism, TheLocaleOfTheProgramChangesNoFile) {
+TEST(Determinism, FilesAreIndependentOfLocale) {
   const auto fly_both = [](const std::filesystem::path& folder) {
     Scenario mixed = load_scenario(kMixedTeam, {{"duration_s", "0.3"}});
     for (const char* type : recorders_of_any_run()) mixed.recorders.emplace_back(recorder_module_types(), type);
@@ -167,7 +167,7 @@ TEST(Determinism, TheLocaleOfTheProgramChangesNoFile) {
   EXPECT_GT(num_cells, 1000U);
 }
 
-TEST(Determinism, ASharedWorldGivesTheSameRun) {
+TEST(Determinism, SharedWorldReproducesTheRun) {
   const Scenario scenario = load_scenario(kMixedTeam);
   const World world = build_world(scenario.world, scenario.seed);
   for (int run = 0; run < 2; ++run) {

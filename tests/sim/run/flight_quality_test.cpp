@@ -29,7 +29,7 @@ class EveryVehicle : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Models, EveryVehicle, testing::Values("t650", "f330", "f450", "x500", "kopterworx"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersWithoutWind) {
+TEST_P(EveryVehicle, HoversWithinTwoCentimetersWithoutWind) {
   Simulation simulation(scenario_of(GetParam(), "60", "guidance: {type: hover}"));
   double farthest_m = 0.0;
   while (!simulation.finished()) {
@@ -41,7 +41,7 @@ TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersWithoutWind) {
 }
 
 // Out of a flight, it comes to rest where it should and stays there.
-TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersAfterAFlight) {
+TEST_P(EveryVehicle, HoversWithinTwoCentimetersAfterFlight) {
   Simulation simulation(
       scenario_of(GetParam(), "40", "guidance: {type: hover, at: point, point_m: [12, -5, 4], yaw_deg: 120}"));
   double farthest_m = 0.0;
@@ -56,7 +56,7 @@ TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersAfterAFlight) {
 
 // Vrba 2025, Table IV: at most 8.2 m/s and 4.5 m/s^2, 4 to 10 m high. The trajectory is followed by a second spline of
 // our own, so that neither guidance nor the reference governor can make it easier.
-TEST_P(EveryVehicle, FliesTheAgileTrajectoriesWithLessThanThirtyCentimetersOfError) {
+TEST_P(EveryVehicle, TracksAgileTrajectoriesWithinThirtyCentimeters) {
   for (const char* seed : {"1", "2", "3"}) {
     Simulation simulation(
         scenario_of(GetParam(), "120",

@@ -94,7 +94,7 @@ std::string golden_hash_of(const GoldenRun& run) {
 
 class Golden : public testing::TestWithParam<GoldenRun> {};
 
-TEST_P(Golden, RunHasTheSameBitsAsEver) {
+TEST_P(Golden, MatchesRecordedRunBits) {
   EXPECT_EQ(golden_hash_of(GetParam()), GetParam().hash)
       << GetParam() << ": results differ from those in tests/golden/hashes.txt.\n"
       << (c_library_here() == c_library_of_the_file() ? ""

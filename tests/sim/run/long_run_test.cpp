@@ -64,7 +64,7 @@ long resident_bytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-TEST(LongRun, NeedsNoMoreMemoryAfterTwoMinutesThanAfterTenSeconds) {
+TEST(LongRun, MemoryStaysConstantOverTwoMinutes) {
   Simulation simulation(small_scenario(), 1);
   fly_until(simulation, 10.0);
   const std::int64_t live = test::num_live_bytes();
@@ -86,7 +86,7 @@ std::int64_t bytes_in(const std::filesystem::path& folder) {
 
 // A recorder may keep an index of the chunks that it wrote, and nothing else: the data itself goes to the disk. A
 // buffer grows now and then; what is kept for good grows in every span of time.
-TEST(LongRun, RecordersKeepAtMostAnIndexOfWhatTheyWrote) {
+TEST(LongRun, RecordersKeepAtMostAnIndex) {
   constexpr double kSpan_s = 10.0;
   for (const char* type : recorders_of_any_run()) {
     Scenario scenario = small_scenario();

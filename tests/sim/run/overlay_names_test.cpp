@@ -38,7 +38,7 @@ std::vector<std::string> told_of(const char* scenario) {
   return overlays_of(load_scenario(scenario).vehicles[0].agent).value();
 }
 
-TEST(OverlayNames, AreToldByTheRegistriesForAllThatIsDrawn) {
+TEST(OverlayNames, CoverEverythingThatIsDrawn) {
   for (const auto& [scenario, duration_s] : {std::pair("guided_gap", 6.0),
                                              {"navigate", 3.0},
                                              {"warehouse_explore", 2.0},
@@ -53,7 +53,7 @@ TEST(OverlayNames, AreToldByTheRegistriesForAllThatIsDrawn) {
   }
 }
 
-TEST(OverlayNames, AreToldByEveryTypeOfStage) {
+TEST(OverlayNames, AreListedByEveryStageType) {
   const auto tell = [](const auto& rows) {
     for (const auto& row : rows) EXPECT_NE(row.overlays, nullptr) << row.module.name;
   };

@@ -96,7 +96,7 @@ TEST(OwnSamples, ReachTheSoftwareAndEveryRecorder) {
   EXPECT_NE(read_whole_file(folder.path() / "record.mcap").find("/uav1/gas"), std::string::npos);
 }
 
-TEST(OwnSamples, CountInTheStateHashWithEveryField) {
+TEST(OwnSamples, EnterStateHashWithEveryField) {
   EXPECT_EQ(hash_with({}), hash_with({}));
   GasConfig stronger, hidden;
   stronger.concentration_ppm = 3.6;
@@ -105,7 +105,7 @@ TEST(OwnSamples, CountInTheStateHashWithEveryField) {
   EXPECT_NE(hash_with(hidden), hash_with({})) << "a field that no table shows";
 }
 
-TEST(OwnSamples, EndTheRunWhenOneIsNotFinite) {
+TEST(OwnSamples, EndTheRunWhenNonFinite) {
   GasConfig broken;
   broken.unseen = std::numeric_limits<double>::infinity();
   try {
@@ -116,7 +116,7 @@ TEST(OwnSamples, EndTheRunWhenOneIsNotFinite) {
   }
 }
 
-TEST(OwnSamples, ACopyOfAnObservationHasItsOwn) {
+TEST(OwnSamples, AreCopiedWithTheObservation) {
   Observation one;
   samples_of<GasSample>(one).resize(2);
   Observation two = one;

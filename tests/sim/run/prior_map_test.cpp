@@ -51,7 +51,7 @@ TEST(PriorMap, SurfacesAreSampledDensely) {
 
 TEST(PriorMap, NothingAskedForIsNothingKnown) { EXPECT_EQ(make_prior_map({}, 0.25, one_triangle()), nullptr); }
 
-TEST(PriorMap, RecordedCloudsAreReadByTheirIndex) {
+TEST(PriorMap, ReadsRecordedCloudsByIndex) {
   const TemporaryDirectory directory;
   const auto write = [&](const char* name, const std::string& text) {
     std::ofstream(directory.path() / name) << text;
@@ -73,7 +73,7 @@ TEST(PriorMap, RecordedCloudsAreReadByTheirIndex) {
   EXPECT_THROW(make_prior_map(config, 0.25, Scene{}), InputError);
 }
 
-TEST(PriorMap, ACloudIsTakenAndAMeshIsSampled) {
+TEST(PriorMap, UsesCloudsAndSamplesMeshes) {
   const TemporaryDirectory directory;
   const auto write = [&](const char* name, const std::string& text) {
     std::ofstream(directory.path() / name) << text;
@@ -106,7 +106,7 @@ TEST(PriorMap, ACloudIsTakenAndAMeshIsSampled) {
   EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->counters.at(0).setting, "prior.mesh");
 }
 
-TEST(PriorMap, AFileOfWhichNothingIsLeftIsRefused) {
+TEST(PriorMap, RefusesFilesWithoutFinitePoints) {
   const TemporaryDirectory directory;
   const auto write = [&](const char* name, const std::string& text) {
     std::ofstream(directory.path() / name) << text;

@@ -105,7 +105,7 @@ TEST(ControlGroups, OfAContainerOfVersion2) {
 }
 
 // A job of Slurm: the limits stand at several levels above the group of the task, and the least of them counts.
-TEST(ControlGroups, OfVersion2HoldForTheGroupsBelowThem) {
+TEST(ControlGroups, Version2LimitsCoverNestedGroups) {
   Machine machine;
   const std::string job = "sys/fs/cgroup/system.slice/slurmstepd.scope/job_12/";
   machine.groups("0::/system.slice/slurmstepd.scope/job_12/step_0/user/task_0\n")
@@ -132,7 +132,7 @@ TEST(ControlGroups, OfVersion1) {
 }
 
 // Docker without a namespace of control groups: the path is the host's, the mount shows the container's group alone.
-TEST(ControlGroups, OfAContainerThatSeesThePathOfItsHost) {
+TEST(ControlGroups, HandleAContainerWithHostPath) {
   Machine machine;
   machine.groups("5:memory:/docker/0123\n4:cpu,cpuacct:/docker/0123\n")
       .write("sys/fs/cgroup/memory/memory.limit_in_bytes", "700000\n")
@@ -151,7 +151,7 @@ TEST(ControlGroups, OddTextIsNoLimit) {
   EXPECT_TRUE(std::isinf(machine.limits().memory_bytes));
 }
 
-TEST(Threads, AreThoseThatOpenMpIsSetToAndAtMost1024) {
+TEST(Threads, FollowOpenMpUpTo1024) {
   const int before = omp_get_max_threads();
   const Variable set("OMP_NUM_THREADS", "3000");
   omp_set_num_threads(1024);
@@ -169,7 +169,7 @@ TEST(Threads, AreThoseThatOpenMpIsSetToAndAtMost1024) {
   EXPECT_THROW(Simulation(Scenario(), 1025), InputError);
 }
 
-TEST(Threads, AreNotMoreThanTheProcessorsUnlessOpenMpIsAsked) {
+TEST(Threads, MatchProcessorsUnlessOpenMpOverrides) {
   const int before = omp_get_max_threads();
   const Variable not_set("OMP_NUM_THREADS", nullptr);
   omp_set_num_threads(500);

@@ -45,7 +45,7 @@ class RunDirectoryTest : public testing::Test {
   const fs::path root_ = folder_.path();
 };
 
-TEST_F(RunDirectoryTest, AppearsUnderItsNameOnlyWhenCommitted) {
+TEST_F(RunDirectoryTest, AppearsOnlyWhenCommitted) {
   RunDirectory run(root_ / "a");
   write_file(run.path() / "summary.json", "{}");
   EXPECT_FALSE(fs::exists(root_ / "a"));
@@ -80,7 +80,7 @@ TEST_F(RunDirectoryTest, RefusesToReplaceAnythingElse) {
   EXPECT_TRUE(fs::exists(root_ / "thesis/chapter1.tex"));
 }
 
-TEST_F(RunDirectoryTest, ReplacesNoFileThatTheRunReads) {
+TEST_F(RunDirectoryTest, RefusesToReplaceItsInputFiles) {
   fs::create_directories(root_ / "a/maps");
   write_file(root_ / "a/summary.json", "{}");
   write_file(root_ / "a/maps/uav1.slam", "an hour of flight");
@@ -100,13 +100,13 @@ TEST_F(RunDirectoryTest, RefusesALinkToNothing) {
   EXPECT_EQ(entries(), 2U);
 }
 
-TEST_F(RunDirectoryTest, RemovesWhatAKilledRunLeftBehind) {
+TEST_F(RunDirectoryTest, RemovesRemainsOfKilledRun) {
   const fs::path left = directory_of_a_killed_run();
   RunDirectory run(root_ / "a");
   EXPECT_FALSE(fs::exists(left));
 }
 
-TEST_F(RunDirectoryTest, LeavesLiveRunsAndForeignDirectoriesAlone) {
+TEST_F(RunDirectoryTest, SparesLiveRunsAndForeignDirectories) {
   const RunDirectory live(root_ / "a");
   write_file(live.path() / "scan.pcd", "recorded");
   const std::string prefix = ".a.partial-";
@@ -124,14 +124,14 @@ TEST_F(RunDirectoryTest, LeavesLiveRunsAndForeignDirectoriesAlone) {
   EXPECT_FALSE(fs::is_empty(root_ / "renamed"));
 }
 
-TEST_F(RunDirectoryTest, HoldsNothingButTheRunAfterCommit) {
+TEST_F(RunDirectoryTest, HoldsOnlyTheRunAfterCommit) {
   RunDirectory run(root_ / "a");
   write_file(run.path() / "summary.json", "{}");
   run.commit();
   EXPECT_EQ(std::distance(fs::directory_iterator(root_ / "a"), fs::directory_iterator()), 1);
 }
 
-TEST_F(RunDirectoryTest, WhatAppearsThereDuringTheRunStaysAndTheRunGetsAnotherName) {
+TEST_F(RunDirectoryTest, KeepsConcurrentFilesAndRenamesRun) {
   RunDirectory run(root_ / "a");
   write_file(run.path() / "summary.json", "new");
   fs::create_directories(root_ / "a");
@@ -145,7 +145,7 @@ TEST_F(RunDirectoryTest, WhatAppearsThereDuringTheRunStaysAndTheRunGetsAnotherNa
   EXPECT_EQ(entries(), 2U);
 }
 
-TEST_F(RunDirectoryTest, AnEarlierRunThatAKilledCommitMovedAsideComesBack) {
+TEST_F(RunDirectoryTest, RestoresEarlierRunAfterKilledCommit) {
   const fs::path left = directory_of_a_killed_run();
   write_file(left / "summary.json", "finished");
   write_file(left.string() + ".replaced/summary.json", "earlier", MissingFolders::kMade);

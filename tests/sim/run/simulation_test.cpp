@@ -71,7 +71,7 @@ class KeepingRecorder : public Recorder {
   std::vector<VehicleState>& states_;
 };
 
-TEST(Simulation, RecordersBeginWithTheStateBeforeTheFirstTick) {
+TEST(Simulation, StartsRecordersBeforeTheFirstTick) {
   Simulation simulation(scenario_of(
       "duration_s: 0.12\nworld: {type: empty}\nvehicles:\n" +
       vehicle("uav1", "[1, 2, 5]", "{type: hover}", "sensors: [{type: lidar, model: puck_lite}, {type: pose}], ")));
@@ -85,7 +85,7 @@ TEST(Simulation, RecordersBeginWithTheStateBeforeTheFirstTick) {
   EXPECT_EQ(states.back().t, 120'000'000);
 }
 
-TEST(Simulation, TheFirstPoseOfARecordingIsTheStartAtAnyRate) {
+TEST(Simulation, RecordsStartPoseAtAnyRate) {
   for (const std::string rate_hz : {"0", "100", "3"}) {
     const TemporaryDirectory folder;
     Simulation simulation(scenario_of("duration_s: 0.1\nstart_time_s: 1700000000\nworld: {type: empty}\nvehicles:\n" +
@@ -100,7 +100,7 @@ TEST(Simulation, TheFirstPoseOfARecordingIsTheStartAtAnyRate) {
   }
 }
 
-TEST(Simulation, AFinishedMissionEndsTheRunAsDone) {
+TEST(Simulation, EndsWhenTheMissionIsDone) {
   Simulation simulation(scenario_of("duration_s: 60\nworld: {type: empty}\nvehicles:\n" +
                                     vehicle("uav1", "[0, 0, 5]", "{type: waypoints, waypoints_m: [[4, 0, 5]]}")));
   const RunSummary summary = fly(simulation);
@@ -109,7 +109,7 @@ TEST(Simulation, AFinishedMissionEndsTheRunAsDone) {
   EXPECT_NEAR(simulation.view().states[0].p_world_m.x(), 4.0, 0.5);
 }
 
-TEST(Simulation, ARunOfDummiesLastsAsLongAsItShouldAndSaysThatTheyHaveNoMission) {
+TEST(Simulation, RunsDummiesWithoutAMission) {
   const std::string dummy = "  - {name: rock, model: x500, start: {position_m: [5, 5, 50]}, agent: {type: none}}\n";
   Simulation alone(scenario_of("duration_s: 1.5\nworld: {type: empty}\nvehicles:\n" + dummy));
   alone.tick();
@@ -124,7 +124,7 @@ TEST(Simulation, ARunOfDummiesLastsAsLongAsItShouldAndSaysThatTheyHaveNoMission)
   EXPECT_LT(fly(beside).simulated_s, 20.0);
 }
 
-TEST(Simulation, AVehicleThatWasNotToldItsStartStillReachesAWaypointOfTheWorldAndTheCorrectionIsAnEvent) {
+TEST(Simulation, ReachesWaypointsFromAnUnknownStart) {
   for (const std::string known : {"pose", "position", "nothing"}) {
     Simulation simulation(
         scenario_of("duration_s: 60\nworld: {type: empty}\nvehicles:\n  - {start: {position_m: [3, 1, 5], yaw_deg: 70, "
@@ -143,7 +143,7 @@ TEST(Simulation, AVehicleThatWasNotToldItsStartStillReachesAWaypointOfTheWorldAn
   }
 }
 
-TEST(Simulation, AMapOfTheWorldIsOfNoUseToAVehicleThatDoesNotKnowItsPose) {
+TEST(Simulation, RefusesWorldMapWithoutKnownPose) {
   const Scenario scenario = scenario_of(
       "world: {type: empty, ground: true}\nvehicles: [{start: {known: position}, agent: {detector: {type: vofod, "
       "prior: {world: true}}}}]\n");
@@ -151,7 +151,7 @@ TEST(Simulation, AMapOfTheWorldIsOfNoUseToAVehicleThatDoesNotKnowItsPose) {
               testing::ThrowsMessage<InputError>(testing::HasSubstr("start.known: expected pose")));
 }
 
-TEST(Simulation, AVehicleThatLacksWhatItsLocalizationNeedsIsRefused) {
+TEST(Simulation, RefusesLocalizationWithoutRequiredSensors) {
   const auto scenario = [](const std::string& sensors) {
     return scenario_of("world: {type: empty}\nvehicles: [{name: uav1, start: {position_m: [0, 0, 5]}, sensors: [" +
                        sensors + "], agent: {localization: {type: slam}}}]\n");
@@ -165,7 +165,7 @@ TEST(Simulation, AVehicleThatLacksWhatItsLocalizationNeedsIsRefused) {
   Simulation complete(scenario("{type: lidar, model: puck_lite}, {type: imu}"));
 }
 
-TEST(Simulation, ANameOfALidarThatSlamListensToIsThatOfALidarOnBoard) {
+TEST(Simulation, RefusesSlamLidarNotOnBoard) {
   const auto scenario = [](const std::string& lidars) {
     return scenario_of(
         "world: {type: empty}\nvehicles: [{name: uav1, start: {position_m: [0, 0, 5]}, sensors: [{type: lidar, name: "
@@ -181,7 +181,7 @@ TEST(Simulation, ANameOfALidarThatSlamListensToIsThatOfALidarOnBoard) {
   Simulation complete(scenario("puck"));
 }
 
-TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
+TEST(Simulation, ReportsCrashDetailsAndOutcome) {
   // Through the wall of a hall, at full speed.
   Scenario scenario = scenario_of("duration_s: 20\nworld: {type: hall}\nvehicles:\n" +
                                   vehicle("uav1", "[0, 0, 1.5]", "{type: waypoints, waypoints_m: [[200, 0, 1.5]]}"));
@@ -205,7 +205,7 @@ TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
   EXPECT_LT(simulation.now(), from_seconds(20.0));
 }
 
-TEST(Simulation, WrecksThatFallPastTheirGoalHaveNotArrived) {
+TEST(Simulation, IgnoresWrecksFallingPastTheirGoal) {
   const auto to_the_middle = [](const std::string& name, const std::string& start) {
     return vehicle(name, start, "{type: waypoints, speed_mps: 3, waypoints_m: [[0, 0, 3]]}");
   };
@@ -261,7 +261,7 @@ Hunt fly_hunt(const Scenario& scenario) {
 
 constexpr const char* kIntercept = "{type: intercept, target: intruder, net: {height_m: 0.5}, captures: 1}";
 
-TEST(Simulation, ACaptureIsAnEventAndTheInterceptorBelievesInItWithinASecond) {
+TEST(Simulation, ReportsCaptureBelievedWithinASecond) {
   for (const char* second : {"", kIntercept}) {
     const Hunt flown = fly_hunt(hunt(kIntercept, second));
     EXPECT_GT(flown.capture_s, 0.0);
@@ -275,7 +275,7 @@ TEST(Simulation, ACaptureIsAnEventAndTheInterceptorBelievesInItWithinASecond) {
   EXPECT_NEAR(endless.end_s, 20.0, 1e-9);
 }
 
-TEST(Simulation, ARunEndsOnTheTrueCaptureThoughTheInterceptorDoesNotKnow) {
+TEST(Simulation, EndsOnAnUnnoticedTrueCapture) {
   // Flies its net over the intruder without knowledge of captures.
   guidance_registry().add({{"drag_net", "of this test", make_module_config<HoverConfig>},
                            make_hover,
@@ -291,7 +291,7 @@ TEST(Simulation, ARunEndsOnTheTrueCaptureThoughTheInterceptorDoesNotKnow) {
   EXPECT_EQ(flown.outcome, "done");
 }
 
-TEST(Simulation, VehiclesThatStartInsideEachOtherAreRefused) {
+TEST(Simulation, RefusesOverlappingStarts) {
   const Scenario scenario =
       scenario_of("world: {type: empty}\nvehicles:\n" + vehicle("uav1", "[0, 0, 5]", "{type: hover}") +
                   vehicle("uav2", "[0.1, 0, 5]", "{type: hover}"));
@@ -309,7 +309,7 @@ std::string refusal(const std::string& world, const std::string& start, const st
   return {};
 }
 
-TEST(Simulation, AStartInTheGroundIsRefusedWithThePlaceAndTheLeastHeightThatWouldDo) {
+TEST(Simulation, RefusesBuriedStartNamingLeastHeight) {
   using testing::HasSubstr;
   const std::string message = refusal("hall", "position_m: [0, 0, 0]");
   EXPECT_THAT(message, HasSubstr("scenario.yaml:4:25: vehicles[0].start.position_m: expected room for uav1, found "));
@@ -322,7 +322,7 @@ TEST(Simulation, AStartInTheGroundIsRefusedWithThePlaceAndTheLeastHeightThatWoul
   EXPECT_EQ(refusal("field", "position_m: [0, 0, 0.3], above_ground: true"), "");
 }
 
-TEST(Simulation, AStartInAnObstacleIsRefused) {
+TEST(Simulation, RefusesStartsInsideObstacles) {
   using testing::HasSubstr;
   EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]"), HasSubstr("found wall in its place"));
   EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]", "physics: {contacts: false}\n"), "")
@@ -331,7 +331,7 @@ TEST(Simulation, AStartInAnObstacleIsRefused) {
   EXPECT_THAT(refusal("field", "yaw_deg: 90", "wind: {mean_mps: [0, 0, 0]}\n"), "");
 }
 
-TEST(Simulation, ADestinationInAnObstacleIsRefusedAsAStartIs) {
+TEST(Simulation, RefusesDestinationsInsideObstacles) {
   using testing::HasSubstr;
   const auto to = [](const std::string& guidance) {
     return refusal("hall", "position_m: [0, 0, 2]}\n    agent: {guidance: " + guidance);
@@ -356,7 +356,7 @@ TEST(Simulation, ADestinationInAnObstacleIsRefusedAsAStartIs) {
   EXPECT_EQ(to("{type: hover, at: point, point_m: [1.5, 0, " + z + "]}"), "") << "there is room at that height";
 }
 
-TEST(Simulation, TheHeightThatARefusalTellsDoes) {
+TEST(Simulation, AcceptsTheHeightSuggestedByRefusal) {
   for (const char* world : {"field", "forest", "campus", "warehouse"}) {
     const std::string message = refusal(world, "position_m: [9, 3, -20]");
     const std::size_t at = message.find("from z = ");
@@ -366,7 +366,7 @@ TEST(Simulation, TheHeightThatARefusalTellsDoes) {
   }
 }
 
-TEST(Simulation, AVehicleThatStandsOnTheGroundStaysThere) {
+TEST(Simulation, KeepsAGroundedVehicleInPlace) {
   Simulation simulation(
       scenario_of("duration_s: 2\nworld: {type: hall}\nvehicles:\n  - start: {position_m: [0, 0, 0.2], flying: false}\n"
                   "    agent: {type: none}\n"));
@@ -376,7 +376,7 @@ TEST(Simulation, AVehicleThatStandsOnTheGroundStaysThere) {
   EXPECT_LT((state.p_world_m - Vector3(0, 0, 0.2)).norm(), 0.005);
 }
 
-TEST(Simulation, OverlaysAreAskedForOnlyWhenAPictureIsTaken) {
+TEST(Simulation, RequestsOverlaysOnlyForPictures) {
   Simulation simulation(scenario_of("duration_s: 0.1\nworld: {type: empty}\nvehicles:\n" +
                                     vehicle("uav1", "[0, 0, 5]", "{type: hover}") +
                                     "snapshots: [{name: top, type: top, times_s: [0.05]}]\n"));
@@ -396,7 +396,7 @@ double seconds_of(const std::string& stage, const std::vector<std::pair<std::str
   return 0.0;
 }
 
-TEST(Simulation, StagesOfAgentsTakeTheTimeOfTheAgentsTogetherAndTimingThemChangesNoBits) {
+TEST(Simulation, TimesAgentStagesWithoutChangingResults) {
   const Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/tests/golden/guidance.yaml", {{"duration_s", "1.5"}});
   Simulation plain(scenario, 2), timed(scenario, 1);
   timed.time_agents();
@@ -415,7 +415,7 @@ TEST(Simulation, StagesOfAgentsTakeTheTimeOfTheAgentsTogetherAndTimingThemChange
   EXPECT_GT(sum_s, 0.5 * agents_s);
 }
 
-TEST(Simulation, WhatAnAgentDoesWithoutTellingAStageIsOther) {
+TEST(Simulation, CountsUnstagedAgentTimeAsOther) {
   Simulation simulation(
       scenario_of("duration_s: 0.1\nworld: {type: empty}\nvehicles:\n"
                   "  - {name: rock, model: x500, start: {position_m: [5, 5, 50]}, agent: {type: none}}\n"));
@@ -424,7 +424,7 @@ TEST(Simulation, WhatAnAgentDoesWithoutTellingAStageIsOther) {
   for (const auto& [stage, time_s] : simulation.agent_stage_s()) EXPECT_EQ(time_s > 0.0, stage == "other") << stage;
 }
 
-TEST(Simulation, TheTickAllocatesNothingAfterWarmUp) {
+TEST(Simulation, AllocatesNothingAfterWarmUp) {
   Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/tests/golden/mixed_team.yaml");
   Simulation simulation(scenario, 2);
   while (simulation.now() < from_seconds(0.5)) simulation.tick();

@@ -88,7 +88,7 @@ TEST(StateHash, EveryValueOfEverySampleCounts) {
   });
 }
 
-TEST(StateHash, EveryValueOfAScanAndOfAMessageCounts) {
+TEST(StateHash, CoversEveryScanAndMessageValue) {
   const auto [of_scan, in_scan] = values_that_count<Scan>([](const Scan& scan) {
     Observation observation;
     observation.scans.push_back(std::make_shared<const Scan>(scan));
@@ -103,7 +103,7 @@ TEST(StateHash, EveryValueOfAScanAndOfAMessageCounts) {
   EXPECT_EQ(of_message, in_message);
 }
 
-TEST(StateHash, EveryValueOfTheTrueStateCounts) {
+TEST(StateHash, CoversEveryTrueStateValue) {
   const auto [counting, all] =
       values_that_count<VehicleState>([](const VehicleState& state) { return hash_of(state); });
   EXPECT_EQ(counting, all);
@@ -143,7 +143,7 @@ TEST(StateHash, ThePlaceOfAValueCounts) {
   EXPECT_NE(hash_of(one), hash_of(two)) << "the same bytes, cut elsewhere";
 }
 
-TEST(StateHash, EveryKindOfDataOfTheSimulatorNamesAllItsFields) {
+TEST(StateHash, SimulatorTypesNameAllTheirFields) {
   EXPECT_TRUE(forgets<VehicleState>(0));
   EXPECT_TRUE(forgets<Event>(0));
   EXPECT_TRUE(forgets<DetectionScore>(0));
@@ -173,9 +173,9 @@ std::uint64_t hash_of_kind(const Kind& value) {
   return hasher.digest();
 }
 
-TEST(StateHash, AFieldThatIsAddedChangesIt) { EXPECT_NE(hash_of_kind(TwoFields{}), hash_of_kind(ThreeFields{})); }
+TEST(StateHash, ChangesWithAnAddedField) { EXPECT_NE(hash_of_kind(TwoFields{}), hash_of_kind(ThreeFields{})); }
 
-TEST(StateHash, IsTheSameForSmallAndLargePieces) {
+TEST(StateHash, IsIndependentOfPieceSize) {
   // Data larger than the hasher's buffer are streamed: the value must not depend on the cuts.
   for (const std::size_t size : {100U, 511U, 512U, 513U, 5000U}) {
     Hasher whole, pieces;

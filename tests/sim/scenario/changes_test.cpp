@@ -29,7 +29,7 @@ Scenario scenario_with(const ConfigChanges& changes) {
   return scenario;
 }
 
-TEST(Changes, AMapBecomesSingleChangesWithTypeFirst) {
+TEST(Changes, SplitAMapWithTypeFirst) {
   const ConfigChanges expected = {{"world.type", "forest"},
                                   {"world.size_m", "[70, 70]"},
                                   {"wind.gusts", "true"},
@@ -41,7 +41,7 @@ TEST(Changes, AMapBecomesSingleChangesWithTypeFirst) {
             expected);
 }
 
-TEST(Changes, TheyDoWhatTheMapItselfWouldDo) {
+TEST(Changes, ActLikeTheMapItself) {
   const std::string text =
       "{world: {type: forest, size_m: [70, 60]}, vehicles[*]: {start: {yaw_deg: 0.5 rad}}, "
       "recorders: [{type: tum}, {type: pcd, every: 3}], description: \"a 'b' \\\"c\\\": # d\"}";
@@ -61,7 +61,7 @@ TEST(Changes, TheyDoWhatTheMapItselfWouldDo) {
   EXPECT_NEAR(split.vehicles[1].start.yaw_deg, 28.6479, 1e-3);
 }
 
-TEST(Changes, WritingAndReadingThemGivesThemAgain) {
+TEST(Changes, RoundTripThroughText) {
   Holder holder;
   holder.changes = {
       {"a.b", "1"}, {"vehicles[0].c", "[1, {d: \"x y: z\"}]"}, {"e", "20 cm"}, {std::string(100, 'k'), "long"}};
@@ -75,7 +75,7 @@ TEST(Changes, AnythingButAMapIsRefused) {
   EXPECT_THROW(read_changes("set: fast"), InputError);
 }
 
-TEST(Changes, AWorldSeedSeparatesTheWorldFromTheRun) {
+TEST(Changes, SeparateWorldSeedFromTheRun) {
   Scenario scenario;
   scenario.seed = 5;
   EXPECT_EQ(scenario.seed_of_world(), 5U);

@@ -21,7 +21,7 @@ std::vector<std::filesystem::path> corpus() {
   return files;
 }
 
-TEST(Corpus, EveryInputEndsInAConfigurationOrAMessage) {
+TEST(Corpus, EveryInputGivesConfigurationOrMessage) {
   const auto files = corpus();
   ASSERT_GE(files.size(), 30u);
   for (const std::filesystem::path& path : files) {
@@ -33,7 +33,7 @@ TEST(Corpus, EveryInputEndsInAConfigurationOrAMessage) {
   }
 }
 
-TEST(Corpus, AsAScenarioItEndsInOneOrAMessage) {
+TEST(Corpus, EveryInputGivesScenarioOrMessage) {
   for (const std::filesystem::path& path : corpus()) {
     SCOPED_TRACE(path.string());
     try {

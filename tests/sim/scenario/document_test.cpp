@@ -44,7 +44,7 @@ std::string times(const std::string& text, int count) {
 }
 
 // Table 3-7 of the Unicode standard, both sides of each of its bounds.
-TEST(Document, TakesWellFormedUtf8AndNothingElse) {
+TEST(Document, TakesOnlyWellFormedUtf8) {
   for (const char* good :
        {"\x7E", "\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80", "\xE0\xBF\xBF", "\xE1\x80\x80", "\xEC\xBF\xBF", "\xED\x80\x80",
         "\xED\x9F\xBF", "\xEE\x80\x80", "\xEF\xBF\xBD", "\xF0\x90\x80\x80", "\xF0\xBF\xBF\xBF", "\xF1\x80\x80\x80",
@@ -79,7 +79,7 @@ TEST(Document, TakesWellFormedUtf8AndNothingElse) {
   }
 }
 
-TEST(Document, TellsWhereAByteStandsThatIsNoText) {
+TEST(Document, LocatesInvalidBytes) {
   EXPECT_EQ(parse_error("a: 1\nb: \x1F"), "a.yaml:2:4: expected text, found the control character 0x1f");
   EXPECT_EQ(parse_error("\xC3\xA4: \x7F"), "a.yaml:1:5: expected text, found the control character 0x7f");
   EXPECT_EQ(parse_error("a: x\ty\r\n"), "") << "tabs within and ends of lines are fine";
@@ -112,7 +112,7 @@ TEST(Document, ListsAndMapsHaveTheirBounds) {
   EXPECT_THAT(parse_error(map(4097)), HasSubstr("a map of at most 4096 keys"));
 }
 
-TEST(Document, OfSeveralKeysThatComeTwiceTheFirstIsTold) {
+TEST(Document, ReportsFirstOfSeveralDuplicateKeys) {
   EXPECT_EQ(parse_error("a: 1\nb: 1\nb: 2\na: 2\n"),
             "a.yaml:3:1: expected each key once, found \"b\" again (first in line 2)");
   EXPECT_EQ(parse_error("b: 1\na: 1\na: 2\nb: 2\n"),
@@ -121,7 +121,7 @@ TEST(Document, OfSeveralKeysThatComeTwiceTheFirstIsTold) {
             "a.yaml:2:1: expected each key once, found \"a\" again (first in line 1)");
 }
 
-TEST(Document, SelectorsOfElementsAreThoseInOnePairOfBrackets) {
+TEST(Document, RecognizesSelectorsInOneBracketPair) {
   EXPECT_EQ(parsed("a[0]: 1").find("a")->kind, Node::Kind::kElements);
   EXPECT_EQ(parsed("a[x]: 1\na[0]: 2").find("a")->entries.size(), 2U);
   for (const char* plain : {"\"[0]\"", "\"a[]\"", "\"a[0\"", "\"a]\"", "\"a[0][1]\"", "\"a[0]b\""}) {
@@ -157,7 +157,7 @@ TEST(Document, LongTextsAreCutBetweenCharacters) {
   EXPECT_EQ(join_path("", std::string(59, 'x') + "\xC3\xA4y"), std::string(59, 'x') + "\xC3\xA4");
 }
 
-TEST(Document, AnErrorIsOneLineWithItsPlace) {
+TEST(Document, ReportsEachErrorInOneLine) {
   const auto source = std::make_shared<const Source>(Source{"f.yaml", "."});
   EXPECT_EQ(error_line({source, 3, 7}, "a.b", "wrong"), "f.yaml:3:7: a.b: wrong");
   EXPECT_EQ(error_line({source, 0, 0}, "a", "wrong"), "f.yaml: a: wrong");
@@ -168,7 +168,7 @@ TEST(Document, AnErrorIsOneLineWithItsPlace) {
   EXPECT_EQ(error_line({option, 0, 0}, "a", "wrong"), "--set a.b: a: wrong");
 }
 
-TEST(Document, AnOverrideIsAPathOfAtMost64PartsAndAThousandBytes) {
+TEST(Document, LimitsOverridePartsAndLength) {
   const auto takes = [](const std::string& path) {
     try {
       parse_override(path, "1");
@@ -192,7 +192,7 @@ TEST(Document, AnOverrideIsAPathOfAtMost64PartsAndAThousandBytes) {
   EXPECT_EQ(node.find("a")->place.str(), "--set a[0].b");
 }
 
-TEST(Document, PlacesOfKeysAreFoundNestedOrInOneWord) {
+TEST(Document, LocatesNestedAndDottedKeys) {
   const Node changes = parsed("a:\n  b: {c: 1}\nd.e: 2\nf[0]: {g: 3}\nh[x].i: 4\n");
   EXPECT_EQ(place_of_key(changes, "a.b.c")->str(), "a.yaml:2:7");
   EXPECT_EQ(place_of_key(changes, "d.e")->str(), "a.yaml:3:1");
@@ -238,7 +238,7 @@ std::string range_error(const std::string& text) {
   return "";
 }
 
-TEST(Ranges, AreHeldOnBothSidesAndTold) {
+TEST(Ranges, EnforceAndReportBothEnds) {
   const struct {
     const char* key;
     bool takes_2, takes_9;
@@ -264,7 +264,7 @@ TEST(Ranges, AreHeldOnBothSidesAndTold) {
   }
 }
 
-TEST(Ranges, WithoutAnEndReachToABillion) {
+TEST(Ranges, ReachABillionWithoutAnEnd) {
   EXPECT_EQ(range_error("any: 1e9"), "");
   EXPECT_EQ(range_error("any: -1e9"), "");
   EXPECT_EQ(range_error("any: 1.0001e9"), "expected a number in [-1e+09, 1e+09]");
@@ -276,7 +276,7 @@ TEST(Ranges, WithoutAnEndReachToABillion) {
   EXPECT_EQ(range_error("any: .inf"), "expected a number");
 }
 
-TEST(Ranges, AWholeNumberIsOneAndFits) {
+TEST(Ranges, AcceptOnlyWholeNumbersThatFit) {
   EXPECT_EQ(range_error("count: 4.0"), "");
   EXPECT_EQ(range_error("count: 3.5"), "expected a whole number in (2, 9]");
   struct Wide {
@@ -299,7 +299,7 @@ TEST(Ranges, AWholeNumberIsOneAndFits) {
   }
 }
 
-TEST(Ranges, WordsForYesAndNoAreUnderstoodButNotTaken) {
+TEST(Ranges, SuggestBooleansForYesAndNo) {
   const auto meant = [](const std::string& word) {
     FleetConfig fleet;
     try {
@@ -321,7 +321,7 @@ TEST(Ranges, WordsForYesAndNoAreUnderstoodButNotTaken) {
   EXPECT_EQ(meant("[true]"), "nothing");
 }
 
-TEST(Reader, TellsAtMostTwentyMistakes) {
+TEST(Reader, ReportsAtMostTwentyMistakes) {
   const auto mistakes = [](int count) {
     std::string text;
     for (int i = 0; i < count; ++i) text += "x" + std::to_string(i) + ": 1\n";
@@ -356,7 +356,7 @@ TEST(Bases, MayBeSixteenLong) {
   EXPECT_THROW(read_chain(17), InputError);
 }
 
-TEST(AssetLists, TellTheFirstSentenceOfTheHeadOrTheDescription) {
+TEST(AssetLists, ShowFirstHeadSentenceOrDescription) {
   const std::pair<const char*, const char*> texts[] = {
       {"# A small boat. With a sail.\na: 1\n", "A small boat"},
       {"# Two lines\n# of one sentence: and more\n", "Two lines of one sentence"},
@@ -383,7 +383,7 @@ TEST(AssetLists, TellTheFirstSentenceOfTheHeadOrTheDescription) {
   EXPECT_EQ(list_assets("scenarios/batch", scenarios).at(0).name, "b");
 }
 
-TEST(SystemFiles, AreReadInOrderAndWithinTheirBound) {
+TEST(SystemFiles, AreSortedAndLimitedInSize) {
   const TemporaryDirectory folder;
   for (const char* name : {"b", "a", "c"}) std::ofstream(folder.path() / name) << name;
   EXPECT_THAT(system_files().list(folder.path()), ElementsAre("a", "b", "c"));
@@ -396,7 +396,7 @@ TEST(SystemFiles, AreReadInOrderAndWithinTheirBound) {
   EXPECT_EQ(system_files().read(folder.path() / "large").size(), kMaxFileBytes + 1) << "enough to be refused";
 }
 
-TEST(FileNames, AreOfLettersDigitsAndFewSigns) {
+TEST(FileNames, AllowLettersDigitsAndFewSymbols) {
   for (const char* good : {"a", "z", "A", "Z", "0", "9", "_", "a-", "a.b", "_x"})
     EXPECT_TRUE(is_file_name(good)) << good;
   for (const char* bad : {"", ".a", "-a", "`", "{", "@", "[", "/", ":", "a b", "\xC3\xA4"})
@@ -440,7 +440,7 @@ TEST(RecorderPaths, ArePlainNamesOfSensibleLength) {
     EXPECT_TRUE(takes(good)) << good;
 }
 
-TEST(RecorderPaths, CollideOnlyWhereTheyWriteTheSame) {
+TEST(RecorderPaths, CollideOnlyForTheSameOutput) {
   const auto both = [](const std::string& a, const std::string& b) {
     const bool fine = recorders_error("{" + a + "}, {" + b + "}").empty();
     EXPECT_EQ(fine, recorders_error("{" + b + "}, {" + a + "}").empty()) << a << " and " << b;

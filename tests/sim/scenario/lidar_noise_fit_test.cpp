@@ -83,7 +83,7 @@ Parameters fitted(const LidarMeasurement& os1, Parameters p) {
   return p;
 }
 
-TEST(LidarNoiseFit, ThePresetOfTheOs1IsTheLeastSquaresFitToDataSheetAndRecordedFrames) {
+TEST(LidarNoiseFit, MatchesLeastSquaresForOs1) {
   const LidarConfig lidar = preset("os1_128");
   const LidarMeasurement os1 = measurement_of(lidar);
   const Parameters start = Eigen::Map<const Parameters>(
@@ -109,7 +109,7 @@ TEST(LidarNoiseFit, ThePresetOfTheOs1IsTheLeastSquaresFitToDataSheetAndRecordedF
   EXPECT_NEAR(lidar.noise.exponent / best.exponent, 1.0, 0.02);
 }
 
-TEST(LidarNoiseFit, TheOs0HasTheLawOfTheOs1WithAFloorFittedToItsRecordedFrames) {
+TEST(LidarNoiseFit, SharesOs1LawWithFittedFloor) {
   const LidarConfig lidar = preset("os0_128");
   RangeNoiseConfig noise = preset("os1_128").noise;
   EXPECT_EQ(lidar.noise.floor_rise_m, noise.floor_rise_m);
@@ -155,7 +155,7 @@ double scatter_mm(const std::string& name, double range_m) {
   return std::sqrt(error_mm.variance());
 }
 
-TEST(LidarNoiseFit, WallsOfTypicalReflectivityScatterAsRecordedOnesDo) {
+TEST(LidarNoiseFit, MatchesRecordedScatterOfTypicalWalls) {
   // Bands are given in whole millimeters.
   constexpr double kHalfDigit_mm = 0.5;
   const auto in_band = [&](const char* name, double range_m, double least_mm, double most_mm) {

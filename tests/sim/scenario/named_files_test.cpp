@@ -8,7 +8,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(NamedFiles, AreToldWithTheirKeys) {
+TEST(NamedFiles, AreListedWithTheirKeys) {
   const Scenario scenario = load_scenario("import_mesh");
   const auto files = named_files(scenario);
   ASSERT_EQ(files.size(), 1U);
@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, Eigen::Vector3d>> destinations(const std::str
   return found;
 }
 
-TEST(Destinations, ArePlacesOfTheWorldWithTheirKeys) {
+TEST(Destinations, AreWorldPlacesWithTheirKeys) {
   const std::string key = "agent.guidance.";
   using Found = std::vector<std::pair<std::string, Eigen::Vector3d>>;
   EXPECT_EQ(destinations("{type: waypoints, waypoints_m: [[1, 2, 3], [4, 5, 6]]}"),

@@ -21,7 +21,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Reference, ShowsKeyTypeDefaultUnitRangeAndMeaning) {
+TEST(Reference, ShowsAllAttributesOfEachKey) {
   FleetConfig fleet;
   const std::string text = reference_tables([&](ConfigVisitor& v) { fleet.visit(v); }, "Fleet");
   EXPECT_THAT(
@@ -47,7 +47,7 @@ TEST(Reference, NamesEveryModuleOfEveryRegistry) {
   }
 }
 
-TEST(Reference, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+TEST(Reference, AcceptsNumericKeysOnlyWithinBounds) {
   std::size_t num_keys = 0;
   const auto visit = [](ConfigVisitor& v) {
     Scenario fresh;

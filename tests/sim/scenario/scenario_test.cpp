@@ -68,12 +68,12 @@ TEST(Scenario, TheDefaultIsValid) {
   EXPECT_EQ(scenario.vehicles[0].airframe.num_rotors(), 4);
 }
 
-TEST(Scenario, WhatWasWrittenReadsBackTheSame) {
+TEST(Scenario, RoundTripsThroughText) {
   const std::string text = write_scenario(validated(Scenario()));
   EXPECT_EQ(write_scenario(read_scenario_text(text)), text);
 }
 
-TEST(Scenario, EveryScenarioThatComesWithSwiftletIsValidAndResolvesToItself) {
+TEST(Scenario, ShippedScenariosAreValidAndUnchanged) {
   const auto files = shipped_scenarios();
   ASSERT_FALSE(files.empty());
   for (const fs::path& file : files) {
@@ -100,7 +100,7 @@ TEST(Scenario, IsFoundByNameToo) {
   }
 }
 
-TEST(Scenario, AMisspeltNameIsToldAsItWasWritten) {
+TEST(Scenario, ReportsAMisspeltNameAsWritten) {
   try {
     load_scenario("forest_patrl");
     ADD_FAILURE() << "no error";
@@ -109,7 +109,7 @@ TEST(Scenario, AMisspeltNameIsToldAsItWasWritten) {
   }
 }
 
-TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
+TEST(Scenario, ModulesAreValidAndRoundTrip) {
   const auto check = [](std::span<const ModuleType> types, const auto& put) {
     ASSERT_FALSE(types.empty());
     for (const ModuleType& type : types) {
@@ -136,7 +136,7 @@ LidarConfig lidar_preset(const std::string& name) {
   return dynamic_cast<const LidarConfig&>(*scenario.vehicles.at(0).sensors.at(0).config);
 }
 
-TEST(LidarPresets, OustersHaveTheMakersTableOfEveryRow) {
+TEST(LidarPresets, OustersMatchTheManufacturersRowTable) {
   const LidarConfig os0 = lidar_preset("os0_128"), os1 = lidar_preset("os1_128");
   const OusterConfig& wide = os0.pattern.as<OusterConfig>();
   const OusterConfig& narrow = os1.pattern.as<OusterConfig>();
@@ -171,7 +171,7 @@ TEST(LidarPresets, OustersHaveTheMakersTableOfEveryRow) {
   EXPECT_NEAR(narrow.elevations_deg[63], 0.05, 1e-9);
 }
 
-TEST(LidarPresets, NoBeamOfTheDatasetsMid360MeetsTheOwnHullOnAnyAirframe) {
+TEST(LidarPresets, Mid360NeverHitsItsOwnAirframe) {
   for (const char* world : {"forest_team.yaml", "warehouse_team.yaml"}) {
     const Scenario scenario = load_scenario(fs::path(SWIFTLET_SOURCE_DIR "/scenarios/dataset/worlds") / world);
     LidarConfig lidar = dynamic_cast<const LidarConfig&>(*scenario.vehicles.at(1).sensors.at(0).config);
@@ -195,7 +195,7 @@ TEST(LidarPresets, NoBeamOfTheDatasetsMid360MeetsTheOwnHullOnAnyAirframe) {
   }
 }
 
-TEST(LidarPresets, ExperimentsKeepTheConstantNoiseOfThePapers) {
+TEST(LidarPresets, ExperimentsKeepTheConstantPublishedNoise) {
   int lidars = 0;
   for (const fs::path& file : shipped_scenarios()) {
     if (file.parent_path().filename() != "reproduce") continue;
@@ -251,7 +251,7 @@ TEST(Scenario, AssetsOfTheUserComeFirst) {
   EXPECT_THAT(scenario_error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
 }
 
-TEST(Scenario, SnapshotsInAProgramWithoutPicturesAreRefusedWithTheirPlace) {
+TEST(Scenario, RefusesSnapshotsWithoutARenderer) {
   const Scenario scenario = read_scenario_text("duration_s: 2\nsnapshots:\n  - {times_s: [1]}\n");
   for (const Scenario& read : {scenario, validated(scenario)}) {
     std::string problem;
@@ -290,7 +290,7 @@ std::vector<Eigen::Vector3d> starts_of(const Scenario& scenario) {
   return starts_m;
 }
 
-TEST(Count, MakesSoManyVehiclesWithNumbersBehindTheirNames) {
+TEST(Count, CreatesVehiclesWithNumberedNames) {
   using ::testing::ElementsAre;
   const Scenario scenario =
       read_scenario_text("vehicles: [{count: 2}, {name: eye}, {count: 2}, {name: bird, count: 3, model: f330}]");
@@ -300,7 +300,7 @@ TEST(Count, MakesSoManyVehiclesWithNumbersBehindTheirNames) {
               ElementsAre("eye", "uav2"));
 }
 
-TEST(Count, PutsTheStartsIntoARowOrAGrid) {
+TEST(Count, ArrangesStartsInRowOrGrid) {
   using ::testing::ElementsAre;
   using V = Eigen::Vector3d;
   EXPECT_THAT(starts_of(read_scenario_text("vehicles: [{count: 3}]")), ElementsAre(V(0, 0, 2), V(3, 0, 2), V(6, 0, 2)));
@@ -314,7 +314,7 @@ TEST(Count, PutsTheStartsIntoARowOrAGrid) {
               ElementsAre(V(0, 0, 7), V(3, 0, 7)));
 }
 
-TEST(Count, SingleVehiclesAreChangedByNameNumberOrAllAndCountAtItsEntry) {
+TEST(Count, OverridesVehiclesByNameOrNumber) {
   using ::testing::ElementsAre;
   const std::string text =
       "vehicles: [{name: eye}, {count: 3, name: uav}]\n"
@@ -341,7 +341,7 @@ TEST(Count, SingleVehiclesAreChangedByNameNumberOrAllAndCountAtItsEntry) {
   EXPECT_EQ(read({{"vehicles[uav].count", "7"}}).vehicles.size(), 8U) << "its entry by name";
 }
 
-TEST(Count, IsCompleteWhenItIsWrittenOut) {
+TEST(Count, IsExpandedWhenWrittenOut) {
   const Scenario scenario = read_scenario_text("vehicles: [{count: 4, start: {columns: 2}, sensors: [imu]}]");
   const std::string text = write_scenario(scenario);
   const Scenario again = read_scenario_text(text);
@@ -373,7 +373,7 @@ TEST(Count, MistakesAreRefusedWithTheirPlace) {
   EXPECT_THAT(scenario_error(large + "]}]"), HasSubstr("expected at most 1000000 values in all vehicles, found more"));
 }
 
-TEST(Scenario, TruthByNameIsWrittenOutAsASensor) {
+TEST(Scenario, WritesTruthByNameAsSensor) {
   const Scenario scenario = read_scenario_text(
       "vehicles: [{agent: {detector: ground_truth}}, {sensors: [{type: pose, name: mocap}]}, {agent: {type: none}}]");
   EXPECT_TRUE(scenario.vehicles[0].sensors.empty());
@@ -386,7 +386,7 @@ TEST(Scenario, TruthByNameIsWrittenOutAsASensor) {
   EXPECT_TRUE(resolved.vehicles[2].sensors.empty()) << "it needs none";
 }
 
-TEST(Scenario, NamesAreUniqueAndFitForFiles) {
+TEST(Scenario, NamesAreUniqueAndFileSafe) {
   EXPECT_EQ(scenario_error("vehicles:\n  - name: a\n  - name: a\n"),
             "flight.yaml:3:11: vehicles[1].name: expected a name that is not taken yet, found \"a\"");
   EXPECT_THAT(scenario_error("vehicles: [{name: uav2}, {}]"),
@@ -403,7 +403,7 @@ TEST(Scenario, NamesAreUniqueAndFitForFiles) {
   EXPECT_THAT(scenario_error("name: .."), HasSubstr("name: expected a name of letters"));
 }
 
-TEST(Scenario, CamerasTakePicturesAndDrawWhatAgentsDraw) {
+TEST(Scenario, ValidatesSnapshotTimesSizesAndOverlays) {
   EXPECT_EQ(scenario_error("snapshots: [{name: a}]"),
             "flight.yaml:1:13: snapshots[0].times_s: expected when it takes pictures, here or as every_s");
   EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], style: paper, width_mm: 85, height_mm: 60}]"), "no error");
@@ -420,7 +420,7 @@ TEST(Scenario, CamerasTakePicturesAndDrawWhatAgentsDraw) {
   EXPECT_THAT(scenario_error("snapshots: [{times_s: [1], overlays: [uav7/rbl.cell]}]"), HasSubstr("\"uav1/rbl.cell\""));
 }
 
-TEST(Scenario, CamerasLookAtVehiclesAndSensorsThatExist) {
+TEST(Scenario, CamerasReferToExistingTargets) {
   EXPECT_EQ(scenario_error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa, times_s: [1]}]"),
             "flight.yaml:2:37: snapshots[0].vehicle: expected \"alpha\", found \"alhpa\"; did you mean \"alpha\"?");
   EXPECT_THAT(scenario_error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, "
@@ -431,7 +431,7 @@ TEST(Scenario, CamerasLookAtVehiclesAndSensorsThatExist) {
             "no error");
 }
 
-TEST(Scenario, TheTickIsAWholeMultipleOfThePhysicsStep) {
+TEST(Scenario, TickIsMultipleOfPhysicsStep) {
   EXPECT_EQ(scenario_error("tick_s: 4 ms\nphysics: {step_s: 1 ms}"), "no error");
   EXPECT_EQ(scenario_error("tick_s: 4.5 ms\nphysics: {step_s: 1 ms}"),
             "flight.yaml:1:9: tick_s: expected a whole multiple of physics.step_s, found \"4.5 ms\"");
@@ -453,7 +453,7 @@ TEST(Scenario, OverridesReachEveryDepth) {
   EXPECT_THROW(load_scenario(file, {{"vehicles[0].start.yaw", "90"}}), InputError);
 }
 
-TEST(Scenario, RecordersWriteNowhereButIntoTheRunDirectory) {
+TEST(Scenario, RecordersStayInsideTheRunDirectory) {
   for (const std::string place : {"../out", "a/../../b", "/tmp/x", "", "a//b", "a/", ".", "..", ".hidden", "-o",
                                   "a\\nb", "summary.json", "scenario.yaml", "summary.json/a", "x.part"}) {
     for (const auto& [type, key] :
@@ -482,12 +482,12 @@ TEST(Scenario, NoTwoRecordersWriteTheSame) {
   }
 }
 
-TEST(Scenario, ARecorderOfAVehicleThatIsNotThereIsToldWithItsPlace) {
+TEST(Scenario, ReportsRecorderOfMissingVehicle) {
   EXPECT_THAT(scenario_error("vehicles: [{name: alpha}]\nrecorders: [{type: tum, vehicles: [alpha, alfa]}]"),
               HasSubstr("flight.yaml:2:43: recorders[0].vehicles[1]: expected \"alpha\""));
 }
 
-TEST(Scenario, NamesThatRosCannotKeepApartAreRefusedWithTheirPlaceWhereARecorderNeedsThem) {
+TEST(Scenario, RefusesAmbiguousRosNamesWhenRecorded) {
   const std::string ros = "\nrecorders: [{type: mcap}]";
   const std::string team = "vehicles: [{name: uav-1}, {name: uav2}, {name: uav_1}]";
   EXPECT_EQ(scenario_error(team + ros),
@@ -514,7 +514,7 @@ TEST(Scenario, NamesThatRosCannotKeepApartAreRefusedWithTheirPlaceWhereARecorder
   EXPECT_EQ(scenario_error("vehicles: [{sensors: [{type: imu, name: body}]}]" + ros), "no error");
 }
 
-TEST(Scenario, TwoLidarsDoNotShareAFolderOfScans) {
+TEST(Scenario, TwoLidarsNeverShareScanFolders) {
   const std::string team =
       "vehicles: [{name: a, sensors: [{type: lidar, name: b_c}]}, {name: a_b, sensors: [{type: lidar, name: c}]}]\n";
   EXPECT_THAT(
@@ -524,7 +524,7 @@ TEST(Scenario, TwoLidarsDoNotShareAFolderOfScans) {
   EXPECT_EQ(scenario_error(team + "recorders: [{type: ply, vehicles: [a]}, {type: pcd, vehicles: [a_b]}]"), "no error");
 }
 
-TEST(Scenario, AVehicleThatItsRotorsDoNotCarryOrDoNotLetDownIsRefused) {
+TEST(Scenario, RefusesMassesOutsideTheRotorRange) {
   // Four rotors of 16.48 N carry 6.109 kg with a tenth to spare; at their least speed they carry 0.151 kg.
   const auto with_mass = [](const std::string& mass_kg, const std::string& agent = "stack",
                             double gravity_mps2 = 9.81) {
@@ -544,7 +544,7 @@ TEST(Scenario, AVehicleThatItsRotorsDoNotCarryOrDoNotLetDownIsRefused) {
               HasSubstr("vehicles[0].airframe.mass_kg"));
 }
 
-TEST(Scenario, AnInertiaThatNoBodyHasIsRefused) {
+TEST(Scenario, RefusesAPhysicallyImpossibleInertia) {
   const auto with = [](const std::string& inertia) {
     return scenario_error("vehicles: [{airframe: {inertia_diagonal_kgm2: " + inertia + "}}]");
   };
@@ -557,7 +557,7 @@ TEST(Scenario, AnInertiaThatNoBodyHasIsRefused) {
     EXPECT_EQ(with(good), "no error") << good << ": a flat plate, three axes, a ball";
 }
 
-TEST(Scenario, ValuesBeyondReasonAreRefusedWithTheirPlace) {
+TEST(Scenario, RefusesUnreasonableValuesWithTheirPlace) {
   const auto detector = [](const std::string& keys) {
     return "vehicles: [{agent: {detector: {type: vofod, " + keys + "}}}]";
   };
@@ -608,7 +608,7 @@ std::vector<std::string> texts_of_all_modules() {
   return texts;
 }
 
-TEST(Scenario, EveryNumberThatIsAbsurdIsRefusedWithItsPlaceOrLoads) {
+TEST(Scenario, LoadsOrRefusesEveryAbsurdNumber) {
   std::set<std::string> seen;  // lines: most keys stand in every text
   std::size_t tried = 0;
   for (const std::string& text : texts_of_all_modules()) {

@@ -14,7 +14,7 @@ std::string meant(const std::string& word, const std::vector<std::string>& candi
   return told.substr(from, told.rfind('"') - from);
 }
 
-TEST(DidYouMean, AWordOneOfTheUsualMistakesAway) {
+TEST(DidYouMean, CorrectsACommonSingleMistake) {
   const std::vector<std::string> words = {"guidance", "tracking", "detector"};
   EXPECT_EQ(meant("guidence", words), "guidance") << "a wrong letter";
   EXPECT_EQ(meant("guidnce", words), "guidance") << "one that is missing";
@@ -43,23 +43,23 @@ TEST(DidYouMean, LongWordsMayHaveMoreMistakes) {
   EXPECT_EQ(meant("abcxxxghi", {"abcdefghi"}), "abcdefghi");
 }
 
-TEST(DidYouMean, TheNearestIsMeantAndOfEqualOnesTheFirst) {
+TEST(DidYouMean, SuggestsTheFirstOfTheNearest) {
   EXPECT_EQ(meant("trackers", {"trackage", "tracker", "trackerz"}), "tracker");
   EXPECT_EQ(meant("bat", {"cat", "hat"}), "cat");
 }
 
-TEST(DidYouMean, ASwapIsOneMistakeOnlyOfNeighbors) {
+TEST(DidYouMean, CountsNeighborSwapsAsOneMistake) {
   EXPECT_EQ(meant("ba", {"ab"}), "ab");
   EXPECT_EQ(meant("cba", {"abc"}), "") << "two mistakes";
 }
 
-TEST(DidYouMean, TheSameWordWithAnotherUnitOrNone) {
+TEST(DidYouMean, FindsTheWordWithAnotherUnit) {
   EXPECT_EQ(meant("rate", {"color", "rate_hz"}), "rate_hz");
   EXPECT_EQ(meant("length_inch", {"color", "length_m"}), "length_m");
   EXPECT_EQ(meant("rate_hz", {"color", "rates"}), "");
 }
 
-TEST(DidYouMean, AMisspeltWordWithAnotherUnitOrNone) {
+TEST(DidYouMean, FindsMisspeltWordsWithAnotherUnit) {
   EXPECT_EQ(meant("spedd", {"color", "speed_mps"}), "speed_mps");
   EXPECT_EQ(meant("spedd_kmph", {"color", "speed_mps"}), "speed_mps");
   EXPECT_EQ(meant("spedd", {"speed_limit"}), "") << "no unit";
@@ -67,12 +67,12 @@ TEST(DidYouMean, AMisspeltWordWithAnotherUnitOrNone) {
   EXPECT_EQ(meant("width", {"speed_mps"}), "");
 }
 
-TEST(DidYouMean, AnExtensionInCommonIsNoLikeness) {
+TEST(DidYouMean, IgnoresCommonFileExtensions) {
   EXPECT_EQ(meant("abc.yaml", {"xyz.yaml"}), "");
   EXPECT_EQ(meant("forst.yaml", {"forest.yaml"}), "forest.yaml");
 }
 
-TEST(DidYouMean, WordsOfMoreThan64LettersAreNotCompared) {
+TEST(DidYouMean, IgnoresWordsBeyond64Letters) {
   const std::string longest(64, 'a'), longer(65, 'a');
   EXPECT_EQ(meant(longest.substr(1), {longest}), longest);
   EXPECT_EQ(meant(longest, {longer}), "");

@@ -51,7 +51,7 @@ const SameAmount kSameAmounts[] = {{"range_m", "km", 1000.0},
                                    {"rate_kbps", "kbit/s", 1.0},
                                    {"area_m2", "cm^2", 1e-4}};
 
-TEST(Units, AreWhatTheyAreDefinedToBe) {
+TEST(Units, MatchTheirDefinitions) {
   for (const SameAmount& equal : kSameAmounts) {
     const Unit* const unit = unit_of_key(equal.key);
     ASSERT_NE(unit, nullptr) << equal.key;
@@ -71,7 +71,7 @@ TEST(Units, WholeRatiosAreRoundedOnce) {
   EXPECT_EQ(convert(2000.0, *unit_of_key("yaw_deg"), *unit_of_key("yaw_deg")), 2000.0);
 }
 
-TEST(Units, OnlyAKeysLastWordNamesItsUnit) {
+TEST(Units, KeysLastWordNamesTheUnit) {
   EXPECT_STREQ(unit_of_key("rate_hz")->symbol, "Hz");
   EXPECT_STREQ(unit_of_key("wind_speed_mps")->symbol, "m/s");
   EXPECT_EQ(unit_of_key("m"), nullptr) << "a word, not a suffix";
@@ -87,7 +87,7 @@ TEST(Units, OfAnotherDimensionFitNot) {
   EXPECT_EQ(find_unit("", *unit_of_key("range_m")), nullptr);
 }
 
-TEST(Quantity, IsANumberAndTheUnitAfterIt) {
+TEST(Quantity, ParsesANumberAndItsUnit) {
   const auto expect = [](std::string_view text, double value, std::string_view unit) {
     const auto quantity = parse_quantity(text);
     ASSERT_TRUE(quantity.has_value()) << text;

@@ -33,7 +33,7 @@ Airframe airframe_of(const std::string& model) {
   return load_scenario(file).vehicles.at(0).airframe;
 }
 
-TEST(VehicleAssets, HaveThePublishedMassesSizesAndThrusts) {
+TEST(VehicleAssets, MatchPublishedMassesSizesAndThrusts) {
   for (const Published& published : kPublished) {
     SCOPED_TRACE(published.model);
     const Airframe airframe = airframe_of(published.model);
@@ -71,7 +71,7 @@ TEST(VehicleAssets, AreBalanced) {
   }
 }
 
-TEST(VehicleAssets, InertiaFollowsTheCylinderFormulaWhereNoneIsPublished) {
+TEST(VehicleAssets, DeriveUnpublishedInertiaFromCylinders) {
   for (const char* model : {"t650", "f330", "f450", "f550", "x500"}) {
     SCOPED_TRACE(model);
     const Airframe a = airframe_of(model);

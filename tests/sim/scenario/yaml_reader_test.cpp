@@ -39,7 +39,7 @@ std::string fleet_error(const std::string& text, const Overrides& overrides = {}
 
 // --- values ---
 
-TEST(YamlReader, KeysThatAreNotGivenKeepTheirDefaults) {
+TEST(YamlReader, KeepsDefaultsOfMissingKeys) {
   const FleetConfig fleet = read_fleet("seed: 7\nboats: [{}]\n");
   EXPECT_EQ(fleet.seed, 7u);
   EXPECT_EQ(fleet.title, "fleet");
@@ -73,7 +73,7 @@ TEST(YamlReader, EveryKindOfValueIsRead) {
   EXPECT_EQ(fleet.boats[0].crew[1].type, "sail");
 }
 
-TEST(YamlReader, AListReplacesTheDefaultElementsInsteadOfFillingThem) {
+TEST(YamlReader, ReplacesDefaultListsEntirely) {
   FleetConfig fleet;
   fleet.boats[0].rate_hz = 99.0;
   read_config_text(
@@ -81,7 +81,7 @@ TEST(YamlReader, AListReplacesTheDefaultElementsInsteadOfFillingThem) {
   EXPECT_EQ(fleet.boats[0].rate_hz, 10.0);
 }
 
-TEST(YamlReader, ANumberMayCarryAnotherUnitOfTheSameKind) {
+TEST(YamlReader, ConvertsUnitsOfTheSameKind) {
   const auto boat = [](const std::string& line) { return read_fleet("boats: [{" + line + "}]").boats.at(0); };
   EXPECT_EQ(boat("noise: {sigma_range_m: 20 cm}").noise.sigma_range_m, 0.2);
   EXPECT_EQ(boat("noise: {sigma_range_m: 35mm}").noise.sigma_range_m, 0.035);
@@ -94,7 +94,7 @@ TEST(YamlReader, ANumberMayCarryAnotherUnitOfTheSameKind) {
   EXPECT_EQ(read_fleet("times_s: [300 ms, 2 min, 1 h]").times_s, (std::vector<double>{0.3, 120.0, 3600.0}));
 }
 
-TEST(YamlReader, AUnitOfAnotherKindIsRefused) {
+TEST(YamlReader, RefusesUnitsOfAnotherKind) {
   EXPECT_EQ(fleet_error("boats:\n  - noise: {sigma_range_m: 20 deg}\n"),
             "fleet.yaml:2:28: boats[0].noise.sigma_range_m: expected a length in m, found \"20 deg\"");
   EXPECT_EQ(fleet_error("boats: [{drag_N_per_mps: 2 N}]"),
@@ -105,7 +105,7 @@ TEST(YamlReader, AUnitOfAnotherKindIsRefused) {
 
 // --- errors ---
 
-TEST(YamlReader, AMistakeNamesItsPlaceWhatWasExpectedAndWhatWasFound) {
+TEST(YamlReader, DescribesMistakesWithPlaceAndExpectation) {
   EXPECT_EQ(fleet_error("seed: 1\nboats:\n  - name: a\n  - rate_hz: ten\n"),
             "fleet.yaml:4:14: boats[1].rate_hz: expected a number > 0, found \"ten\"");
   EXPECT_EQ(fleet_error("boats: [{speed_mps: 10}]"),
@@ -131,7 +131,7 @@ TEST(YamlReader, AMistakeNamesItsPlaceWhatWasExpectedAndWhatWasFound) {
   EXPECT_EQ(fleet_error("low: \"1\""), "fleet.yaml:1:6: low: expected a number, found the quoted text \"1\"");
 }
 
-TEST(YamlReader, AnUnknownKeyIsNamedWithTheOneThatWasMeant) {
+TEST(YamlReader, SuggestsCorrectionsForUnknownKeys) {
   EXPECT_EQ(fleet_error("boats:\n  - noise:\n      sigma_rage_m: 1\n"),
             "fleet.yaml:3:7: boats[0].noise.sigma_rage_m: expected a known key, found \"sigma_rage_m\"; "
             "did you mean \"sigma_range_m\"?");
@@ -151,7 +151,7 @@ TEST(YamlReader, AnUnknownKeyIsNamedWithTheOneThatWasMeant) {
               HasSubstr("boats[0].crew[0].type: expected one of \"pilot\", \"sail\", found nothing"));
 }
 
-TEST(YamlReader, EveryNumberThatIsNotOneIsRefused) {
+TEST(YamlReader, RefusesInvalidNumbers) {
   for (const char* text : {".nan", ".inf", "-.inf", "nan", "inf", "1e999", "1,5", "0x10", "--1", "+-1", "1_000",
                            "1.2.3", "e5", "", "~", "[]", "true", "1 2", "- 1"}) {
     EXPECT_THAT(fleet_error(std::string("low: ") + text), StartsWith("fleet.yaml")) << text;
@@ -167,7 +167,7 @@ TEST(YamlReader, EveryNumberThatIsNotOneIsRefused) {
   EXPECT_EQ(read_fleet("low: .5").low, 0.5);
 }
 
-TEST(YamlReader, AllMistakesAreToldInTheOrderOfTheText) {
+TEST(YamlReader, ReportsAllMistakesInTextOrder) {
   const std::string message = fleet_error("sead: 1\nlow: x\nboats:\n  - rate_hz: 0\n    nam: a\n");
   std::istringstream lines(message);
   std::vector<std::string> places;
@@ -181,14 +181,14 @@ TEST(YamlReader, AllMistakesAreToldInTheOrderOfTheText) {
   EXPECT_EQ(std::count(bounded.begin(), bounded.end(), '\n'), 19);
 }
 
-TEST(YamlReader, AContradictionBetweenKeysIsToldAtItsKey) {
+TEST(YamlReader, ReportsContradictionsAtTheirKey) {
   EXPECT_EQ(fleet_error("low: 2\n"), "fleet.yaml:1:6: low: expected less than high, found \"2\"");
   EXPECT_EQ(fleet_error("high: -1\n"), "fleet.yaml:1:1: low: expected less than high, found \"0\" by default");
   EXPECT_EQ(fleet_error("boats:\n  - name: a\n  - name: a\n"),
             "fleet.yaml:3:11: boats[1].name: expected another name than the boat before, found \"a\"");
 }
 
-TEST(YamlReader, LongOrOddTextIsShownShortAndOnOneLine) {
+TEST(YamlReader, ShortensOddTextToOneLine) {
   const std::string message = fleet_error("low: " + std::string(1000, 'x'));
   EXPECT_LT(message.size(), 200u);
   EXPECT_THAT(message, HasSubstr("xxx...\""));
@@ -200,14 +200,14 @@ TEST(YamlReader, LongOrOddTextIsShownShortAndOnOneLine) {
 
 // --- texts that are not configurations ---
 
-TEST(YamlReader, DuplicateKeysAreRefusedAtAnyDepth) {
+TEST(YamlReader, RefusesDuplicateKeysAtAnyDepth) {
   EXPECT_EQ(fleet_error("seed: 1\nlow: 0\nseed: 2\n"),
             "fleet.yaml:3:1: expected each key once, found \"seed\" again (first in line 1)");
   EXPECT_THAT(fleet_error("boats: [{name: a, name: a}]"), HasSubstr("expected each key once, found \"name\""));
   EXPECT_THAT(fleet_error("unknown: [{a: 1, \"a\": 2}]"), HasSubstr("expected each key once"));
 }
 
-TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
+TEST(YamlReader, RefusesAllButOneUtf8Map) {
   EXPECT_EQ(fleet_error(""), "fleet.yaml: expected a map of keys, found an empty text");
   EXPECT_THAT(fleet_error("# only a comment\n"), HasSubstr("found an empty text"));
   EXPECT_THAT(fleet_error("- 1\n- 2\n"), HasSubstr("expected a map of keys, found a list of 2 values"));
@@ -231,7 +231,7 @@ TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
 
 // --- merge keys of YAML 1.1 ---
 
-TEST(MergeKeys, GiveTheKeysThatAreMissingAndEarlierMapsWin) {
+TEST(MergeKeys, FillMissingKeysPreferringEarlierMaps) {
   const FleetConfig fleet = read_fleet(
       "boats:\n"
       "  - &slow {name: a, speed_mps: 1, noise: {sigma_range_m: 0.5}}\n"
@@ -254,7 +254,7 @@ TEST(MergeKeys, GiveTheKeysThatAreMissingAndEarlierMapsWin) {
   EXPECT_EQ(read_fleet("{<<: {tags: [a, b]}, \"tags[1]\": c}").tags, (std::vector<std::string>{"a", "c"}));
 }
 
-TEST(MergeKeys, MistakesAreToldWhereTheMergedTextStands) {
+TEST(MergeKeys, ReportMistakesAtTheMergedText) {
   const std::string boats = "boats:\n  - &one {name: a, sped_mps: 1}\n  - {<<: *one, name: b}\n";
   EXPECT_EQ(fleet_error(boats),
             "fleet.yaml:2:20: boats[0].sped_mps: expected a known key, found \"sped_mps\"; did you mean "
@@ -290,7 +290,7 @@ TEST(MergeKeys, CountAgainstTheBounds) {
   EXPECT_THAT(fleet_error(half("a", 0) + half("b", 3000) + "c: {<<: [*a, *b]}\n"), HasSubstr("at most 4096 keys"));
 }
 
-TEST(YamlReader, AByteOrderMarkAndWindowsLineEndsAreHarmless) {
+TEST(YamlReader, AcceptsBomAndWindowsLineEnds) {
   EXPECT_EQ(read_fleet("\xEF\xBB\xBFseed: 3\r\ntitle: x\r\n").title, "x");
 }
 
@@ -333,7 +333,7 @@ TEST(YamlReader, ChangesThatMultiplyAreBounded) {
 
 // --- overlays ---
 
-TEST(Overlay, MapsMergeAndAnythingElseIsReplaced) {
+TEST(Overlay, MergesMapsAndReplacesAnythingElse) {
   const FleetConfig fleet = read_fleet("base: calm.yaml\nseed: 9\n");
   EXPECT_EQ(fleet.title, "calm");
   EXPECT_EQ(fleet.seed, 9u);
@@ -341,13 +341,13 @@ TEST(Overlay, MapsMergeAndAnythingElseIsReplaced) {
   EXPECT_EQ(read_fleet("base: calm.yaml\nboats: []\n").boats.size(), 0u);
 }
 
-TEST(Overlay, BasesMayLieInTheFolderOfScenariosAndHaveBases) {
+TEST(Overlay, FindsNestedBasesInScenarioFolder) {
   const FleetConfig fleet = read_fleet("base: storm\n");
   EXPECT_EQ(fleet.sky, "overcast");
   EXPECT_EQ(fleet.title, "calm");
 }
 
-TEST(Overlay, ElementsOfAListCanBeChangedByIndexNameOrAll) {
+TEST(Overlay, ChangesElementsByIndexOrName) {
   const FleetConfig fleet =
       read_fleet("base: calm.yaml\nboats[*]: {tilt_deg: 4}\nboats[0]: {rate_hz: 6}\nboats[second]: {rate_hz: 8}\n");
   ASSERT_EQ(fleet.boats.size(), 2u);
@@ -362,7 +362,7 @@ TEST(Overlay, ElementsOfAListCanBeChangedByIndexNameOrAll) {
               HasSubstr("expected a list whose elements can be changed"));
 }
 
-TEST(Overlay, ElementsWhoseNamesBeginAlikeCanBeChangedTogether) {
+TEST(Overlay, ChangesElementsByCommonNamePrefix) {
   const std::string boats = "boats: [{name: red1}, {name: blue1, rate_hz: 3}, {name: red2}, {name: infrared}]\n";
   const FleetConfig fleet = read_fleet(boats, {{"boats[red*].rate_hz", "7"}, {"boats[red2*].tilt_deg", "2"}});
   ASSERT_EQ(fleet.boats.size(), 4u);
@@ -384,13 +384,13 @@ TEST(Overlay, AnotherTypeStartsAfresh) {
   EXPECT_EQ(read_fleet(base, {{"boats[0].crew[0].area_m2", "3"}}).boats[0].crew[0].as<SailConfig>().area_m2, 3.0);
 }
 
-TEST(Overlay, ACycleIsToldWithItsChain) {
+TEST(Overlay, ReportsTheChainOfACycle) {
   EXPECT_EQ(fleet_error("base: circle.yaml"),
             "/in/circle.yaml:1:7: base: expected a chain of files that ends, found fleet.yaml -> /in/circle.yaml -> "
             "/in/circle.yaml");
 }
 
-TEST(Overlay, AMissingOrBrokenBaseIsTold) {
+TEST(Overlay, ReportsMissingOrBrokenBases) {
   EXPECT_EQ(fleet_error("base: clam.yaml"),
             "fleet.yaml:1:7: base: expected the name of a file, found \"clam.yaml\", which does not exist; did you "
             "mean \"calm.yaml\"?");
@@ -403,7 +403,7 @@ TEST(Overlay, AMissingOrBrokenBaseIsTold) {
 
 TEST(Overrides, TheLastOneWins) { EXPECT_EQ(read_fleet("seed: 1", {{"seed", "2"}, {"seed", "3"}}).seed, 3u); }
 
-TEST(Overrides, ReachIntoListsAndAssetsAndDefaults) {
+TEST(Overrides, ReachListsAssetsAndDefaults) {
   const FleetConfig fleet =
       read_fleet("base: calm.yaml", {{"boats[1].noise.sigma_range_m", "20 cm"}, {"boats[*].position_m", "[1, 1, 1]"}});
   EXPECT_EQ(fleet.boats[1].noise.sigma_range_m, 0.2);
@@ -438,7 +438,7 @@ TEST(Overrides, MistakesNameTheOption) {
 
 // --- assets and files ---
 
-TEST(Assets, LieUnderTheKeysOfTheObject) {
+TEST(Assets, AreOverriddenByObjectKeys) {
   const FleetConfig fleet = read_fleet("boats: [{model: dinghy, noise: {sigma_range_m: 0.5}}]");
   const BoatConfig& boat = fleet.boats[0];
   EXPECT_EQ(boat.model, "dinghy");
@@ -449,7 +449,7 @@ TEST(Assets, LieUnderTheKeysOfTheObject) {
   EXPECT_EQ(boat.crew.size(), 2u);
 }
 
-TEST(Assets, MayBuildOnOneAnotherAndBeNamedByPath) {
+TEST(Assets, AllowInheritanceAndNamingByPath) {
   EXPECT_EQ(read_fleet("boats: [{model: raft}]").boats[0].noise.drop_probability, 0.25);
   EXPECT_EQ(read_fleet("boats: [{model: raft}]").boats[0].rate_hz, 2.0);
   const BoatConfig own = read_fleet("boats: [{model: own.yaml}]").boats[0];
@@ -466,7 +466,7 @@ TEST(Assets, MistakesInsideNameTheAsset) {
       "\"sigma\"");
 }
 
-TEST(Assets, UnknownNamesAreToldWithTheOneThatWasMeant) {
+TEST(Assets, SuggestCorrectionsForUnknownNames) {
   EXPECT_EQ(
       fleet_error("boats: [{model: dingy}]"),
       "fleet.yaml:1:17: boats[0].model: expected a name from assets/boats (one of \"dinghy\", \"leaky\", \"raft\", "
@@ -479,7 +479,7 @@ TEST(Assets, UnknownNamesAreToldWithTheOneThatWasMeant) {
             0.1);
 }
 
-TEST(Files, AreLookedUpBesideTheFileThatNamesThem) {
+TEST(Files, AreResolvedBesideTheReferringFile) {
   EXPECT_EQ(read_fleet("chart: ../in/chart.csv").chart, "/in/chart.csv");
   EXPECT_EQ(read_fleet("chart: \"\"").chart, "");
   EXPECT_EQ(fleet_error("chart: chrt.csv"),
@@ -487,7 +487,7 @@ TEST(Files, AreLookedUpBesideTheFileThatNamesThem) {
             "\"chart.csv\"?");
 }
 
-TEST(ReadConfig, AMissingFileOrAFolderIsAnInputError) {
+TEST(ReadConfig, RefusesMissingFilesAndFolders) {
   const auto message = [](const std::string& path) {
     FleetConfig fleet;
     try {

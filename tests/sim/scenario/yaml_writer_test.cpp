@@ -112,7 +112,7 @@ TEST(YamlWriter, AnyTextComesBack) {
   }
 }
 
-TEST(YamlWriter, EveryNumberComesBackToTheSameBits) {
+TEST(YamlWriter, WritesNumbersThatRoundTripExactly) {
   const Random random(1, "test.yaml_writer");
   FleetConfig fleet;
   fleet.times_s = {
@@ -182,14 +182,14 @@ FleetConfig random_fleet(std::uint32_t n) {
   return fleet;
 }
 
-TEST(YamlWriter, WhatWasWrittenReadsBackTheSame) {
+TEST(YamlWriter, RoundTripsItsOutput) {
   for (std::uint32_t n = 0; n < 300; ++n) {
     const std::string text = written(random_fleet(n));
     ASSERT_EQ(written(read_back(text)), text);
   }
 }
 
-TEST(YamlWriter, AResolvedAssetKeepsItsNameAndItsChanges) {
+TEST(YamlWriter, KeepsNameAndChangesOfAssets) {
   const std::string text =
       written(read_back("boats: [{model: dinghy, drive: {type: engine}, crew: []}, {model: own.yaml}]"));
   const FleetConfig back = read_back(text);

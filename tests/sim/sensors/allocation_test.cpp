@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(SensorAllocations, NoneInATickAfterWarmUp) {
+TEST(SensorAllocations, AllocateNothingAfterWarmUp) {
   TestScene ground;
   ground.add_wall({-100, -100, 0}, {100, -100, 0}, {100, 100, 0}, {-100, 100, 0}, SurfaceClass::kGround);
   const auto world = std::make_shared<const StaticScene>(ground.scene());

@@ -24,7 +24,7 @@ AltimeterConfig perfect_altimeter() {
   return config;
 }
 
-TEST(Altimeter, MeasuresTheHeightAboveWhatIsBelow) {
+TEST(Altimeter, MeasuresHeightAboveSurfaceBelow) {
   const auto sensor = make_altimeter_sensor(perfect_altimeter(), sensor_setup("altimeter", 1, 1, ground_with_block()));
   const Motion motion = straight({0.0, 0.5, 5.0}, {3.0, 0.0, 0.0});
   const Observation seen = drive(*sensor, {motion}, {.duration_s = 2.0});
@@ -35,14 +35,14 @@ TEST(Altimeter, MeasuresTheHeightAboveWhatIsBelow) {
   }
 }
 
-TEST(Altimeter, AMountBelowTheBodyIsAccountedFor) {
+TEST(Altimeter, AccountsForMountBelowBody) {
   AltimeterConfig config = perfect_altimeter();
   config.position_m = {0.0, 0.0, -0.3};
   const auto sensor = make_altimeter_sensor(config, sensor_setup("altimeter", 1, 1, ground_with_block()));
   EXPECT_NEAR(drive(*sensor, {resting({0.0, 0.0, 5.0})}, {}).altimeter.at(0).height_m, 5.0, 1e-5);
 }
 
-TEST(Altimeter, ABeamFixedToTheBodyIsCorrectedForItsTilt) {
+TEST(Altimeter, CorrectsBodyFixedBeamForTilt) {
   const Motion tilted = [](double) {
     VehicleState state;
     state.p_world_m = {0.0, 0.0, 5.0};
@@ -70,7 +70,7 @@ TEST(Altimeter, SaysNothingOutOfRange) {
   EXPECT_EQ(heights(4.1), 0U);
 }
 
-TEST(Altimeter, NoiseGrowsWithTheRangeAsStated) {
+TEST(Altimeter, NoiseGrowsWithRangeAsStated) {
   AltimeterConfig config;
   config.sigma_m = 0.03;
   config.sigma_relative = 0.01;

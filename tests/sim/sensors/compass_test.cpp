@@ -24,7 +24,7 @@ TEST(Compass, WithoutNoiseGivesTheHeadingWrapped) {
   }
 }
 
-TEST(Compass, ErrorsOverManyRunsHaveTheStatedSigma) {
+TEST(Compass, ErrorsHaveTheStatedSigma) {
   SampleStatistics error;
   double sigma_rad = 0.0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {

@@ -79,7 +79,7 @@ void print(const char* what, const Returns& r) {
 }
 
 // 82 % of the beams returned on a recorded flight through a forest.
-TEST(ForestReturns, AsManyBeamsReturnAsInARealForestAndNotAsOnATable) {
+TEST(ForestReturns, MatchReturnShareOfRealForests) {
   ForestConfig alone;
   alone.surroundings_m = 0.0;
   constexpr int kPlaces = 6;
@@ -144,7 +144,7 @@ Profile profile_of(const char* what, double detail, double pine, double spruce, 
 }
 
 // Returns of 5428 even-aged stands lie lowest in spruces, and closed crowns gather them [Racine 2021].
-TEST(ForestReturns, AirborneReturnsLieLowestInSprucesWhateverTheSizeOfLeaves) {
+TEST(ForestReturns, LieLowestInSpruces) {
   const auto profiles = [](double detail) {
     return std::array{profile_of("pine", detail, 1, 0, 0), profile_of("spruce", detail, 0, 1, 0),
                       profile_of("broadleaf", detail, 0, 0, 1), profile_of("mixed", detail, 0.4, 0.35, 0.25)};

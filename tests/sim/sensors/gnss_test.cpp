@@ -45,7 +45,7 @@ TEST(Gnss, WithoutNoiseGivesTheAntenna) {
   }
 }
 
-TEST(Gnss, ErrorsHaveTheStatedSigmaAndTheDriftItsCorrelation) {
+TEST(Gnss, ErrorsMatchTheirSigmaAndCorrelation) {
   const GnssConfig config = [] {
     GnssConfig c;
     c.rate_hz = 1.0;
@@ -106,7 +106,7 @@ TEST(Gnss, GivesNoFixInPlannedOutages) {
   }
 }
 
-TEST(Gnss, RandomOutagesTakeTheirShareOfTime) {
+TEST(Gnss, RandomOutagesMatchTheirTimeShare) {
   GnssConfig config = perfect_gnss();
   config.random_outages_per_min = 6.0;  // 10 s with a fix
   config.random_outage_mean_s = 5.0;
@@ -125,7 +125,7 @@ TEST(Gnss, RandomOutagesTakeTheirShareOfTime) {
   EXPECT_GT(share.sigma(), 0.0);
 }
 
-TEST(Gnss, ErrorsGrowInACanyonAndARoofTakesTheFix) {
+TEST(Gnss, CanyonsDegradeAndRoofsBlockFixes) {
   GnssConfig config;
   config.rate_hz = 10.0;
   config.sky_view = true;
@@ -149,7 +149,7 @@ TEST(Gnss, ErrorsGrowInACanyonAndARoofTakesTheFix) {
 }
 
 // The satellites are spread over the sky above the mask, so a wall all around that ends below the mask hides none.
-TEST(Gnss, AWallBelowTheElevationMaskHidesNoSatellite) {
+TEST(Gnss, IgnoresWallsBelowTheElevationMask) {
   GnssConfig config;
   config.sky_view = true;
   config.num_satellites = 30;

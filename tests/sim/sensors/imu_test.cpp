@@ -74,7 +74,7 @@ TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
   EXPECT_LT((state.p_world_m - truth.p_world_m).norm(), dt * dt);
 }
 
-TEST(Imu, ALeverArmFeelsTheCentripetalAcceleration) {
+TEST(Imu, MeasuresCentripetalAccelerationAtLeverArm) {
   ImuConfig config = perfect_imu();
   config.position_m = {0.2, 0.0, 0.1};
   const double rate = 3.0;
@@ -91,7 +91,7 @@ TEST(Imu, ALeverArmFeelsTheCentripetalAcceleration) {
   }
 }
 
-TEST(Imu, WhiteNoiseHasTheVarianceOfItsDensity) {
+TEST(Imu, WhiteNoiseVarianceMatchesItsDensity) {
   ImuConfig config = perfect_imu();
   config.gyro_noise_density_radps_psqrthz = 3.39e-4;
   config.accel_noise_density_mps2_psqrthz = 4e-3;
@@ -124,7 +124,7 @@ double allan_variance(const std::vector<double>& samples, std::size_t cluster) {
 }
 
 // IEEE Std 952: N / sqrt(tau) of white noise, K sqrt(tau / 3) of a random walk.
-TEST(Imu, AllanDeviationsAreThoseOfTheDataSheetWithinTwoPercent) {
+TEST(Imu, AllanDeviationMatchesTheDataSheet) {
   const auto deviation = [](const ImuConfig& config, double duration_s, double tau_s) {
     const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
     const auto period = static_cast<TimeNs>(1e9 / config.rate_hz);
@@ -152,7 +152,7 @@ TEST(Imu, AllanDeviationsAreThoseOfTheDataSheetWithinTwoPercent) {
     EXPECT_NEAR(deviation(walk, 8000.0, tau_s) / (3.88e-5 * std::sqrt(tau_s / 3.0)), 1.0, 0.02) << tau_s;
 }
 
-TEST(Imu, BiasGrowsAsAGaussMarkovProcess) {
+TEST(Imu, BiasFollowsAGaussMarkovProcess) {
   ImuConfig config = perfect_imu();
   config.rate_hz = 10.0;
   config.gyro_bias_walk_radps2_psqrthz = 0.01;
@@ -172,7 +172,7 @@ TEST(Imu, BiasGrowsAsAGaussMarkovProcess) {
   EXPECT_NEAR(late.variance(), variance(6.0), variance_bound(variance(6.0), late.size()));
 }
 
-TEST(Imu, TurnOnBiasIsConstantInARunAndDrawnForEachSeed) {
+TEST(Imu, DrawsTurnOnBiasPerSeed) {
   ImuConfig config = perfect_imu();
   config.accel_turn_on_bias_mps2 = 0.196;
   SampleStatistics bias;

@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(LidarMeasurement, NineOfTenReturnAtTheMakersRanges) {
+TEST(LidarMeasurement, DetectsNinetyPercentAtDatasheetRanges) {
   for (const auto& [range_10, range_80] : {std::pair{40.0, 120.0}, std::pair{40.0, 70.0}, std::pair{18.3, 55.0}}) {
     DetectionConfig detection;
     detection.range_10_percent_m = range_10;
@@ -29,7 +29,7 @@ TEST(LidarMeasurement, NineOfTenReturnAtTheMakersRanges) {
   }
 }
 
-TEST(LidarMeasurement, TheDecisionHasTheProbabilityThatIsStated) {
+TEST(LidarMeasurement, DetectsWithStatedProbability) {
   const LidarMeasurement measurement({}, {}, 120.0, false);
   const Random random(1, "test.detection");
   constexpr int kDraws = 40000;
@@ -59,7 +59,7 @@ TEST(LidarMeasurement, SigmaFollowsTheTables) {
   EXPECT_NEAR(table.sigma_m(35.0F, 0.3F, 0.5F), 3.0 * 0.035, 2e-4);
 }
 
-TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
+TEST(LidarMeasurement, SigmaBySignalFollowsDatasheetLaw) {
   RangeNoiseConfig noise;
   noise.law = RangeNoiseConfig::Law::kSignal;
   noise.floor_m = 0.0085;
@@ -86,7 +86,7 @@ TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
       << "an ideal sensor has no noise";
 }
 
-TEST(LidarMeasurement, TheFloorRisesByItsStepForEachTenthOfTheSignal) {
+TEST(LidarMeasurement, FloorRisesAsSignalDropsTenfold) {
   RangeNoiseConfig noise;
   noise.law = RangeNoiseConfig::Law::kSignal;
   noise.floor_m = 0.008;
@@ -103,7 +103,7 @@ TEST(LidarMeasurement, TheFloorRisesByItsStepForEachTenthOfTheSignal) {
   EXPECT_NEAR(sigma_at(10.0), 0.014, 1e-5);
 }
 
-TEST(LidarMeasurement, AnIdealSensorSeesAllWithoutNoise) {
+TEST(LidarMeasurement, IdealSensorSeesAllWithoutNoise) {
   const LidarMeasurement ideal({}, {}, 120.0, true);
   EXPECT_EQ(ideal.sigma_m(50.0F, 0.2F, 0.5F), 0.0F);
   EXPECT_TRUE(ideal.noticed(ideal.snr(119.0F, 0.0F), [] { return -100.0; }));

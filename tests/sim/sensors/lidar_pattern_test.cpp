@@ -33,7 +33,7 @@ Module module_of(const char* type, const Config& config) {
   return module;
 }
 
-TEST(LidarPattern, EveryDirectionIsAUnitVectorAndEveryTimeLiesInTheSweep) {
+TEST(LidarPattern, HasUnitDirectionsAndSweepTimes) {
   for (const char* type : {"ouster", "livox_mid360", "velodyne_puck", "uniform"}) {
     for (const double sweep_s : {0.1, 0.05}) {
       const BeamTable beams = beams_of(Module(lidar_pattern_types(), type), sweep_s);
@@ -49,7 +49,7 @@ TEST(LidarPattern, EveryDirectionIsAUnitVectorAndEveryTimeLiesInTheSweep) {
   }
 }
 
-TEST(LidarPattern, Os1HasItsFieldOfViewRateAndTurnsClockwise) {
+TEST(LidarPattern, Os1MatchesItsDatasheet) {
   const BeamTable beams = beams_of(Module(lidar_pattern_types(), "ouster"));
   EXPECT_EQ(beams.rows, 128);
   EXPECT_EQ(beams.cols, 1024);
@@ -86,7 +86,7 @@ TEST(LidarPattern, ColumnShiftUndoesTheStaggering) {
   }
 }
 
-TEST(LidarPattern, TheSweepOfAnOusterBeginsAtTheConnectorBehind) {
+TEST(LidarPattern, OusterSweepsStartAtRearConnector) {
   OusterConfig config;
   config.azimuths_deg = {0.0};
   const BeamTable beams = beams_of(module_of("ouster", config));
@@ -97,7 +97,7 @@ TEST(LidarPattern, TheSweepOfAnOusterBeginsAtTheConnectorBehind) {
   EXPECT_NEAR(azimuth_deg(beams_of(module_of("ouster", config)).directions_lidar[0]), 0.0, 1e-4);
 }
 
-TEST(LidarPattern, AnOusterOfFewerRowsTakesEverySecondOrFourthOfTheTable) {
+TEST(LidarPattern, FewerOusterRowsThinTheTable) {
   OusterConfig config;
   config.rows = 2;
   config.elevations_deg = {30.0, 10.0, -10.0, -30.0};
@@ -108,7 +108,7 @@ TEST(LidarPattern, AnOusterOfFewerRowsTakesEverySecondOrFourthOfTheTable) {
   EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[1024]) - (180.0 - 3.0)), 0.0, 1e-4);
 }
 
-TEST(LidarPattern, Mid360CoversItsFieldOfViewWith200000ShotsASecond) {
+TEST(LidarPattern, Mid360CoversItsFieldOfView) {
   const Module module(lidar_pattern_types(), "livox_mid360");
   double lowest = 90, highest = -90;
   std::set<int> sectors;
@@ -128,7 +128,7 @@ TEST(LidarPattern, Mid360CoversItsFieldOfViewWith200000ShotsASecond) {
   EXPECT_GE(sectors.size(), 360U);
 }
 
-TEST(LidarPattern, Mid360GoesOnWhereItStoppedAndDoesNotRepeat) {
+TEST(LidarPattern, Mid360ContinuesWithoutRepetition) {
   const Module module(lidar_pattern_types(), "livox_mid360");
   const BeamTable first = beams_of(module, 0.1, 0);
   const BeamTable second = beams_of(module, 0.1, 1);
@@ -179,7 +179,7 @@ TEST(LidarPattern, PuckFiresItsLasersInTurn) {
   EXPECT_NEAR(beams.origins_lidar[15 * 1808].z(), 0.0112, 1e-7);
 }
 
-TEST(LidarPattern, UniformStepsAreEqualAndItsColumnsDistinct) {
+TEST(LidarPattern, UniformStepsEquallyOverDistinctColumns) {
   const BeamTable beams = beams_of(Module(lidar_pattern_types(), "uniform"));
   for (int r = 0; r < 128; ++r) {
     EXPECT_NEAR(elevation_deg(beams.directions_lidar[r * 1024]), 22.5 - r * 45.0 / 127, 1e-4);
@@ -198,7 +198,7 @@ TEST(LidarPattern, UniformStepsAreEqualAndItsColumnsDistinct) {
   EXPECT_NEAR(elevation_deg(three.directions_lidar[1]), -10.0, 1e-4);
 }
 
-TEST(LidarPattern, TwoUniformRowsAreTheEdgesOfTheField) {
+TEST(LidarPattern, TwoUniformRowsBoundTheField) {
   UniformConfig edges;
   edges.rows = 2;
   edges.columns = 4;
@@ -211,7 +211,7 @@ TEST(LidarPattern, TwoUniformRowsAreTheEdgesOfTheField) {
   }
 }
 
-TEST(LidarPattern, PuckShotsStartAtTheHeightsOfItsOptics) {
+TEST(LidarPattern, PuckShotsStartAtOpticalHeights) {
   const BeamTable beams = beams_of(Module(lidar_pattern_types(), "velodyne_puck"));
   // mm, from 15 deg down to -15 deg.
   const double height_mm[] = {-11.2, -9.7, -8.1, -6.6, -5.1, -3.7, -2.2, -0.7, 0.7, 2.2, 3.7, 5.1, 6.6, 8.1, 9.7, 11.2};
@@ -224,7 +224,7 @@ TEST(LidarPattern, PuckShotsStartAtTheHeightsOfItsOptics) {
   }
 }
 
-TEST(LidarPattern, AnOusterOfOneRowLooksAtItsTop) {
+TEST(LidarPattern, OneOusterRowLooksAtTop) {
   OusterConfig config;
   config.rows = 1;
   config.azimuths_deg = {};
@@ -233,7 +233,7 @@ TEST(LidarPattern, AnOusterOfOneRowLooksAtItsTop) {
   EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[0]) - 180.0), 0.0, 1e-4);
 }
 
-TEST(LidarPattern, OneUniformColumnLooksAheadAndAFullTurnEndsAStepBeforeItsStart) {
+TEST(LidarPattern, UniformFullTurnsEndBeforeStart) {
   UniformConfig one;
   one.columns = one.rows = 1;
   one.fov_horizontal_deg = 90.0;
@@ -282,7 +282,7 @@ TEST(LidarPattern, CsvIsReadShotByShot) {
   EXPECT_NEAR(beams.offset_s(2), 0.02, 1e-8);
 }
 
-TEST(LidarPattern, WhatIsWrongInACsvIsSaidWithItsLine) {
+TEST(LidarPattern, ReportsTheLineOfCsvErrors) {
   const auto message = [](const std::string& text) -> std::string {
     const CsvFile file(text);
     try {
@@ -316,7 +316,7 @@ TEST(LidarPattern, WhatIsWrongInACsvIsSaidWithItsLine) {
   EXPECT_NE(lengthy.find("\"" + std::string(60, '1') + "\""), std::string::npos) << "what is quoted stays short";
 }
 
-TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbors) {
+TEST(LidarTiler, PutsEveryBeamIntoOneTile) {
   for (const auto& [type, widest_deg] :
        {std::pair{"ouster", 2.5}, std::pair{"velodyne_puck", 5.0}, std::pair{"uniform", 2.5}}) {
     const auto pattern = make_lidar_pattern(Module(lidar_pattern_types(), type), 0.1);
@@ -356,7 +356,7 @@ TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbors) {
   for (const int n : count) ASSERT_EQ(n, 1);
 }
 
-TEST(LidarTiler, EveryBeamOfATileNamesItsFiring) {
+TEST(LidarTiler, NamesTheFiringOfEveryBeam) {
   const auto pattern = make_lidar_pattern(Module(lidar_pattern_types(), "ouster"), 0.1);
   BeamTable beams;
   pattern->fill(0, beams);
@@ -376,7 +376,7 @@ TEST(LidarTiler, EveryBeamOfATileNamesItsFiring) {
 }
 
 // About 5 deg wide, of about equal area; what follows in number lies beside it.
-TEST(DirectionCell, CellsAreSmallAndNeighborsInNumberAreNeighborsInDirection) {
+TEST(DirectionCell, IsSmallAndNumbersNeighborsConsecutively) {
   constexpr int kCells = 2016;
   std::vector<Vector3> sum(kCells, Vector3::Zero());
   std::vector<int> count(kCells, 0);

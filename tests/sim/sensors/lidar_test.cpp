@@ -92,7 +92,7 @@ std::uint64_t fingerprint(const Scans& scans) {
 // ---- geometry
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, APlaneAtFiveMetersReturnsFiveMetersAlongEachBeam) {
+TEST(Lidar, MeasuresAPlaneAtFiveMeters) {
   for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck", "uniform"}) {
     Rig rig;
     rig.world.add_wall({5, -400, -400}, {5, 400, -400}, {5, 400, 400}, {5, -400, 400}, SurfaceClass::kWall, 6);
@@ -121,7 +121,7 @@ TEST(Lidar, APlaneAtFiveMetersReturnsFiveMetersAlongEachBeam) {
   }
 }
 
-TEST(Lidar, TheMountTurnsAndShiftsTheSensor) {
+TEST(Lidar, RotatesAndShiftsByTheMount) {
   Rig rig;
   rig.world.add_wall({-400, -400, -2}, {400, -400, -2}, {400, 400, -2}, {-400, 400, -2}, SurfaceClass::kGround);
   rig.config = uniform(1, 8, 0.0);
@@ -136,7 +136,7 @@ TEST(Lidar, TheMountTurnsAndShiftsTheSensor) {
   EXPECT_TRUE(scan.T_body_lidar.isApprox(rig.config.mount.T_body_lidar()));
 }
 
-TEST(Lidar, AllBeamsReturnInAClosedRoom) {
+TEST(Lidar, ReturnsAllBeamsInClosedRooms) {
   Rig rig;
   rig.world.add_box({-8, -6, -3}, {9, 7, 4});
   rig.config.detection.always = true;
@@ -150,7 +150,7 @@ TEST(Lidar, AllBeamsReturnInAClosedRoom) {
   }
 }
 
-TEST(Lidar, ASphereIsHitByAsManyBeamsAsItsSolidAngleHolds) {
+TEST(Lidar, HitsSpheresByTheirSolidAngle) {
   Rig rig;
   const double radius = 0.5, distance = 10.0;
   rig.world.add_sphere({10, 0, 0}, 0.5F, 96);
@@ -180,7 +180,7 @@ TEST(Lidar, ASphereIsHitByAsManyBeamsAsItsSolidAngleHolds) {
 // ---- time
 // -------------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, AScanIsDeliveredWhenItsSweepEnds) {
+TEST(Lidar, DeliversScansAtTheSweepEnd) {
   Rig rig;
   rig.world.add_box({-8, -6, -3}, {9, 7, 4});
   rig.config = uniform(4, 64, 20.0);
@@ -207,7 +207,7 @@ TEST(Lidar, AScanIsDeliveredWhenItsSweepEnds) {
   }
 }
 
-TEST(Lidar, WithoutMotionRollingAndFrozenAreTheSame) {
+TEST(Lidar, MatchesFrozenSweepsWithoutMotion) {
   Rig rig;
   rig.world.add_box({-8, -6, -3}, {9, 7, 4});
   rig.shapes = {plate(0.0F, 0.0F), plate(0.5F, 0.5F)};
@@ -224,7 +224,7 @@ TEST(Lidar, WithoutMotionRollingAndFrozenAreTheSame) {
   EXPECT_GT(std::count(rolling[0]->truth.instance.begin(), rolling[0]->truth.instance.end(), 2), 10);
 }
 
-TEST(Lidar, AMovingTargetAppearsShearedAndAFrozenOneDoesNot) {
+TEST(Lidar, ShearsMovingTargetsUnlessFrozen) {
   // A plate 10 m ahead moves sideways with v while the sensor scans a sector of 40 deg from right to left: column at
   // azimuth a fires at t(a); the plate's left edge is met where 10 tan a = y0 + w + v t(a).
   Rig rig;
@@ -262,7 +262,7 @@ TEST(Lidar, AMovingTargetAppearsShearedAndAFrozenOneDoesNot) {
   }
 }
 
-TEST(Lidar, TruthPosesPutTheReturnsOfAMovingSensorOnTheWall) {
+TEST(Lidar, PlacesReturnsOnWallsByTruth) {
   Rig rig;
   rig.world.add_box({-30, -30, -10}, {30, 30, 10});
   rig.config.ideal = true;
@@ -288,7 +288,7 @@ TEST(Lidar, TruthPosesPutTheReturnsOfAMovingSensorOnTheWall) {
 }
 
 // 7 m/s and 167 deg/s: what independent checks flew.
-TEST(Lidar, PointsOfAFastTurningSensorLieOnTheSurfacesAndThoseOfAFrozenSweepWouldNot) {
+TEST(Lidar, PlacesPointsOnSurfacesWhileTurning) {
   Rig rig;
   const Vector3 half_room_m(12, 9, 4);
   rig.world.add_box((-half_room_m).cast<float>(), half_room_m.cast<float>());
@@ -323,7 +323,7 @@ TEST(Lidar, PointsOfAFastTurningSensorLieOnTheSurfacesAndThoseOfAFrozenSweepWoul
 // ---- measurement
 // ------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, RangeNoiseHasItsSigmaIsWhiteAndSparesEmptyReturns) {
+TEST(Lidar, AddsWhiteNoiseToReturnsOnly) {
   Rig rig;
   rig.world.add_wall({20, -30, -30}, {20, 30, -30}, {20, 30, 30}, {20, -30, 30});
   rig.config.detection.always = true;
@@ -347,7 +347,7 @@ TEST(Lidar, RangeNoiseHasItsSigmaIsWhiteAndSparesEmptyReturns) {
   EXPECT_NEAR(frame_product.mean(), 0.0, mean_bound(0.0025, frame_product.size()));
 }
 
-TEST(Lidar, NineOfTenShotsReturnFromTenPercentReflectivityAtTheMakersRange) {
+TEST(Lidar, DetectsDarkTargetsAtRatedRange) {
   for (const auto& [reflectivity, range_m] : {std::pair{0.1F, 40.0F}, std::pair{0.8F, 120.0F}}) {
     Rig rig;
     const std::uint32_t material = rig.world.add_material(reflectivity);
@@ -366,7 +366,7 @@ TEST(Lidar, NineOfTenShotsReturnFromTenPercentReflectivityAtTheMakersRange) {
   }
 }
 
-TEST(Lidar, IntensityFallsWithTheSquareOfTheRangeAndReflectivityDoesNot) {
+TEST(Lidar, IntensityAloneFallsWithSquaredRange) {
   for (const float distance : {5.0F, 10.0F, 20.0F}) {
     Rig rig;
     const std::uint32_t white = rig.world.add_material(1.0F);
@@ -382,7 +382,7 @@ TEST(Lidar, IntensityFallsWithTheSquareOfTheRangeAndReflectivityDoesNot) {
   }
 }
 
-TEST(Lidar, ARetroReflectorShinesWhateverTheIncidence) {
+TEST(Lidar, SeesRetroReflectorsAtAnyIncidence) {
   Rig rig;
   const std::uint32_t tape = rig.world.add_material(0.9F, true);
   rig.world.add_wall({1, 5, -5}, {41, 5.4F, -5}, {41, 5.4F, 5}, {1, 5, 5}, SurfaceClass::kMarking, 0, tape);
@@ -398,7 +398,7 @@ TEST(Lidar, ARetroReflectorShinesWhateverTheIncidence) {
   EXPECT_GT(num_met, 50);
 }
 
-TEST(Lidar, NothingReturnsFromNearerThanTheSmallestRange) {
+TEST(Lidar, ReturnsNothingBelowTheMinimumRange) {
   Rig rig;
   rig.world.add_wall({0.5F, -9, -9}, {0.5F, 9, -9}, {0.5F, 9, 9}, {0.5F, -9, 9});
   rig.config = uniform(1, 3, 0.0, 20.0);
@@ -408,7 +408,7 @@ TEST(Lidar, NothingReturnsFromNearerThanTheSmallestRange) {
   EXPECT_NEAR(scans[0]->truth.range_m[1], 0.5, 1e-5) << "the truth knows what was in the way";
 }
 
-TEST(Lidar, TheBlindZoneTestsTheRangeThatWasMeasured) {
+TEST(Lidar, AppliesBlindZoneToMeasuredRange) {
   for (const float wall_m : {0.11F, 0.09F}) {
     Rig rig;
     rig.world.add_wall({wall_m, -9, -9}, {wall_m, 9, -9}, {wall_m, 9, 9}, {wall_m, -9, 9});
@@ -427,7 +427,7 @@ TEST(Lidar, TheBlindZoneTestsTheRangeThatWasMeasured) {
   }
 }
 
-TEST(Lidar, WideBeamsMixTheRangesOfAnEdgeAndNoticeWhatThinOnesMiss) {
+TEST(Lidar, MixesEdgeRangesInWideBeams) {
   // Half of the field is a wall at 10 m, the other half one at 10.3 m: within a pulse, hence mixed; at 14 m: not mixed.
   for (const float behind : {0.3F, 4.0F}) {
     Rig rig;
@@ -474,7 +474,7 @@ TEST(Lidar, WideBeamsMixTheRangesOfAnEdgeAndNoticeWhatThinOnesMiss) {
   EXPECT_GE(nine, five);
 }
 
-TEST(Lidar, APartlyHitBeamReturnsItsPartOfTheSignal) {
+TEST(Lidar, ScalesSignalByTheHitFraction) {
   Rig rig;
   const std::uint32_t white = rig.world.add_material(1.0F);
   rig.world.add_wall({10, 0, -9}, {10, 9, -9}, {10, 9, 9}, {10, 0, 9}, SurfaceClass::kWall, 1, white);
@@ -489,7 +489,7 @@ TEST(Lidar, APartlyHitBeamReturnsItsPartOfTheSignal) {
 // ---- own vehicle
 // ------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, TheOwnVehicleIsSeenWhereItIsAndTheMaskRemovesIt) {
+TEST(Lidar, SeesItsVehicleUnlessMasked) {
   Rig rig;
   rig.world.add_box({-8, -6, -5}, {9, 7, 4});
   rig.shapes = {quadrotor_shape()};
@@ -535,7 +535,7 @@ TEST(Lidar, TheOwnVehicleIsSeenWhereItIsAndTheMaskRemovesIt) {
 // ---- external poses
 // -------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, ExternalPosesCarryTheNoiseOfSigmaW) {
+TEST(Lidar, DisturbsExternalPosesBySigmaW) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.rolling = false;
@@ -567,7 +567,7 @@ TEST(Lidar, ExternalPosesCarryTheNoiseOfSigmaW) {
   EXPECT_NEAR(product.mean(), 0.0, mean_bound(0.0025, kScans)) << "white";
 }
 
-TEST(Lidar, CorrelatedExternalPosesKeepTheirSigmaAndDecayWithTheirTime) {
+TEST(Lidar, CorrelatesExternalPosesOverTheirTime) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.rolling = false;
@@ -585,7 +585,7 @@ TEST(Lidar, CorrelatedExternalPosesKeepTheirSigmaAndDecayWithTheirTime) {
   EXPECT_NEAR(lagged / variance, std::exp(-1.0), 0.1);
 }
 
-TEST(Lidar, ARollingScanTellsPosesOverTheSweepAndAnIdealOneTheTruth) {
+TEST(Lidar, ReportsSweepPosesUnlessIdeal) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.external_pose.enabled = true;
@@ -603,7 +603,7 @@ TEST(Lidar, ARollingScanTellsPosesOverTheSweepAndAnIdealOneTheTruth) {
 }
 
 // White noise is drawn once a sweep: its poses are wrong by the same.
-TEST(Lidar, TheErrorOfWhitePosesIsOneForTheWholeSweep) {
+TEST(Lidar, KeepsWhitePoseErrorsPerSweep) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.external_pose.enabled = true;
@@ -624,7 +624,7 @@ TEST(Lidar, TheErrorOfWhitePosesIsOneForTheWholeSweep) {
 }
 
 // As low as possible, with no part of the vehicle or its turning rotors above the cone of the lowest beams.
-TEST(LidarMount, ClearOfTheHullStandsJustHighEnoughThatNoBeamMeetsIt) {
+TEST(LidarMount, StandsJustClearOfTheHull) {
   const auto shape = quadrotor_shape();
   for (const double down_deg : {15.0, 30.0, 45.0}) {
     for (const double aside_m : {0.0, 0.07}) {
@@ -668,7 +668,7 @@ Rig busy_rig() {
   return rig;
 }
 
-TEST(Lidar, TheSameBitsForAnyNumberOfThreads) {
+TEST(Lidar, IsIndependentOfThreadCount) {
   for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck"}) {
     Rig rig = busy_rig();
     rig.config.pattern = Module(lidar_pattern_types(), pattern);
@@ -686,7 +686,7 @@ TEST(Lidar, TheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(Lidar, AddingAVehicleOutOfSightChangesNothing) {
+TEST(Lidar, IgnoresVehiclesOutOfSight) {
   Rig rig = busy_rig();
   const auto alone = fingerprint(rig.run(2));
   rig.shapes.push_back(quadrotor_shape());
@@ -730,7 +730,7 @@ class InParts final : public Sensor {
   std::unique_ptr<Sensor> lidar_;
 };
 
-TEST(Lidar, PartsInAnyOrderMakeTheSameSweep) {
+TEST(Lidar, IsIndependentOfPartOrder) {
   for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck"}) {
     Rig rig = busy_rig();
     rig.config.pattern = Module(lidar_pattern_types(), pattern);
@@ -745,7 +745,7 @@ TEST(Lidar, PartsInAnyOrderMakeTheSameSweep) {
   }
 }
 
-TEST(Lidar, NothingIsAllocatedAfterTheFirstScans) {
+TEST(Lidar, AllocatesNothingAfterTheFirstScans) {
   for (const char* pattern : {"ouster", "livox_mid360"}) {
     Rig rig = busy_rig();
     rig.config.pattern = Module(lidar_pattern_types(), pattern);

@@ -77,7 +77,7 @@ MarkerReturns look(double distance_m, const MarkersConfig& markers, int num_scan
   return returns;
 }
 
-TEST(Markers, TellThemselvesFromTheHullByTheirReflectivityAtTwoToTwentyMeters) {
+TEST(Markers, DifferFromHullByReflectivity) {
   for (const double distance_m : {2.0, 5.0, 10.0, 20.0}) {
     const MarkerReturns seen = look(distance_m, {.place = MarkersConfig::Place::kLegs}, 40);
     EXPECT_GT(seen.hull, 15) << distance_m;

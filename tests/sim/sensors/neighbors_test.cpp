@@ -36,7 +36,7 @@ std::vector<VehicleId> seen_at_start(const NeighborsConfig& config, const std::v
   return ids;
 }
 
-TEST(Neighbors, WithoutNoiseArePlacedInTheBodyOfTheObserver) {
+TEST(Neighbors, AreExactInBodyWithoutNoise) {
   const Motion observer = resting({1.0, 1.0, 5.0}, std::numbers::pi / 2.0);  // looks along y
   const Motion other = straight({1.0, 4.0, 6.0}, {1.0, 0.0, 0.0});
   const auto seen = see(exact_neighbors(), {observer, other}, 1.0);
@@ -59,7 +59,7 @@ TEST(Neighbors, IdealIgnoresRangeViewAndWorld) {
   EXPECT_EQ(seen[1].p_body_m, Vector3(0.0, 0.0, 10.0));
 }
 
-TEST(Neighbors, ErrorsAlongAndAcrossTheBearingAreAsStated) {
+TEST(Neighbors, HaveStatedRadialAndLateralErrors) {
   NeighborsConfig config = exact_neighbors();
   config.sigma_bearing_deg = 1.0;
   config.sigma_range_m = 0.1;
@@ -93,7 +93,7 @@ TEST(Neighbors, AreSeenWithinRangeOnly) {
   EXPECT_EQ(seen_at_start(config, motions), std::vector<VehicleId>{1});
 }
 
-TEST(Neighbors, AreSeenInTheFieldOfViewOnly) {
+TEST(Neighbors, AreLimitedToFieldOfView) {
   NeighborsConfig config = exact_neighbors();
   config.elevation_min_deg = -30.0;
   config.elevation_max_deg = 45.0;
@@ -110,7 +110,7 @@ TEST(Neighbors, AreSeenInTheFieldOfViewOnly) {
   EXPECT_EQ(seen_at_start(config, motions), (std::vector<VehicleId>{1, 3, 4}));
 }
 
-TEST(Neighbors, AreHiddenByTheWorldAndByOtherVehicles) {
+TEST(Neighbors, AreHiddenByWorldAndVehicles) {
   TestScene wall;
   wall.add_box({5, 0, -5}, {6, 10, 5});
   const auto world = std::make_shared<const StaticScene>(wall.scene());
@@ -123,7 +123,7 @@ TEST(Neighbors, AreHiddenByTheWorldAndByOtherVehicles) {
   EXPECT_EQ(seen_at_start(config, motions, world), (std::vector<VehicleId>{1, 2, 3, 4}));
 }
 
-TEST(Neighbors, AreMissedAtTheRateOfDropouts) {
+TEST(Neighbors, AreMissedAtDropoutRate) {
   NeighborsConfig config = exact_neighbors();
   config.dropout_probability = 0.3;
   const int n = 5001;
@@ -131,7 +131,7 @@ TEST(Neighbors, AreMissedAtTheRateOfDropouts) {
   EXPECT_NEAR(static_cast<double>(seen.size()) / n, 0.7, share_bound(0.7, n));
 }
 
-TEST(Neighbors, ArriveAfterTheLatencyWithTheStampOfTheirValidity) {
+TEST(Neighbors, ArriveAfterLatencyWithValidityStamp) {
   NeighborsConfig config = exact_neighbors();
   config.latency_s = 0.05;
   const auto sensor = make_neighbors_sensor(config, sensor_setup("neighbors", 1, 2));
@@ -148,7 +148,7 @@ TEST(Neighbors, ArriveAfterTheLatencyWithTheStampOfTheirValidity) {
   EXPECT_EQ(deliveries, (std::vector<TimeNs>{52'000'000, 152'000'000, 252'000'000}));
 }
 
-TEST(Neighbors, IdsAreSwappedAtTheirRateWithoutMovingAnybody) {
+TEST(Neighbors, SwapIdsAtRateWithoutMoving) {
   NeighborsConfig config = exact_neighbors();
   config.id_swap_probability = 0.05;
   const auto seen = see(config, {resting(Vector3::Zero()), resting({5.0, 0.0, 0.0}), resting({0.0, 5.0, 0.0})}, 400.0);

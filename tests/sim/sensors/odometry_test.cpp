@@ -39,7 +39,7 @@ Pose frame_of(const OdometrySample& sample) {
 
 using Frame = OdometryConfig::Frame;
 
-TEST(Odometry, WithoutErrorsItsFrameStaysWhereItWas) {
+TEST(Odometry, KeepsItsFrameFixedWithoutErrors) {
   for (const Frame frame : {Frame::kStart, Frame::kWorld, Frame::kRandom}) {
     OdometryConfig config = perfect_odometry();
     config.frame = frame;
@@ -82,7 +82,7 @@ TEST(Odometry, TheFrameStartsAsConfigured) {
   EXPECT_NEAR(yaw.variance(), v_yaw, 5.0 * v_yaw * std::sqrt(0.8 / yaw.size()));
 }
 
-TEST(Odometry, DriftOverDistanceIsTheStatedPercentage) {
+TEST(Odometry, DistanceDriftMatchesTheStatedPercentage) {
   OdometryConfig config = perfect_odometry();
   config.drift_percent = 2.0;
   config.drift_reference_m = 50.0;
@@ -107,7 +107,7 @@ TEST(Odometry, DriftOverDistanceIsTheStatedPercentage) {
   }
 }
 
-TEST(Odometry, YawDriftBendsThePathAsARandomWalkDoes) {
+TEST(Odometry, YawDriftBendsThePathRandomly) {
   OdometryConfig config = perfect_odometry();
   config.yaw_drift_deg = 3.0;  // after 100 m
   const double length_m = 100.0;
@@ -126,7 +126,7 @@ TEST(Odometry, YawDriftBendsThePathAsARandomWalkDoes) {
   EXPECT_NEAR(lateral.variance(), v_lateral, variance_bound(v_lateral, lateral.size()) + 0.003 * v_lateral);
 }
 
-TEST(Odometry, DriftByTurningAndByTimeAddUp) {
+TEST(Odometry, AddsDriftByTurningAndTime) {
   OdometryConfig config = perfect_odometry();
   config.yaw_drift_per_turn_deg = 1.0;
   config.yaw_drift_deg_psqrts = 0.1;
@@ -148,7 +148,7 @@ TEST(Odometry, DriftByTurningAndByTimeAddUp) {
   EXPECT_NEAR(x.variance(), v_x, variance_bound(v_x, x.size()));
 }
 
-TEST(Odometry, ScaleTiltAndVelocityErrorsHaveTheirSigmas) {
+TEST(Odometry, ScaleAndTiltErrorsMatchSigmas) {
   OdometryConfig config = perfect_odometry();
   config.scale_error_percent = 1.0;
   config.sigma_tilt_deg = 0.5;

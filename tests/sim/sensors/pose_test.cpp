@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(Pose, WithoutNoiseIsTheTruthInEveryTick) {
+TEST(Pose, IsExactEveryTickWithoutNoise) {
   const auto sensor = make_pose_sensor(PoseConfig{}, sensor_setup("pose"));
   const Motion motion = straight({1.0, 2.0, 3.0}, {4.0, -1.0, 0.5}, 0.3);
   drive(*sensor, {motion}, {}, [&](TimeNs now, const Observation& delivered) {
@@ -24,7 +24,7 @@ TEST(Pose, WithoutNoiseIsTheTruthInEveryTick) {
   });
 }
 
-TEST(Pose, ComesAtItsExactInstantsInTheFirstTickAfter) {
+TEST(Pose, ArrivesFirstTickAfterExactInstants) {
   PoseConfig config;
   config.rate_hz = 20.0;
   const auto sensor = make_pose_sensor(config, sensor_setup("pose"));
@@ -43,7 +43,7 @@ TEST(Pose, ComesAtItsExactInstantsInTheFirstTickAfter) {
             (std::vector<TimeNs>{4 * kMs, 52 * kMs, 100 * kMs, 152 * kMs, 200 * kMs, 252 * kMs, 300 * kMs}));
 }
 
-TEST(Pose, WhiteNoiseHasItsSigmaByAxis) {
+TEST(Pose, HasWhiteNoiseSigmaPerAxis) {
   PoseConfig config;
   config.sigma_position_m = {0.1, 0.2, 0.3};
   config.sigma_rotation_deg = {0.5, 1.0, 1.5};
@@ -65,7 +65,7 @@ TEST(Pose, WhiteNoiseHasItsSigmaByAxis) {
   }
 }
 
-TEST(Pose, CorrelatedNoiseKeepsItsSigmaAndForgetsAtItsRate) {
+TEST(Pose, HasStatedCorrelatedSigmaAndDecay) {
   PoseConfig config;
   config.rate_hz = 10.0;
   config.sigma_position_m = {0.5, 0.5, 0.5};

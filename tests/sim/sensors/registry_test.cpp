@@ -33,7 +33,7 @@ TEST(SensorRegistry, AnUnknownTypeIsRefused) {
   EXPECT_THROW(make_sensor(module, sensor_setup("sonar")), std::invalid_argument);
 }
 
-TEST(SensorRegistry, SensorsWithoutANameAreNumberedByType) {
+TEST(SensorRegistry, NumbersUnnamedSensorsByType) {
   const std::vector<Module> sensors = {sensor_named("imu"), sensor_named("gnss"), sensor_named("imu"),
                                        sensor_named("pose", "imu2"), sensor_named("imu")};
   EXPECT_EQ(sensor_names(sensors), (std::vector<std::string>{"imu", "gnss", "imu3", "imu2", "imu4"}));
@@ -41,7 +41,7 @@ TEST(SensorRegistry, SensorsWithoutANameAreNumberedByType) {
   EXPECT_THROW(sensor_names(twice), std::invalid_argument);
 }
 
-TEST(SensorRegistry, NumbersDependOnTheNameOfTheSensorAndTheSeedAlone) {
+TEST(SensorRegistry, DerivesNumbersFromNameAndSeed) {
   PoseConfig config;
   config.sigma_position_m = {1.0, 1.0, 1.0};
   const auto positions = [&](SensorSetup setup, const std::vector<Motion>& motions) {

@@ -59,7 +59,7 @@ std::string refusal_of(const std::string& content, const std::string& name) {
   return "";
 }
 
-TEST(SlamMapFile, WhatIsReadIsWhatWasWrittenToTheLastBit) {
+TEST(SlamMapFile, RoundTripsBitForBit) {
   const SavedMap map = small_map();
   const std::string content = slam_map_content(map);
   write_file(temporary("round"), content);
@@ -101,7 +101,7 @@ TEST(SlamMapFile, DamageAnywhereIsNoticed) {
   EXPECT_NE(refusal_of(content.substr(0, content.size() - 4), "cut").find("is damaged: expected"), std::string::npos);
 }
 
-TEST(SlamMapFile, AnotherVersionIsRefusedByItsNumber) {
+TEST(SlamMapFile, RefusesOtherVersionsByNumber) {
   std::string content = slam_map_content(small_map());
   content[content.find('\n') + 1] = 1;
   const std::string refusal = refusal_of(content, "version");
@@ -167,7 +167,7 @@ std::string file_of(const Bytes& factors) {
   return all.file();
 }
 
-TEST(SlamMapFile, IsReadByteForByteAsItsVersionSays) {
+TEST(SlamMapFile, MatchesItsVersionByteForByte) {
   Bytes none;
   none.put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
   write_file(temporary("own"), file_of(none));
@@ -184,7 +184,7 @@ TEST(SlamMapFile, IsReadByteForByteAsItsVersionSays) {
 }
 
 // With a correct checksum: the content is invalid, not damaged.
-TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
+TEST(SlamMapFile, RequiresFactorsBetweenTwoExistingPoses) {
   const auto relative = [](int from, int to) {
     Bytes bytes;
     bytes.put(Count{1}).put(from).put(to).pose().identity().put(1.0).put(Count{0}).put(Count{0}).put(Count{0});
@@ -228,7 +228,7 @@ TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
 }
 
 // The check comes before the allocation.
-TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
+TEST(SlamMapFile, RefusesCountsBeyondFileSize) {
   for (const Count count : {Count{1} << 60, Count{1000}}) {
     Bytes poses;
     poses.put(0.1).put(count);
@@ -252,7 +252,7 @@ TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
   EXPECT_EQ(refusal_of(points.file(), "points"), "");
 }
 
-TEST(SlamMapFile, IsKnownByTheEndOfItsName) {
+TEST(SlamMapFile, IsRecognizedByFileExtension) {
   EXPECT_TRUE(is_slam_map_file("a/b.slam"));
   EXPECT_FALSE(is_slam_map_file("a/slam"));
   EXPECT_FALSE(is_slam_map_file("b.ot"));
@@ -310,14 +310,14 @@ class SlamMapRecords : public ::testing::Test {
   TemporaryDirectory folder_;
 };
 
-TEST_F(SlamMapRecords, AreTheMapsOfAllWhoKeepOneOrOfThoseThatAreNamed) {
+TEST_F(SlamMapRecords, CoverAllOrOnlyNamedKeepers) {
   using Paths = std::vector<std::filesystem::path>;
   EXPECT_EQ(record({}), (Paths{"kept/a.slam", "kept/c.slam"}));
   EXPECT_EQ(read_slam_map(folder_.path() / "kept/c.slam").graph.num_poses(), 3);
   EXPECT_EQ(record({"c"}), (Paths{"kept/c.slam"}));
 }
 
-TEST_F(SlamMapRecords, OfWhomeverKeepsNoneAreRefusedByName) {
+TEST_F(SlamMapRecords, RefuseVehiclesWithoutMapByName) {
   EXPECT_NE(refusal({"a", "b"}).find("on b, found another"), std::string::npos);
   EXPECT_NE(refusal({"d"}).find("on d, found another"), std::string::npos);
   EXPECT_NE(refusal({"x"}).find("found 'x'"), std::string::npos);
@@ -347,7 +347,7 @@ std::filesystem::path map_of_the_campus() {
 }
 
 // A building looks alike from some positions. There the search continues and never accepts another place.
-TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOneFromMostPlaces) {
+TEST(SlamMap, LocatesLaterFlightFromMostPlaces) {
   const std::string map = map_of_the_campus().string();
   const std::pair<const char*, const char*> starts[] = {{"[9.0, -10.0, 3.5]", "130"},
                                                         {"[11.0, -8.0, 3.0]", "20"},
@@ -376,7 +376,7 @@ TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOneFromMostPlaces) {
   EXPECT_GE(found, 3);
 }
 
-TEST(SlamMap, AFlightElsewhereDoesNotFindItselfInIt) {
+TEST(SlamMap, DoesNotLocateFlightElsewhere) {
   Scenario scenario = campus("warehouse_explore.yaml", {{"vehicles[0].start.known", "nothing"},
                                                         {"vehicles[0].agent.mapping", "{type: none}"},
                                                         {"vehicles[0].agent.guidance", "{type: hover}"},
@@ -388,7 +388,7 @@ TEST(SlamMap, AFlightElsewhereDoesNotFindItselfInIt) {
   EXPECT_EQ(simulation.view().actions[0]->estimate.correction_revision, 0U);
 }
 
-TEST(SlamMap, AMapThatCannotBeReadIsRefusedWithItsKey) {
+TEST(SlamMap, RefusesUnreadableMapWithItsKey) {
   write_file(temporary("bad"), "no map");
   const Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].agent.mapping", "none"},
                                                         {std::string(kGlobal) + ".enabled", "true"},

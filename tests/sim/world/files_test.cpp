@@ -85,7 +85,7 @@ std::set<Label> labels_of(const Scene& scene) {
   return labels;
 }
 
-TEST_F(WorldFiles, ExportedObjComesBackWithItsTrianglesAndLabels) {
+TEST_F(WorldFiles, RoundTripsObjTrianglesAndLabels) {
   const Scene scene = make_forest_thesis(few_trees(), 1);
   const auto written = export_world(scene, folder_ / "forest.obj");
   EXPECT_THAT(written,
@@ -99,7 +99,7 @@ TEST_F(WorldFiles, ExportedObjComesBackWithItsTrianglesAndLabels) {
   EXPECT_EQ(labels_of(back), expected);
 }
 
-TEST_F(WorldFiles, ExportedPlyComesBackWithItsTriangles) {
+TEST_F(WorldFiles, RoundTripsPlyTriangles) {
   const Scene scene = make_forest_thesis(few_trees(), 1);
   export_world(scene, folder_ / "forest.ply");
   const Scene back = import_mesh(folder_ / "forest.ply");
@@ -139,7 +139,7 @@ TEST_F(WorldFiles, PlyVerticesCarryTheTruth) {
   EXPECT_EQ(content.size() - row, 13 * scene.num_triangles());
 }
 
-TEST_F(WorldFiles, TableOfObjectsIsTheStemMap) {
+TEST_F(WorldFiles, ObjectTableIsTheStemMap) {
   const Scene scene = make_forest_thesis(few_trees(), 1);
   export_world(scene, folder_ / "forest.ply");
   std::istringstream table(read(folder_ / "forest.objects.csv"));
@@ -175,7 +175,7 @@ TEST_F(WorldFiles, ExportLeavesNothingHalfWritten) {
   for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
-TEST_F(WorldFiles, RulesGiveClassAndReflectivityByName) {
+TEST_F(WorldFiles, AssignsClassAndReflectivityByName) {
   MeshImportConfig config;
   config.file = write("two.obj",
                       "o GateLeft\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\no Sign.001\nv 0 5 0\nv 1 5 0\nv 0 5 1\nf 4 5 "
@@ -200,7 +200,7 @@ TEST_F(WorldFiles, RulesGiveClassAndReflectivityByName) {
   EXPECT_EQ(material_at(9), std::tuple(SurfaceClass::kWall, 0.6F, false));
 }
 
-TEST_F(WorldFiles, UpAxisScaleYawAndPositionPlaceTheMesh) {
+TEST_F(WorldFiles, PlacesMeshByConfiguredTransform) {
   MeshImportConfig config;
   // A pole of height 200 (cm) along the file's y axis, at x = 100.
   config.file = write("pole.obj", "v 100 0 0\nv 100 200 0\nv 110 0 0\nf 1 2 3\n").string();
@@ -243,7 +243,7 @@ TEST_F(WorldFiles, StlOfWordsIsRead) {
 }
 
 // "fence_3" is as long as "trunk_3", and no class of ours.
-TEST_F(WorldFiles, NamesThatAreNoClassGetTheClassOfTheConfiguration) {
+TEST_F(WorldFiles, UnknownNamesGetConfiguredClass) {
   MeshImportConfig config;
   config.surface_class = "wall";
   config.file = write("names.obj",
@@ -255,7 +255,7 @@ TEST_F(WorldFiles, NamesThatAreNoClassGetTheClassOfTheConfiguration) {
   for (const Mesh& mesh : scene.meshes) EXPECT_EQ(mesh.surface_class, SurfaceClass::kWall);
 }
 
-TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
+TEST_F(WorldFiles, RefusesInvalidMeshesWithReason) {
   EXPECT_THAT(rejection([&] { import_mesh(write("a.obj", "")); }), AllOf(HasSubstr("a.obj"), HasSubstr("empty")));
   EXPECT_THAT(rejection([&] { import_mesh(write("b.obj", "this is no mesh\n")); }), HasSubstr("b.obj"));
   EXPECT_THAT(rejection([&] { import_mesh(write("c.dae", "<xml/>")); }), HasSubstr(".obj, .ply or .stl"));
@@ -297,7 +297,7 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
 }
 
 // Data beyond the end of the file are not read as the length of a face.
-TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
+TEST_F(WorldFiles, RefusesPlyMeshTruncatedInFaces) {
   const std::string head =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 2\nproperty list uint int vertex_indices\nend_header\n";
@@ -307,7 +307,7 @@ TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
 }
 
 // With another format, text would be read as the length of a list: gigabytes for a file of 800 bytes.
-TEST_F(WorldFiles, APlyHeaderHasOneFormatOfVersionOne) {
+TEST_F(WorldFiles, RequiresOnePlyFormatVersionOne) {
   const auto with_formats = [](const std::string& lines) {
     return "ply\n" + lines +
            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -325,7 +325,7 @@ TEST_F(WorldFiles, APlyHeaderHasOneFormatOfVersionOne) {
 }
 
 // UTM: single precision resolves half a meter there.
-TEST_F(WorldFiles, MeshesFarAwayComeHomeWithAllTheirDigits) {
+TEST_F(WorldFiles, RecentersDistantMeshesWithoutPrecisionLoss) {
   const std::string a = "459120.300 5550319.300 312.300", b = "459120.500 5550319.300 312.300",
                     c = "459120.500 5550319.300 315.300", d = "459120.500 5550319.500 312.300";
   const fs::path files[] = {
@@ -356,7 +356,7 @@ TEST_F(WorldFiles, MeshesFarAwayComeHomeWithAllTheirDigits) {
   }
 }
 
-TEST_F(WorldFiles, CloudsFarAwayComeHomeBeforeTheyBecomeVoxels) {
+TEST_F(WorldFiles, RecentersDistantCloudsBeforeVoxelization) {
   CloudConfig config;
   config.file = write("utm.pcd",
                       "FIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nPOINTS 2\nDATA ascii\n459123.45 5550321.75 312.45\n"
@@ -371,7 +371,7 @@ TEST_F(WorldFiles, CloudsFarAwayComeHomeBeforeTheyBecomeVoxels) {
   EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(1.1, 0.1, 0.1), 1e-5));
 }
 
-TEST_F(WorldFiles, CloudsOfWhichNothingIsLeftAreRefused) {
+TEST_F(WorldFiles, RefusesCloudsWithoutRemainingPoints) {
   CloudConfig config;
   const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\n";
   config.file = write("nan.pcd", head + "nan nan nan\n1 2 inf\n").string();
@@ -396,7 +396,7 @@ std::uint64_t num_left_out(const Scene& scene) {
   return count;
 }
 
-TEST_F(WorldFiles, ABadFaceIsLeftOutAndCountedAndTheRestIsRead) {
+TEST_F(WorldFiles, SkipsAndCountsBadFaces) {
   for (const char* face :
        {"f 1 2\n", "f 1\n", "f\n", "f 1 2 2\n", "f 1 2 9\n", "f 1 2 0\n", "f 1 2 -9\n", "f 1 2 x\n", "f 1 2 3x\n",
         "f 1 2 1 2\n", "v 0 nan 0\nf 1 2 9\n", "v 0 1\nf 1 2 9\n", "v 0 1,5 2\nf 1 2 9\n", "v 0 -4 0\nf 1 2 9\n"}) {
@@ -414,7 +414,7 @@ TEST_F(WorldFiles, ABadFaceIsLeftOutAndCountedAndTheRestIsRead) {
               AllOf(HasSubstr("bad.obj"), HasSubstr("line 3: fewer than three different corners")));
 }
 
-TEST_F(WorldFiles, CornersThatRepeatTheOneBeforeAreLeftOutInEveryFormat) {
+TEST_F(WorldFiles, DropsRepeatedCornersInEveryFormat) {
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
@@ -430,7 +430,7 @@ TEST_F(WorldFiles, CornersThatRepeatTheOneBeforeAreLeftOutInEveryFormat) {
   EXPECT_EQ(import_mesh(write("q.obj", obj + "f 1 2 3 3\nf 1 2 4\n")).num_triangles(), 2U);
 }
 
-TEST_F(WorldFiles, ObjIsReadAsOtherProgramsWriteIt) {
+TEST_F(WorldFiles, ReadsObjFromOtherPrograms) {
   const char* const faces[] = {"f 1 2 3 # floor",     "f 1 2 3#floor",      "f 1/1 2/2 3/3", "f 1//7 2//7 3//7",
                                "f 1/1/1 2/2/2 3/3/3", "f 1/ 2/ 3/",         "f -3 -2 -1",    "  f\t1\t2  3 ",
                                "f 1 2 \\\n 3",        "f 1 \\\r\n2 \\\r\n3"};
@@ -446,7 +446,7 @@ TEST_F(WorldFiles, ObjIsReadAsOtherProgramsWriteIt) {
   }
 }
 
-TEST_F(WorldFiles, StlOfWordsIsReadAsOtherProgramsWriteIt) {
+TEST_F(WorldFiles, ReadsAsciiStlFromOtherPrograms) {
   const std::string text =
       "solid my room\n  facet normal 0 0 -nan(ind)\n    outer loop\n      vertex 0 0 2\n      vertex 3.0e+00 0 2\n"
       "      vertex 0 4 2\n    endloop\n  endfacet\nendsolid my room\n";
@@ -476,7 +476,7 @@ TEST_F(WorldFiles, StlOfWordsIsReadAsOtherProgramsWriteIt) {
               HasSubstr("truncated"));
 }
 
-TEST_F(WorldFiles, PlyMeshesAreReadWhateverTheirFirstByteAndTheNamesOfTheirColumns) {
+TEST_F(WorldFiles, ReadsPlyWithAnyColumnNames) {
   const auto ply = [](const char* columns, const std::string& rows) {
     return "ply\nformat ascii 1.0\nelement vertex 4\n" + std::string(columns) +
            "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + rows + "4 0 1 2 3\n";
@@ -507,7 +507,7 @@ TEST_F(WorldFiles, PlyMeshesAreReadWhateverTheirFirstByteAndTheNamesOfTheirColum
 }
 
 // Simple polygons, by the area that is known of each.
-TEST_F(WorldFiles, APolygonIsCutIntoTrianglesThatCoverItOnce) {
+TEST_F(WorldFiles, TriangulatesPolygonsWithoutOverlap) {
   const auto area_of = [&](const std::vector<Eigen::Vector2d>& corners) {
     std::string vertices, face = "f";
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -539,7 +539,7 @@ TEST_F(WorldFiles, APolygonIsCutIntoTrianglesThatCoverItOnce) {
   EXPECT_NEAR(area_of(star), area, 1e-3) << "a star";
 }
 
-TEST_F(WorldFiles, ARuleThatNamesNothingIsRefusedWithWhatIsMeant) {
+TEST_F(WorldFiles, RefusesUnmatchedRuleWithSuggestion) {
   MeshImportConfig config;
   config.file = write("plot.obj",
                       "o plot\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl terrain\nf 1 2 3\nusemtl Leaf.001\nf 3 2 1\n"
@@ -626,7 +626,7 @@ TEST_F(WorldFiles, DamagedFilesNeverCrash) {
 }
 
 // Written by PCL 1.13: 5 x 4 x 3 points, the one with index 7 has no x.
-TEST(PointClouds, PclsFilesAreReadAlikeInEveryEncoding) {
+TEST(PointClouds, ReadsPclFilesInEveryEncoding) {
   for (const char* name : {"ascii.pcd", "binary.pcd", "compressed.pcd"}) {
     const auto points = read_point_cloud(kData / name);
     ASSERT_EQ(points.size(), 59U) << name;
@@ -638,7 +638,7 @@ TEST(PointClouds, PclsFilesAreReadAlikeInEveryEncoding) {
   }
 }
 
-TEST(PointClouds, LzfCopiesAndRunsFollowTheFormat) {
+TEST(PointClouds, DecodesLzfCopiesAndRuns) {
   std::string out(10, '\0');
   // "ab" as literals, then 8 bytes from 2 back: length 8 - 2 = 6, distance 2 - 1 = 1.
   ASSERT_TRUE(decompress_lzf(std::string("\x01"
@@ -673,7 +673,7 @@ TEST(PointClouds, LzfCopiesAndRunsFollowTheFormat) {
                               out));  // more than declared
 }
 
-TEST_F(WorldFiles, PlyCloudsAreReadInEitherByteOrder) {
+TEST_F(WorldFiles, ReadsPlyCloudsOfEitherEndianness) {
   const std::string properties =
       "element vertex 2\nproperty uchar red\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
   const double values[] = {1.5, -2.25, 1e-3, 4, 5, 6};
@@ -695,7 +695,7 @@ TEST_F(WorldFiles, PlyCloudsAreReadInEitherByteOrder) {
       expected);
 }
 
-TEST_F(WorldFiles, WhatStandsBeforeTheVerticesOfAPlyCloudIsSkipped) {
+TEST_F(WorldFiles, SkipsPlyElementsBeforeVertices) {
   const std::string elements =
       "element camera 2\nproperty float focal\nproperty uchar id\nelement vertex 2\nproperty float x\nproperty float "
       "y\nproperty float z\nend_header\n";
@@ -713,7 +713,7 @@ void append_bytes(std::string& bytes, Value value) {
 }
 
 // x without sign, y with one, z a real number, whatever their sizes; a field of two values lies between.
-TEST_F(WorldFiles, PcdCloudsHaveNumbersOfAnySize) {
+TEST_F(WorldFiles, ReadsPcdNumbersOfAnySize) {
   for (const int size : {1, 2, 4, 8}) {
     const int real_size = size < 4 ? 4 : size;
     const std::string text = std::to_string(size);
@@ -736,14 +736,14 @@ TEST_F(WorldFiles, PcdCloudsHaveNumbersOfAnySize) {
   }
 }
 
-TEST_F(WorldFiles, AnEmptyCompressedCloudHasNoPoints) {
+TEST_F(WorldFiles, EmptyCompressedCloudHasNoPoints) {
   const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 0\nDATA binary_compressed\n";
   EXPECT_TRUE(read_point_cloud(write("empty.pcd", head + std::string(8, '\0'))).empty());
   EXPECT_THAT(rejection([&] { read_point_cloud(write("cut.pcd", head + std::string(7, '\0'))); }),
               HasSubstr("truncated"));
 }
 
-TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
+TEST_F(WorldFiles, RefusesInvalidCloudsWithReason) {
   EXPECT_THAT(rejection([&] { read_point_cloud(write("a.xyz", "1 2 3\n")); }), HasSubstr(".pcd or .ply"));
   EXPECT_THAT(rejection([&] { read_point_cloud(write("b.pcd", "hello\nDATA ascii\n")); }),
               HasSubstr("expected a PCD header"));
@@ -778,7 +778,7 @@ TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
   EXPECT_THROW(read_point_cloud(folder_ / "missing.pcd"), InputError);
 }
 
-TEST(Voxels, ASolidBlockKeepsItsOuterFacesOnly) {
+TEST(Voxels, SolidBlockKeepsOnlyOuterFaces) {
   std::vector<Vector3d> points;
   for (int x = 0; x < 4; ++x) {
     for (int y = 0; y < 3; ++y) {
@@ -792,7 +792,7 @@ TEST(Voxels, ASolidBlockKeepsItsOuterFacesOnly) {
   EXPECT_TRUE(bounds_m(mesh).min().isApprox(Eigen::Vector3f(0, -3, 0)));
 }
 
-TEST(Voxels, AnyShapeHasTheVolumeOfItsVoxelsAndTheAreaOfItsFaces) {
+TEST(Voxels, MatchesVoxelVolumeAndFaceArea) {
   const Random random(1, "test");
   Dice dice(random, 0);
   std::set<std::array<int, 3>> voxels;
@@ -824,12 +824,12 @@ TEST(Voxels, ThinlyPopulatedVoxelsAreLeftOut) {
   EXPECT_EQ(voxelize(points, 1.0, 3).triangles.size(), 0U);
 }
 
-TEST(Voxels, ACloudTooLargeForItsLeafIsAClearError) {
+TEST(Voxels, RefusesCloudTooLargeForLeaf) {
   const std::vector<Vector3d> points = {{0, 0, 0}, {1e7, 0, 0}};
   EXPECT_THROW(voxelize(points, 0.1, 1), InputError);
 }
 
-TEST(Cloud, WorldOfTheVoxelsStandsWhereItIsPut) {
+TEST(Cloud, PlacesVoxelWorldAtItsPosition) {
   CloudConfig config;
   config.file = (kData / "binary.pcd").string();
   config.leaf_m = 0.25;

@@ -47,7 +47,7 @@ void expect_harmonic(const Curve& curve, double amplitude, double hz) {
   }
 }
 
-TEST(Foliage, ATreeSwaysHarmonicallyAlongTheWindAndHalfAsFarAcross) {
+TEST(Foliage, SwaysTreesHarmonicallyAlongTheWind) {
   const FoliageMotion motion(breeze(), 7);
   const Vector3 along(std::cos(std::numbers::pi / 6.0), 0.5, 0.0), across(-along.y(), along.x(), 0.0);
   for (const std::uint32_t tree : {0U, 1U, 500U}) {
@@ -66,7 +66,7 @@ TEST(Foliage, LeavesFlutterHarmonicallyByEachAxis) {
   }
 }
 
-TEST(Foliage, NoLeafGoesFartherThanItsReach) {
+TEST(Foliage, KeepsLeavesWithinTheirReach) {
   const FoliageConfig config = breeze();
   const FoliageMotion motion(config, 11);
   EXPECT_NEAR(config.reach_m(), std::sqrt(1.25) * 0.4 + std::sqrt(2.25) * 0.05, 1e-12);
@@ -81,14 +81,14 @@ TEST(Foliage, NoLeafGoesFartherThanItsReach) {
   EXPECT_GE(farthest_m, 0.8 * config.reach_m());
 }
 
-TEST(Foliage, ABeamClampedAtItsFootBendsByTheSquareOfTheHeight) {
+TEST(Foliage, BendsClampedBeamsBySquaredHeight) {
   EXPECT_EQ(FoliageMotion::share_of_sway(-0.1), 0.0);
   EXPECT_EQ(FoliageMotion::share_of_sway(0.0), 0.0);
   EXPECT_EQ(FoliageMotion::share_of_sway(0.5), 0.25);
   EXPECT_EQ(FoliageMotion::share_of_sway(1.2), 1.0);
 }
 
-TEST(Foliage, IsAPureFunctionOfSeedTreeAndTime) {
+TEST(Foliage, IsAPureFunctionOfArguments) {
   const FoliageMotion a(breeze(), 7), b(breeze(), 7), other(breeze(), 8);
   EXPECT_EQ(a.sway_m(3, 12.5), b.sway_m(3, 12.5));
   EXPECT_NE(a.sway_m(3, 12.5), other.sway_m(3, 12.5));

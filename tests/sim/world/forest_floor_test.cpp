@@ -90,7 +90,7 @@ TEST(Forest, FindsRoomForEveryStem) {
   }
 }
 
-TEST(Forest, RocksAndFallenTrunksLieOnTheGround) {
+TEST(Forest, RocksAndFallenTrunksTouchGround) {
   ForestConfig config = bare_ground(100.0);
   config.rocks_per_ha = 300.0;
   config.fallen_per_ha = 100.0;

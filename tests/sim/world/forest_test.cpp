@@ -46,13 +46,13 @@ TEST(Forest, StemsKeepTheirDistanceAndDensity) {
   }
 }
 
-TEST(Forest, TooManyStemsAreAClearError) {
+TEST(Forest, RefusesTooManyStemsClearly) {
   ForestConfig config = bare_stems();
   config.min_spacing_m = 5.0;
   EXPECT_THROW(make_forest(config, 1), InputError);
 }
 
-TEST(Forest, DiametersFollowTheWeibullLawAndHeightsTheCurve) {
+TEST(Forest, FollowsWeibullDiametersAndHeightCurve) {
   ForestConfig config = bare_stems();
   config.size_m = {200.0, 200.0};
   config.ground_cell_m = 10.0;
@@ -86,7 +86,7 @@ TEST(Forest, DiametersFollowTheWeibullLawAndHeightsTheCurve) {
   EXPECT_NEAR(shares["broadleaf"], 0.25, 5 * std::sqrt(0.25 * 0.75 / n));
 }
 
-TEST(Forest, TrunksHaveTheStemMapsDiameterAtBreastHeight) {
+TEST(Forest, MatchesStemMapBreastHeightDiameters) {
   ForestConfig config = bare_stems();
   config.lean_max_deg = 0.0;
   const Scene scene = make_forest(config, 4);
@@ -147,7 +147,7 @@ TEST(Forest, NothingReachesIntoTrailsAndClearings) {
   }
 }
 
-TEST(Forest, ATrailTakesTreesAwayAndLeavesTheOthersAsTheyWere) {
+TEST(Forest, ClearsTrailWithoutChangingOtherTrees) {
   ForestConfig config = bare_stems();
   const auto whole = objects_of(make_forest(config, 6), SurfaceClass::kTrunk);
   config.keep_clear = cross_and_clearing();
@@ -162,7 +162,7 @@ TEST(Forest, ATrailTakesTreesAwayAndLeavesTheOthersAsTheyWere) {
   }
 }
 
-TEST(Forest, SurroundingsLeaveThePlaceAsItIs) {
+TEST(Forest, SurroundingsLeavePlaceUnchanged) {
   ForestConfig config = bare_stems();
   config.keep_clear = cross_and_clearing();
   config.surroundings_m = 0.0;
@@ -190,7 +190,7 @@ TEST(Forest, SurroundingsLeaveThePlaceAsItIs) {
   }
 }
 
-TEST(Forest, TheGroundOfTheSurroundingsContinuesThatOfThePlaceWithoutAGap) {
+TEST(Forest, ContinuesGroundIntoSurroundingsWithoutGap) {
   for (const double amplitude_m : {0.0, 1.5}) {
     ForestConfig config = bare_stems();
     config.size_m = {21.3, 17.7};
@@ -220,7 +220,7 @@ TEST(Forest, TheGroundOfTheSurroundingsContinuesThatOfThePlaceWithoutAGap) {
   }
 }
 
-TEST(Forest, DetailChangesTheNumberOfTrianglesAndNotTheLeafArea) {
+TEST(Forest, DetailChangesTrianglesNotLeafArea) {
   const TreeOptions coarse{.leaf_area_density_per_m = 0.5, .leaf_cluster_m = 0.6};
   const TreeOptions fine{.leaf_area_density_per_m = 0.5, .leaf_cluster_m = 0.3};
   const Dice dice(Random(1, "test"), 0);
@@ -231,7 +231,7 @@ TEST(Forest, DetailChangesTheNumberOfTrianglesAndNotTheLeafArea) {
   EXPECT_NEAR(area_m2(many.leaves) / area_m2(few.leaves), 1.0, 0.01);
 }
 
-TEST(Forest, HasTheTriangleCountOfAboutAMillionByDefault) {
+TEST(Forest, HasRoughlyMillionTrianglesByDefault) {
   const std::size_t triangles = make_forest({}, 1).num_triangles();
   EXPECT_GE(triangles, 300000U);
   EXPECT_LE(triangles, 1500000U);
@@ -240,7 +240,7 @@ TEST(Forest, HasTheTriangleCountOfAboutAMillionByDefault) {
 // Beer-Lambert: a share exp(-G LAD s) of rays passes the crown, with the path length s inside and G = 1/2.
 class CrownGaps : public testing::TestWithParam<Species> {};
 
-TEST_P(CrownGaps, RaysPassWithTheProbabilityThatTheLeafAreaSets) {
+TEST_P(CrownGaps, PassRaysByLeafAreaProbability) {
   constexpr double kLeafAreaDensity = 0.6;
   const TreeOptions options{.leaf_area_density_per_m = kLeafAreaDensity, .leaf_cluster_m = 0.25, .lean_max_deg = 3.0};
   double passed = 0, expected = 0, variance = 0;
@@ -286,7 +286,7 @@ TEST_P(CrownGaps, RaysPassWithTheProbabilityThatTheLeafAreaSets) {
 INSTANTIATE_TEST_SUITE_P(Species, CrownGaps, testing::Values(Species::kPine, Species::kSpruce, Species::kBroadleaf),
                          [](const auto& species) { return std::string(name_of(species.param)); });
 
-TEST(Relief, StaysWithinItsAmplitudeAndIsSmooth) {
+TEST(Relief, IsSmoothWithinItsAmplitude) {
   const Relief relief({.amplitude_m = 2.0, .wavelength_m = 20.0, .octaves = 4}, 3);
   double lowest = 1e9, highest = -1e9, steepest = 0;
   for (double x = -60; x < 60; x += 0.7) {
@@ -317,7 +317,7 @@ double bell(Species species, double t) {
 }
 
 // Spruce: a cone. Pine: a dome. Broadleaf: an ellipsoid.
-TEST(Crown, HasTheOutlineOfItsSpeciesAndEndsInAPoint) {
+TEST(Crown, HasSpeciesOutlineAndPointedTip) {
   for (const Species species : {Species::kPine, Species::kSpruce, Species::kBroadleaf}) {
     const Crown crown{.species = species, .base_m = 4.0, .top_m = 14.0, .radius_m = 2.5};
     double widest_m = 0.0;
@@ -337,7 +337,7 @@ class TreesOf : public testing::TestWithParam<Species> {};
 INSTANTIATE_TEST_SUITE_P(Species, TreesOf, testing::Values(Species::kPine, Species::kSpruce, Species::kBroadleaf),
                          [](const auto& species) { return std::string(name_of(species.param)); });
 
-TEST_P(TreesOf, LeafAreaIsItsDensityTimesTheVolumeOfTheCrown) {
+TEST_P(TreesOf, LeafAreaEqualsDensityTimesVolume) {
   const Tree tree = make_tree(GetParam(), 0.35, {.leaf_area_density_per_m = 0.7}, Dice(Random(1, "test"), 0));
   const Crown& crown = tree.crown;
   Dice dice(Random(2, "test"), 0);
@@ -355,7 +355,7 @@ TEST_P(TreesOf, LeafAreaIsItsDensityTimesTheVolumeOfTheCrown) {
               0.7 * box_m3 * 4 * std::sqrt(share * (1 - share) / kDraws) + 0.1);
 }
 
-TEST_P(TreesOf, BranchesFillTheCrownAndDoNotLeaveIt) {
+TEST_P(TreesOf, BranchesFillCrownWithoutLeavingIt) {
   for (std::uint32_t i = 0; i < 5; ++i) {
     const Tree tree = make_tree(GetParam(), 0.35, {.lean_max_deg = 3.0}, Dice(Random(3, "test"), i));
     const Crown& crown = tree.crown;
@@ -372,7 +372,7 @@ TEST_P(TreesOf, BranchesFillTheCrownAndDoNotLeaveIt) {
   }
 }
 
-TEST_P(TreesOf, StandAsHighAsTheStemMapSays) {
+TEST_P(TreesOf, MatchHeightsOfStemMap) {
   SceneBuilder builder;
   const TreeStock stock(builder, GetParam(), {0.25, 0.4}, {.lean_max_deg = 0.0}, Random(4, "test"));
   stock.place(builder, {5.0, -3.0, 1.5}, 0.33, 0.8, 0.7);
@@ -385,7 +385,7 @@ TEST_P(TreesOf, StandAsHighAsTheStemMapSays) {
               1.5 + attribute(scene.objects[0], "crown_base_m"), 0.3);
 }
 
-TEST(Relief, GroundCoversItsRectangleAndTheSurroundingsARingAroundIt) {
+TEST(Relief, CoversRectangleAndSurroundingRing) {
   const Relief flat_relief({.amplitude_m = 0.0}, 1), hills({.amplitude_m = 2.0}, 1);
   const Eigen::Vector2d low(-10.0, -6.5), high(10.0, 6.5);
   constexpr double kWidth_m = 40.0;
@@ -420,7 +420,7 @@ TEST(Relief, GroundCoversItsRectangleAndTheSurroundingsARingAroundIt) {
 }
 
 // Avoids a visible seam: a row of triangles is at most a third wider than the one before it.
-TEST(Relief, TrianglesOfTheSurroundingsGrowOutwardLittleByLittle) {
+TEST(Relief, CoarsensSurroundingTrianglesGraduallyOutward) {
   const Relief hills({.amplitude_m = 2.0}, 1);
   const Mesh around = make_ground_around(hills, false, {-10.0, -10.0}, {10.0, 10.0}, 1.0, 60.0);
   std::set<float> lines;

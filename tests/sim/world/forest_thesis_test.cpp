@@ -15,7 +15,7 @@ namespace {
 using test::attribute;
 using test::objects_of;
 
-TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetersApart) {
+TEST(ForestThesis, HasHundredTreesThreeMetersApart) {
   for (const std::uint64_t seed : {1, 2, 3, 99}) {
     const auto trees = objects_of(make_forest_thesis({}, seed), SurfaceClass::kTrunk);
     ASSERT_EQ(trees.size(), 100U);
@@ -28,7 +28,7 @@ TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetersApart) {
   }
 }
 
-TEST(ForestThesis, SizesAreUniformWithinTheStatedSpreads) {
+TEST(ForestThesis, SizesAreUniformWithinTheirSpreads) {
   double sum_radius = 0, sum_height = 0, sum_crown = 0, sum_height_sq = 0;
   constexpr int kSeeds = 40;
   for (int seed = 0; seed < kSeeds; ++seed) {
@@ -52,7 +52,7 @@ TEST(ForestThesis, SizesAreUniformWithinTheStatedSpreads) {
   EXPECT_NEAR(sum_height_sq / n, 4.0 / 3.0, 0.1);
 }
 
-TEST(ForestThesis, NormalSpreadIsCutAtTwoStandardDeviations) {
+TEST(ForestThesis, TruncatesNormalSpreadAtTwoSigma) {
   ForestThesisConfig config;
   config.spread = ForestThesisConfig::Spread::kNormal;
   double beyond_one_sigma = 0;
@@ -68,7 +68,7 @@ TEST(ForestThesis, NormalSpreadIsCutAtTwoStandardDeviations) {
   EXPECT_NEAR(beyond_one_sigma / (100.0 * kSeeds), 0.2848, 5 * std::sqrt(0.2848 * 0.7152 / (100.0 * kSeeds)));
 }
 
-TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
+TEST(ForestThesis, RaysMatchTrunksAndCrowns) {
   const Scene scene = make_forest_thesis({}, 5);
   const WorldObject tree = objects_of(scene, SurfaceClass::kTrunk)[17];
   const double radius_m = 0.5 * attribute(tree, "dbh_m");
@@ -95,12 +95,12 @@ TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
   EXPECT_NEAR(eye_m.z() - crown->range_m, top_m, 0.05);
 }
 
-TEST(ForestThesis, SameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
+TEST(ForestThesis, IsReproducibleFromItsSeed) {
   EXPECT_EQ(test::hash_of(make_forest_thesis({}, 7)), test::hash_of(make_forest_thesis({}, 7)));
   EXPECT_NE(test::hash_of(make_forest_thesis({}, 7)), test::hash_of(make_forest_thesis({}, 8)));
 }
 
-TEST(ForestThesis, TrailsStayFreeUpToTheClearHeight) {
+TEST(ForestThesis, TrailsStayFreeToClearHeight) {
   ForestThesisConfig config;
   config.keep_clear.trails = {{{{-20, -32, 0}, {20, 32, 0}}, 4.0}};
   config.keep_clear.clear_height_m = 4.0;
@@ -113,13 +113,13 @@ TEST(ForestThesis, TrailsStayFreeUpToTheClearHeight) {
   }
 }
 
-TEST(ForestThesis, TooManyTreesForTheAreaAreAClearError) {
+TEST(ForestThesis, RefusesTooManyTreesForArea) {
   ForestThesisConfig config;
   config.num_trees = 1000;
   EXPECT_THROW(make_forest_thesis(config, 1), InputError);
 }
 
-TEST(ForestThesis, GroundReachesItsMarginBeyondTheAreaAndTreesFillTheArea) {
+TEST(ForestThesis, GroundExceedsTheAreaTreesFill) {
   ForestThesisConfig config;
   config.area_min_m = {-3.0, 5.0};
   config.area_max_m = {37.0, 25.0};
@@ -138,7 +138,7 @@ TEST(ForestThesis, GroundReachesItsMarginBeyondTheAreaAndTreesFillTheArea) {
   test::expect_uniform(ys, 5.0, 25.0);
 }
 
-TEST(ForestThesis, TreesKeepOffAClearingByTheirCrownWhereItHangsBelowTheClearHeight) {
+TEST(ForestThesis, LowCrownsStayOffClearings) {
   ForestThesisConfig config;
   config.keep_clear.clearings = {{{0.0, 0.0}, 5.0}};
   config.num_trees = 1500;

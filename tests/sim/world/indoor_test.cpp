@@ -32,7 +32,7 @@ void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high)
   }
 }
 
-TEST(Warehouse, DoorOpensAsWideAndHighAsSet) {
+TEST(Warehouse, DoorHasSetWidthAndHeight) {
   for (const double width_m : {1.2, 1.1, 1.0, 0.9}) {
     WarehouseConfig config;
     config.door_width_m = width_m;
@@ -84,7 +84,7 @@ TEST(Warehouse, FillSetsTheNumberOfPallets) {
   EXPECT_NEAR(some, 0.7 * places, 5 * std::sqrt(0.21 * places));
 }
 
-TEST(Warehouse, TapeIsRetroreflectiveAndCanBeLeftOut) {
+TEST(Warehouse, TapeIsRetroreflectiveAndOptional) {
   WarehouseConfig config;
   const auto num_retro = [](const Scene& scene) {
     std::size_t triangles = 0;
@@ -100,13 +100,13 @@ TEST(Warehouse, TapeIsRetroreflectiveAndCanBeLeftOut) {
   EXPECT_EQ(num_retro(make_warehouse(config, 1)), 0U);
 }
 
-TEST(Warehouse, ADoorWiderThanItsGateIsRejected) {
+TEST(Warehouse, RejectsDoorsWiderThanTheGate) {
   WarehouseConfig config;
   config.door_width_m = 5.0;
   EXPECT_THAT(test::problems_of(config), testing::ElementsAre(testing::HasSubstr("door_width_m")));
 }
 
-TEST(TwoRoomsGap, WidthFollowsEquationOneUnlessItIsSet) {
+TEST(TwoRoomsGap, WidthFollowsEquationOneUnlessSet) {
   TwoRoomsGapConfig config;
   EXPECT_DOUBLE_EQ(config.gap_width(), 2 * 0.8 + 1.5 * 0.1);
   config.safe_distance_m = 0.5;
@@ -115,7 +115,7 @@ TEST(TwoRoomsGap, WidthFollowsEquationOneUnlessItIsSet) {
   EXPECT_DOUBLE_EQ(config.gap_width(), 0.93);
 }
 
-TEST(TwoRoomsGap, GapIsAsWideAsSetAtAnyRotationAgainstTheGrid) {
+TEST(TwoRoomsGap, KeepsItsWidthAtAnyRotation) {
   for (const double yaw_deg : {0.0, 17.0, 45.0, 90.0, 123.4, -71.0}) {
     TwoRoomsGapConfig config;
     config.yaw_deg = yaw_deg;
@@ -153,7 +153,7 @@ TEST(TwoRoomsGap, RoomsAreClosedAllAround) {
   }
 }
 
-TEST(TwoRoomsGap, TheFloorReachesAsFarBeyondTheRoomsOnEverySide) {
+TEST(TwoRoomsGap, ExtendsFloorEquallyBeyondEverySide) {
   TwoRoomsGapConfig config;
   config.gap_offset_m = 0.7;
   const Scene scene = make_two_rooms_gap(config, 1);
@@ -186,7 +186,7 @@ TEST(Hall, WallHidesWhatIsBehindIt) {
   EXPECT_TRUE(sees(observer, {4.0, 4.0, 2.0}));
 }
 
-TEST(Hall, WallToHideBehindIsAsHighAsSet) {
+TEST(Hall, HidingWallHasTheSetHeight) {
   for (const double height_m : {0.6, 1.4, 0.0}) {
     HallConfig config;
     config.hide_height_m = height_m;
@@ -201,12 +201,12 @@ TEST(Hall, WallToHideBehindIsAsHighAsSet) {
   }
 }
 
-TEST(Hall, DistancesStayWithinSixteenMetersForVehiclesOffTheWalls) {
+TEST(Hall, KeepsDistancesWithinSixteenMeters) {
   const HallConfig config;
   EXPECT_LE((config.size_m - Vector3d::Constant(2.0)).norm(), 16.0);
 }
 
-TEST(Hall, CratesStayInTheirZoneForEverySeed) {
+TEST(Hall, KeepsCratesInTheirZone) {
   HallConfig config;
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     const Scene scene = make_hall(config, seed);

@@ -26,7 +26,7 @@ bool is_closed(const Mesh& mesh) {
   return !edges.empty();
 }
 
-TEST(MeshBuilder, BoxHasItsVolumeAndAreaOutward) {
+TEST(MeshBuilder, BoxHasItsVolumeAndArea) {
   Mesh mesh;
   add_box(mesh, Vector3f(-1, 0, 2), Vector3f(1, 3, 2.5));
   EXPECT_TRUE(is_closed(mesh));
@@ -43,7 +43,7 @@ TEST(MeshBuilder, TurnedBoxKeepsItsVolume) {
   EXPECT_NEAR(signed_volume_m3(mesh), 6.0, 1e-4);
 }
 
-TEST(MeshBuilder, CylinderAndConeFrustumHaveTheirClosedFormVolumeAtAnyResolution) {
+TEST(MeshBuilder, CylinderAndFrustumHaveExactVolume) {
   for (const int sides : {3, 8, 24}) {
     Mesh cylinder;
     add_frustum(cylinder, {1, 2, 3}, 0.4F, {2, 4, 5}, 0.4F, sides);
@@ -56,7 +56,7 @@ TEST(MeshBuilder, CylinderAndConeFrustumHaveTheirClosedFormVolumeAtAnyResolution
   }
 }
 
-TEST(MeshBuilder, IcosphereHasTheSpheresVolumeAndNearlyItsArea) {
+TEST(MeshBuilder, IcosphereHasSphereVolumeAndArea) {
   Mesh mesh;
   add_icosphere(mesh, {1, 1, 1}, 2.5F, 3);
   EXPECT_EQ(mesh.triangles.size(), 1280U);
@@ -66,7 +66,7 @@ TEST(MeshBuilder, IcosphereHasTheSpheresVolumeAndNearlyItsArea) {
   for (const Vector3f& vertex : mesh.vertices_mesh_m) EXPECT_NEAR((vertex - Vector3f(1, 1, 1)).norm(), 2.5F, 0.02F);
 }
 
-TEST(MeshBuilder, HeightfieldFacesUpAndPassesThroughItsHeights) {
+TEST(MeshBuilder, HeightfieldFacesUpThroughItsHeights) {
   Mesh mesh;
   const std::vector<float> heights = {0, 1, 0, 0, 2, 0};
   add_heightfield(mesh, {10, 20}, {1, 2}, 3, 2, heights);
@@ -80,7 +80,7 @@ TEST(MeshBuilder, HeightfieldFacesUpAndPassesThroughItsHeights) {
   }
 }
 
-TEST(MeshBuilder, HeightfieldCoversItsRectangleOnceWithoutHoles) {
+TEST(MeshBuilder, HeightfieldCoversRectangleWithoutHoles) {
   Mesh mesh;
   constexpr int kColumns = 5, kRows = 4;
   std::vector<float> heights;
@@ -140,7 +140,7 @@ TEST(MeshBuilder, TubesFollowTheirLineWithoutTwisting) {
   }
 }
 
-TEST(MeshBuilder, StraightTubesHaveTheVolumeOfTheirFrustums) {
+TEST(MeshBuilder, StraightTubesHaveFrustumVolume) {
   const std::vector<Vector3f> line = {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}};
   const std::vector<float> radii = {0.5F, 0.2F, 0.4F};
   Mesh mesh;
@@ -149,7 +149,7 @@ TEST(MeshBuilder, StraightTubesHaveTheVolumeOfTheirFrustums) {
   EXPECT_NEAR(signed_volume_m3(mesh), expected, 1e-4);
 }
 
-TEST(MeshBuilder, CapsCloseTheEndsThatTheyAreToldTo) {
+TEST(MeshBuilder, CapsCloseTheRequestedEnds) {
   const auto ends = [](Caps caps) {
     Mesh mesh;
     add_frustum(mesh, {0, 0, 0}, 0.5F, {0, 0, 2}, 0.5F, 6, caps);
@@ -170,7 +170,7 @@ TEST(MeshBuilder, CapsCloseTheEndsThatTheyAreToldTo) {
   EXPECT_EQ(ends(Caps::kBoth), (std::pair{4, 4}));
 }
 
-TEST(MeshBuilder, PiecesAreAppendedToWhatIsThere) {
+TEST(MeshBuilder, AppendsPiecesToExistingMesh) {
   Mesh mesh, ball;
   add_box(mesh, Vector3f(-1, -1, -1), Vector3f(0, 0, 0));
   add_triangle(mesh, {1, 0, 0}, {2, 0, 0}, {1, 2, 0});
@@ -191,7 +191,7 @@ TEST(MeshBuilder, PiecesAreAppendedToWhatIsThere) {
 }
 
 // An icosahedron has twenty equal faces.
-TEST(MeshBuilder, IcosphereBeginsAsTheIcosahedronOfItsVolume) {
+TEST(MeshBuilder, CoarsestIcosphereIsVolumeMatchedIcosahedron) {
   Mesh mesh;
   add_icosphere(mesh, Vector3f::Zero(), 1.0F, 0);
   ASSERT_EQ(mesh.triangles.size(), 20U);

@@ -64,7 +64,7 @@ void expect_nearest_among_candidates(double step_m, bool with_radii) {
   }
 }
 
-TEST(Neighborhood, TheNearestIsAlwaysAmongTheCandidates) {
+TEST(Neighborhood, AlwaysContainsTheNearestVehicle) {
   for (const double step_m : {0.001, 0.02, 0.3, 5.0}) {
     expect_nearest_among_candidates(step_m, false);
     expect_nearest_among_candidates(step_m, true);
@@ -83,7 +83,7 @@ TEST(Neighborhood, KnowsAllThatAreEquallyNear) {
   EXPECT_EQ(std::vector<VehicleId>(around.begin(), around.end()), (std::vector<VehicleId>{0, 1, 3}));
 }
 
-TEST(Neighborhood, InAWideFleetAFewAreCandidates) {
+TEST(Neighborhood, HasFewCandidatesInWideFleets) {
   std::vector<VehicleState> states(100);
   for (int i = 0; i < 100; ++i) states[i].p_world_m = {6.0 * (i % 10), 6.0 * (i / 10), 0.0};
   Neighborhood neighborhood(std::vector<double>(100, 0.3));
@@ -99,7 +99,7 @@ TEST(Neighborhood, ALoneVehicleHasNone) {
 }
 
 // Two meters farther than the nearest, counted from their surfaces.
-TEST(Neighborhood, CandidatesAreThoseUpToTwoMetersFartherThanTheNearest) {
+TEST(Neighborhood, KeepsCandidatesWithinTwoExtraMeters) {
   Neighborhood neighborhood({0.1, 0.5, 0.2, 0.2, 1.0});
   std::vector<VehicleState> states(5);
   states[1].p_world_m = {3.5, 0.0, 0.0};   // 3 m away
@@ -112,7 +112,7 @@ TEST(Neighborhood, CandidatesAreThoseUpToTwoMetersFartherThanTheNearest) {
 }
 
 // The list is rebuilt only after a vehicle has moved by a quarter of that.
-TEST(Neighborhood, LooksAgainWhenAVehicleHasMovedByHalfAMeter) {
+TEST(Neighborhood, UpdatesAfterHalfMeterOfMotion) {
   Neighborhood neighborhood(std::vector<double>(3, 0.0));
   std::vector<VehicleState> states(3);
   states[1].p_world_m = {3.0, 0.0, 0.0};

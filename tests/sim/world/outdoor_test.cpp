@@ -59,7 +59,7 @@ TEST(Field, TreesStandOnTheHills) {
   }
 }
 
-TEST(Campus, RingAroundTheBuildingIsFreeForEverySeed) {
+TEST(Campus, RingAroundBuildingIsAlwaysFree) {
   const CampusConfig config;
   const Vector2d half = 0.5 * config.building_size_m;
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
@@ -89,7 +89,7 @@ TEST(Campus, BuildingHasItsOuterSize) {
   EXPECT_NEAR(50.0 - ridge->range_m, config.wall_height_m + config.roof_height_m + 0.18, 0.01);
 }
 
-TEST(Campus, HasAsManyTreesLampsAndCarsAsAskedFor) {
+TEST(Campus, HasRequestedTreesLampsAndCars) {
   CampusConfig config;
   for (const int count : {0, 1, 3}) {
     config.num_trees = config.num_lamps = config.num_cars = count;
@@ -99,7 +99,7 @@ TEST(Campus, HasAsManyTreesLampsAndCarsAsAskedFor) {
   }
 }
 
-TEST(Campus, WallsWindowsAndRoofAreOneBuilding) {
+TEST(Campus, UnitesWallsWindowsAndRoof) {
   const auto buildings = test::bounds_of_each(make_campus({}, 1), SurfaceClass::kBuilding);
   ASSERT_EQ(buildings.size(), 1U);
   EXPECT_EQ(buildings.begin()->first, 1);
@@ -112,7 +112,7 @@ CampusConfig bare_ground_campus() {
 }
 
 // Looked at straight, at the height of a face: walls with openings in them, the same from the left as from the right.
-TEST(Campus, EveryFacadeHasWindowsAndIsSymmetric) {
+TEST(Campus, HasSymmetricWindowsOnEveryFacade) {
   const CampusConfig config = bare_ground_campus();
   const Scene scene = make_campus(config, 1);
   const Vector2d half = 0.5 * config.building_size_m;
@@ -139,7 +139,7 @@ TEST(Campus, EveryFacadeHasWindowsAndIsSymmetric) {
 }
 
 // From the wall outward: lawn, kerb, path of the configured width, kerb, lawn.
-TEST(Campus, ThePathLeadsAroundTheBuildingAtItsDistance) {
+TEST(Campus, LeadsPathAroundBuildingAtDistance) {
   const CampusConfig config = bare_ground_campus();
   const Scene scene = make_campus(config, 1);
   const Vector2d half = 0.5 * config.building_size_m;

@@ -22,7 +22,7 @@ TEST(DistanceToSegment, IsToItsNearestPoint) {
   EXPECT_DOUBLE_EQ(distance_to_segment_m({4, 5}, a, a), 5.0) << "a point";
 }
 
-TEST(KeepClear, DistancesAreToTheEdgeOfTheNearestZone) {
+TEST(KeepClear, MeasuresDistanceToNearestZoneEdge) {
   KeepClearConfig zones;
   EXPECT_EQ(zones.distance_m({0, 0}), std::numeric_limits<double>::infinity());
   zones.clearings = {{{10, 0}, 3.0}, {{-10, 0}, 1.0}};
@@ -37,7 +37,7 @@ TEST(KeepClear, DistancesAreToTheEdgeOfTheNearestZone) {
   EXPECT_DOUBLE_EQ(zones.distance_m({0, 104}), 3.0) << "a trail of one point is a disc";
 }
 
-TEST(Spacing, TakesAPointExactlyIfNoEarlierOneIsTooNear) {
+TEST(Spacing, TakesPointsExactlyWhenFarEnough) {
   const Random random(4, "test.spacing");
   for (const double spacing_m : {0.7, 2.5}) {
     Spacing spacing(spacing_m);
@@ -60,7 +60,7 @@ TEST(Spacing, OfZeroTakesAll) {
   EXPECT_TRUE(spacing.try_add({1, 1}));
 }
 
-TEST(Wall, ItsVolumeIsThatOfTheWholeLessItsOpenings) {
+TEST(Wall, HasVolumeOfWholeLessOpenings) {
   Mesh whole, pierced;
   const Eigen::Vector2d start_m(1, 2), end_m(7, 10);  // 10 m
   add_wall(whole, start_m, end_m, 3.0, 0.2, {}, 0.5);

@@ -107,7 +107,7 @@ std::string some_text(std::uint32_t number, std::size_t size) {
   return text;
 }
 
-TEST(Lzf, GivesBackWhatWasCompressedAndKnowsEveryOtherLength) {
+TEST(Lzf, RestoresDataOnlyAtExactLength) {
   for (const std::uint32_t number : {0U, 1U, 2U, 3U, 4U}) {
     const std::string text = some_text(number, 40 + 900 * number);
     const std::string packed = lzf_of(text, number % 2 == 0 ? 8192 : 40);
@@ -125,7 +125,7 @@ TEST(Lzf, GivesBackWhatWasCompressedAndKnowsEveryOtherLength) {
   }
 }
 
-TEST(Lzf, CopiesFromTheFirstByteOnAndNotFromBeforeIt) {
+TEST(Lzf, RefusesReferencesBeforeTheFirstByte) {
   const auto unpacks = [](std::string in, std::size_t size) {
     std::string out(size, '\0');
     return decompress_lzf(in, out) ? out : "no";
@@ -176,7 +176,7 @@ TEST(Lzf, CopiesFromTheFirstByteOnAndNotFromBeforeIt) {
 
 const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
 
-TEST_F(CloudFiles, PcdOfWordsHasNumbersAsPeopleWriteThem) {
+TEST_F(CloudFiles, ReadNumbersOfAsciiPcd) {
   const std::string head =
       "# a comment\n\nVERSION 0.7\nCOLUMNS x extra y z\r\nSIZE 4 4 4 8\nTYPE F U F f\nCOUNT 1 2 1 1\n"
       "VIEWPOINT 0 0 0 1 0 0 0\n";
@@ -197,14 +197,14 @@ TEST_F(CloudFiles, PcdOfWordsHasNumbersAsPeopleWriteThem) {
   EXPECT_THAT(pcd_refusal(head + "POINTS 9999\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("promises 9999 points"));
 }
 
-TEST_F(CloudFiles, PcdWithAFieldOfNoValuesHasNoneOfThem) {
+TEST_F(CloudFiles, SkipPcdFieldsOfZeroCount) {
   EXPECT_EQ(pcd("FIELDS x none y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 0 1 1\nPOINTS 1\nDATA ascii\n1 2 3\n"),
             (Points{{1, 2, 3}}));
   EXPECT_THAT(pcd_refusal("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 0\nPOINTS 1\nDATA ascii\n1 2 3\n"),
               HasSubstr("no z"));
 }
 
-TEST_F(CloudFiles, FieldsOfAPcdMayStandInAnyOrder) {
+TEST_F(CloudFiles, AcceptPcdFieldsInAnyOrder) {
   const std::string head = "FIELDS intensity z x y\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nPOINTS 1\n";
   EXPECT_EQ(pcd(head + "DATA ascii\n9 3 1 2\n"), (Points{{1, 2, 3}}));
   std::string bytes = head + "DATA binary\n";
@@ -219,7 +219,7 @@ TEST_F(CloudFiles, ColumnsMayBeNamedByCapitals) {
             (Points{{1, 2, 3}}));
 }
 
-TEST_F(CloudFiles, PcdHeadsSayWhatIsWrongWithThem) {
+TEST_F(CloudFiles, DescribeErrorsInPcdHeaders) {
   EXPECT_THAT(pcd_refusal(kXyz + "POINTS -1\nDATA ascii\n"), HasSubstr("expected a whole number, found 'POINTS -1'"));
   for (const char* points : {"many", "1.200", "1,200", "1 200", "200abc", "2e2", "0x10", ""}) {
     EXPECT_THAT(pcd_refusal(kXyz + "POINTS " + points + "\nDATA ascii\n1 2 3\n"),
@@ -285,7 +285,7 @@ TEST_F(CloudFiles, CompressedPcdLiesFieldByField) {
   EXPECT_THAT(pcd_refusal(file(3, 88 * 4, "abc")), HasSubstr("do not decompress"));
 }
 
-TEST_F(CloudFiles, BinaryPcdMayHaveBytesBehindItsPointsAndNoneMissing) {
+TEST_F(CloudFiles, RefuseOnlyMissingBinaryPcdBytes) {
   std::string content = kXyz + "POINTS 2\nDATA binary\n";
   for (const float value : {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F}) put(content, value);
   const Points expected = {{1, 2, 3}, {4, 5, 6}};
@@ -296,7 +296,7 @@ TEST_F(CloudFiles, BinaryPcdMayHaveBytesBehindItsPointsAndNoneMissing) {
 }
 
 // Each type name, with values at the ends of its range.
-TEST_F(CloudFiles, PlyKnowsEveryNameOfATypeInBothByteOrders) {
+TEST_F(CloudFiles, ReadAnyPlyTypeAndOrder) {
   struct Type {
     const char* name;
     int size;
@@ -350,7 +350,7 @@ TEST_F(CloudFiles, PlyKnowsEveryNameOfATypeInBothByteOrders) {
 
 const std::string kVertex = "property float x\nproperty float y\nproperty float z\n";
 
-TEST_F(CloudFiles, PlyOfWordsIsReadWhenItIsJustLongEnough) {
+TEST_F(CloudFiles, ReadAsciiPlyOfMinimumLength) {
   const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\n" + kVertex + "end_header\n";
   EXPECT_EQ(ply(head + "1 2 3 4 5 6"), (Points{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_EQ(ply(head + "1 2 3 nan 5 6").size(), 1U);
@@ -363,7 +363,7 @@ TEST_F(CloudFiles, PlyOfWordsIsReadWhenItIsJustLongEnough) {
   EXPECT_THAT(ply(none), IsEmpty());
 }
 
-TEST_F(CloudFiles, PlyHeadsSayWhatIsWrongWithThem) {
+TEST_F(CloudFiles, DescribeErrorsInPlyHeaders) {
   const std::string begin = "ply\nformat ascii 1.0\n";
   EXPECT_THAT(ply_refusal("plyy\n"), HasSubstr("begins with 'ply'"));
   EXPECT_THAT(ply_refusal("format ascii 1.0\nply\nend_header\n"), HasSubstr("begins with 'ply'"));
@@ -389,7 +389,7 @@ TEST_F(CloudFiles, PlyHeadsSayWhatIsWrongWithThem) {
       IsEmpty());
 }
 
-TEST_F(CloudFiles, PlyCloudsMayHaveListsBesideAndBeforeTheirVertices) {
+TEST_F(CloudFiles, SkipListsInPlyClouds) {
   const Points expected = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
   const std::string views = "element vertex 3\n" + kVertex + "property list uchar int view\nend_header\n";
   EXPECT_EQ(ply("ply\nformat ascii 1.0\n" + views + "0 0 0 2 4 5\n1 0 0 0\n1 1 0 1 7\n"), expected);
@@ -404,7 +404,7 @@ TEST_F(CloudFiles, PlyCloudsMayHaveListsBesideAndBeforeTheirVertices) {
   EXPECT_EQ(ply(bytes), expected);
 }
 
-TEST_F(CloudFiles, PlyHeadsTellTheSizesOfTheirElements) {
+TEST_F(CloudFiles, FindElementSizesInPlyHeaders) {
   const std::string content =
       "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty uchar r\nelement face 2\n"
       "property list ushort double v\nproperty int id\nend_header\n" +
@@ -426,7 +426,7 @@ TEST_F(CloudFiles, PlyHeadsTellTheSizesOfTheirElements) {
                InputError);
 }
 
-TEST(InputFile, ExtensionsAreInLowerCaseWithoutTheirDot) {
+TEST(InputFile, HasLowerCaseExtensionsWithoutDot) {
   EXPECT_EQ(extension_of("a/b.PLY"), "ply");
   EXPECT_EQ(extension_of("a/b.c.Obj"), "obj");
   EXPECT_EQ(extension_of("a/b"), "");
@@ -470,7 +470,7 @@ class PlyMeshOf : public ::testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Orders, PlyMeshOf, ::testing::Values("little", "big"));
 
-TEST_P(PlyMeshOf, ABinaryFileIsReadValueByValue) {
+TEST_P(PlyMeshOf, ReadsBinaryFilesByValue) {
   const MeshFile mesh = read_ply_mesh("a.ply", head() + vertices() + face(3, 1) + face(200, 0));
   EXPECT_THAT(mesh.vertices_mesh, ElementsAre(Vector3d(1.5, -3.0, 2.5), Vector3d(4.0, 6.0, 5.0)));
   EXPECT_THAT(mesh.faces_end, ElementsAre(3U, 203U));
@@ -478,7 +478,7 @@ TEST_P(PlyMeshOf, ABinaryFileIsReadValueByValue) {
   EXPECT_EQ(mesh.corners[3], 0U);
 }
 
-TEST_P(PlyMeshOf, ABinaryFileThatEndsTooSoonIsRefused) {
+TEST_P(PlyMeshOf, RefusesTruncatedBinaryFiles) {
   const std::string whole = head() + vertices() + face(3, 1) + face(4, 0);
   EXPECT_EQ(refused(whole), "");
   EXPECT_EQ(refused(whole + "more"), "");
@@ -491,7 +491,7 @@ TEST_P(PlyMeshOf, ABinaryFileThatEndsTooSoonIsRefused) {
   EXPECT_THAT(refused(begun + bytes(std::uint8_t{5}) + std::string(21, '\0')), HasSubstr("face 1"));
 }
 
-TEST(PlyMesh, OfAFileOfWordsHasAllThatItsHeadTells) {
+TEST(PlyMesh, ReadsAsciiFilesByTheirHeader) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement face 2\nproperty list uchar int vertex_indices\nproperty int id\n"
       "element vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -515,7 +515,7 @@ TEST(PlyMesh, OfAFileOfWordsHasAllThatItsHeadTells) {
 
 // ---- Meshes.
 
-TEST_F(CloudFiles, BinaryStlNeedsEveryByteOfItsTriangles) {
+TEST_F(CloudFiles, RefuseIncompleteBinaryStl) {
   const auto import = [&](const std::string& content) {
     MeshImportConfig config;
     config.file = write("a.stl", content).string();
@@ -538,7 +538,7 @@ TEST_F(CloudFiles, BinaryStlNeedsEveryByteOfItsTriangles) {
   EXPECT_THAT(refusal([&] { import(counted(0)); }), testing::Not(HasSubstr("STL header")));
 }
 
-TEST_F(CloudFiles, NamesOfExportedThingsGiveTheirClassAndNumber) {
+TEST_F(CloudFiles, DeriveClassAndNumberFromNames) {
   struct Case {
     const char* name;
     SurfaceClass surface_class;
@@ -567,7 +567,7 @@ TEST_F(CloudFiles, NamesOfExportedThingsGiveTheirClassAndNumber) {
   }
 }
 
-TEST_F(CloudFiles, FacesOfAMeshNameCornersThatExist) {
+TEST_F(CloudFiles, RequireExistingCornersOfMeshFaces) {
   const auto import = [&](const std::string& faces) {
     MeshImportConfig config;
     config.file = write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 2 0\n" + faces).string();
@@ -579,7 +579,7 @@ TEST_F(CloudFiles, FacesOfAMeshNameCornersThatExist) {
   EXPECT_EQ(import("f 1 2 3\nf 1 2 2\n").num_triangles(), 1U) << "a triangle with a corner twice is none";
 }
 
-TEST_F(CloudFiles, MaterialsKeepTheColorOfTheFileAndGrayIsTheDefault) {
+TEST_F(CloudFiles, ColorMaterialsWithGrayDefault) {
   write("paint.mtl", "newmtl red\nKd 0.9 0.2 0.1\n");
   MeshImportConfig config;
   config.file = write("a.obj", "mtllib paint.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n").string();

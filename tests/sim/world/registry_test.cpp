@@ -21,7 +21,7 @@ bool needs_file(const WorldType& type) {
   return std::string(type.module.name) == "mesh" || std::string(type.module.name) == "cloud";
 }
 
-TEST(SurfaceClasses, NoneHasANumberThatSemanticKittiGivesToAnotherThing) {
+TEST(SurfaceClasses, DoNotCollideWithSemanticKitti) {
   // All labels of semantic-kitti.yaml, and what ours may be called there: "ground" is a road or its edge.
   const std::map<int, std::string> theirs = {{0, "unlabeled"},
                                              {1, "outlier"},
@@ -68,7 +68,7 @@ TEST(SurfaceClasses, NoneHasANumberThatSemanticKittiGivesToAnotherThing) {
   EXPECT_GE(numbers.size(), 15U);
 }
 
-TEST(Worlds, EveryGeneratorIsListedOnceWithAValidDefault) {
+TEST(Worlds, ListEveryGeneratorWithValidDefault) {
   std::set<std::string> names;
   for (const WorldType& type : world_registry().rows()) {
     EXPECT_TRUE(names.insert(type.module.name).second) << type.module.name;
@@ -88,7 +88,7 @@ TEST(Worlds, SameSeedGivesTheSameBytes) {
   }
 }
 
-TEST(Worlds, AnotherSeedGivesAnotherWorldWhereChanceIsAtWork) {
+TEST(Worlds, VaryRandomGeneratorsWithTheSeed) {
   for (const char* name : {"forest_thesis", "forest", "warehouse", "hall", "campus", "field"}) {
     const Module module(world_module_types(), name);
     EXPECT_NE(test::hash_of(make_world(module, 3)), test::hash_of(make_world(module, 4))) << name;
@@ -140,7 +140,7 @@ TEST(Worlds, AnUnknownTypeIsAnError) {
 }
 
 // The time for a million is measured by `swiftlet bench`; this test checks that it grows linearly.
-TEST(Worlds, AMillionTrianglesTakeNoLongerEachThanAFewDo) {
+TEST(Worlds, BuildInTimeLinearInTriangles) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take their time";
 #endif

@@ -23,7 +23,7 @@ double octave_at(int octave, double x_m, double y_m, double amplitude_m = 3.0) {
   return (sum_of(octave + 1) - sum_of(octave)) * std::pow(2.0, octave);
 }
 
-TEST(Relief, IsASumOfOctavesOfHalfTheWavelengthAndHalfTheHeightEach) {
+TEST(Relief, SumsOctavesHalvingWavelengthAndHeight) {
   for (const int octave : {0, 1, 2, 3}) {
     const double cell_m = kWavelength_m / std::pow(2.0, octave);
     std::vector<double> lattice;
@@ -49,7 +49,7 @@ TEST(Relief, IsASumOfOctavesOfHalfTheWavelengthAndHalfTheHeightEach) {
   }
 }
 
-TEST(Relief, OctavesHaveNothingInCommonAndTheAmplitudeScalesThem) {
+TEST(Relief, AmplitudeScalesIndependentOctaves) {
   double product = 0.0, n = 0.0;
   for (int column = -15; column < 15; ++column) {
     for (int row = -15; row < 15; ++row, n += 1.0) {
@@ -68,7 +68,7 @@ std::set<float> lines_of(const Mesh& mesh, int axis) {
   return lines;
 }
 
-TEST(Relief, GroundHasTheFewestEvenCellsNoLargerThanToldAndItsHeightsAreThoseOfTheRelief) {
+TEST(Relief, GroundCellsMatchTheRelief) {
   const Relief hills({.amplitude_m = 2.0, .wavelength_m = 12.0, .octaves = 3}, 4);
   struct Case {
     double cell_m;

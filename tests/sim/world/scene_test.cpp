@@ -36,7 +36,7 @@ Mesh box_mesh(const Vector3f& low, const Vector3f& high) {
   return mesh;
 }
 
-TEST(SurfaceClasses, HaveNamesThatLeadBackToThem) {
+TEST(SurfaceClasses, RoundTripThroughTheirNames) {
   std::size_t count = 0;
   for (const char* name : static_class_names()) {
     const auto found = surface_class_of(name);
@@ -53,7 +53,7 @@ TEST(SurfaceClasses, HaveNamesThatLeadBackToThem) {
   EXPECT_STREQ(name_of(VehiclePart::kMarker), "marker");
 }
 
-TEST(Pieces, HangTogetherByCornersOrByWhatStandsForThem) {
+TEST(Pieces, ConnectByCornersOrTheirRepresentatives) {
   Mesh mesh;
   mesh.vertices_mesh_m.assign(11, Vector3f::Zero());
   mesh.triangles = {{8, 1, 4}, {2, 3, 5}, {4, 6, 0}, {9, 10, 10}};
@@ -62,7 +62,7 @@ TEST(Pieces, HangTogetherByCornersOrByWhatStandsForThem) {
   EXPECT_EQ(pieces_of(mesh, welded), (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 7, 0, 9, 9}));
 }
 
-TEST(SceneBuilder, NumbersThingsOfEachClassUpToTheLargestNumberOfALabel) {
+TEST(SceneBuilder, NumbersInstancesUpToLabelLimit) {
   SceneBuilder builder;
   EXPECT_EQ(builder.next_instance(SurfaceClass::kTrunk), 1);
   EXPECT_EQ(builder.next_instance(SurfaceClass::kTrunk), 2);
@@ -73,7 +73,7 @@ TEST(SceneBuilder, NumbersThingsOfEachClassUpToTheLargestNumberOfALabel) {
   EXPECT_EQ(builder.next_instance(SurfaceClass::kRack), 2);
 }
 
-TEST(SceneBuilder, KeepsMaterialsOnceAndMeshesThatArePlaced) {
+TEST(SceneBuilder, SharesMaterialsAndKeepsPlacedMeshes) {
   SceneBuilder builder;
   const std::uint32_t first = builder.add_mesh(box_mesh({0, 0, 0}, {1, 1, 1}), kGray, SurfaceClass::kWall);
   const std::uint32_t second = builder.add_mesh(box_mesh({0, 0, 0}, {2, 2, 2}), kTape, SurfaceClass::kMarking);
@@ -95,7 +95,7 @@ TEST(SceneBuilder, KeepsMaterialsOnceAndMeshesThatArePlaced) {
   EXPECT_TRUE(builder.finish().instances.empty()) << "the builder is empty afterwards";
 }
 
-TEST(SceneBuilder, SurroundingsCountForTheHeightOfTheBoundsAlone) {
+TEST(SceneBuilder, SurroundingsExtendOnlyTheBoundsHeight) {
   SceneBuilder builder;
   builder.add(box_mesh({-1, -2, 0}, {1, 2, 3}), kGray, SurfaceClass::kWall);
   builder.add(box_mesh({0, 0, 0}, {5, 1, 1}), kGray, SurfaceClass::kWall);
@@ -116,7 +116,7 @@ TEST(Transform, ScalesThenTurnsThenShifts) {
   EXPECT_TRUE((T * Vector3f(0, 0, 1)).isApprox(Vector3f(10, 20, 34), 1e-5F));
 }
 
-TEST(Dice, ThrowsEvenlyAndEachThingItsOwnNumbers) {
+TEST(Dice, ThrowsEvenlyAndIndependentlyPerKey) {
   const Random random(1, "test.dice");
   std::vector<double> picks, angles, direction_z, direction_angles;
   for (std::uint32_t i = 0; i < 500; ++i) {
@@ -136,7 +136,7 @@ TEST(Dice, ThrowsEvenlyAndEachThingItsOwnNumbers) {
   test::expect_uniform(direction_angles, -M_PI, M_PI);
 }
 
-TEST(Wall, WithoutLengthOrHeightHasNoPieces) {
+TEST(Wall, HasNoPiecesWithoutExtent) {
   Mesh mesh;
   const Opening whole[] = {{2.0, 4.0, 0.0, 3.0}};
   add_wall(mesh, {0, 0}, {4, 0}, 3.0, 0.2, whole);
@@ -149,7 +149,7 @@ TEST(Wall, WithoutLengthOrHeightHasNoPieces) {
       found, {{Vector3d(2, -0.1, 0.5), Vector3d(4, 0.1, 1.5)}, {Vector3d(2, -0.1, 2.5), Vector3d(4, 0.1, 3.5)}});
 }
 
-TEST(Empty, GroundHasItsSizeAndReflectivityAndLooksUp) {
+TEST(Empty, GroundHasSizeReflectivityAndNormal) {
   EmptyConfig config;
   config.ground = true;
   config.size_m = {30.0, 20.0};
@@ -177,7 +177,7 @@ Scene two_boxes() {
   return builder.finish();
 }
 
-TEST(Export, ObjTellsEveryCornerTriangleAndMaterial) {
+TEST(Export, ObjHasCornersTrianglesAndMaterials) {
   const TemporaryDirectory folder;
   const Scene scene = two_boxes();
   export_world(scene, folder.path() / "w.obj");
@@ -227,7 +227,7 @@ TEST(Export, ObjTellsEveryCornerTriangleAndMaterial) {
             "marking,1,sign,0,0.5,0,-1,0.125,2\n");
 }
 
-TEST(Export, PlyTellsTheSameInBytes) {
+TEST(Export, PlyMatchesInBinary) {
   const TemporaryDirectory folder;
   const Scene scene = two_boxes();
   export_world(scene, folder.path() / "w.ply");
@@ -267,7 +267,7 @@ TEST(Export, PlyTellsTheSameInBytes) {
 }
 
 // Twenty bits of voxels to each side, less a margin of two.
-TEST(Voxels, ReachAMillionVoxelsFromTheOriginAndNoFurther) {
+TEST(Voxels, EndAMillionVoxelsFromOrigin) {
   constexpr double kReach = 1048576.0;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
@@ -282,7 +282,7 @@ TEST(Voxels, ReachAMillionVoxelsFromTheOriginAndNoFurther) {
   }
 }
 
-TEST(Voxels, FacesLookOutwardAndLieBetweenSolidAndFree) {
+TEST(Voxels, FacesPointOutwardFromSolid) {
   const Random random(3, "test.voxels");
   std::set<std::array<int, 3>> voxels;
   std::vector<Vector3d> points;

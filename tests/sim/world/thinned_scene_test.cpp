@@ -18,7 +18,7 @@ Scene some_forest() {
   return make_forest(config, 1);
 }
 
-TEST(ThinnedScene, HasAboutAsManyTrianglesAsTold) {
+TEST(ThinnedScene, HasRoughlyTheRequestedTriangleCount) {
   const Scene scene = some_forest();
   ASSERT_GT(scene.num_triangles(), 100'000U);
   for (const std::size_t most : {50'000U, 20'000U}) {
@@ -30,7 +30,7 @@ TEST(ThinnedScene, HasAboutAsManyTrianglesAsTold) {
   }
 }
 
-TEST(ThinnedScene, ASmallSceneStaysAsItIs) {
+TEST(ThinnedScene, LeavesSmallScenesUnchanged) {
   const Scene scene = some_forest();
   const Scene same = thinned_scene(scene, 10 * scene.num_triangles());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -39,7 +39,7 @@ TEST(ThinnedScene, ASmallSceneStaysAsItIs) {
   }
 }
 
-TEST(ThinnedScene, NoPlantIsLeftBareAndLeavesGrow) {
+TEST(ThinnedScene, EnlargesLeavesAndBaresNoPlant) {
   const Scene scene = some_forest();
   const Scene thin = thinned_scene(scene, 20'000);
   int crowns = 0, grown = 0;
@@ -88,7 +88,7 @@ float mean_area(const Mesh& mesh) {
   return static_cast<float>(area_m2(mesh) / static_cast<double>(mesh.triangles.size()));
 }
 
-TEST(ThinnedScene, KeepsAnEvenShareOfTheLeavesAndLetsThemGrowAboutTheirMiddles) {
+TEST(ThinnedScene, SamplesLeavesEvenlyAndGrowsThem) {
   const Mesh mesh = leaves(1000, SurfaceClass::kVegetation);
   struct Case {
     std::size_t most;
@@ -134,7 +134,7 @@ std::vector<std::array<std::uint32_t, 3>> coarse(const Mesh& mesh, float edge_m)
   return kept;
 }
 
-TEST(ThinnedScene, MakesTheRestCoarserInStepsOfAHalfUntilItFits) {
+TEST(ThinnedScene, CoarsensTheRestUntilItFits) {
   Mesh hills;
   std::vector<float> heights;
   for (int i = 0; i < 15 * 12; ++i) heights.push_back(0.1F * static_cast<float>(i * i % 17));
@@ -162,7 +162,7 @@ TEST(ThinnedScene, MakesTheRestCoarserInStepsOfAHalfUntilItFits) {
   }
 }
 
-TEST(ThinnedScene, GivesUpOnTrianglesOfMoreThanAHundredMeters) {
+TEST(ThinnedScene, KeepsTrianglesAboveAHundredMeters) {
   for (const float size_m : {70.0F, 120.0F}) {
     Mesh mesh;
     add_triangle(mesh, {1, 1, 1}, {1 + size_m, 1, 1}, {1, 1 + size_m, 1});
@@ -170,7 +170,7 @@ TEST(ThinnedScene, GivesUpOnTrianglesOfMoreThanAHundredMeters) {
   }
 }
 
-TEST(ThinnedScene, TakesLeavesUndergrowthAndBranchesForPlants) {
+TEST(ThinnedScene, ClassesUndergrowthAndBranchesAsPlants) {
   for (const SurfaceClass surface_class : {SurfaceClass::kVegetation, SurfaceClass::kUndergrowth, SurfaceClass::kBranch,
                                            SurfaceClass::kTrunk, SurfaceClass::kGround, SurfaceClass::kBuilding}) {
     Mesh mesh;

@@ -29,7 +29,7 @@ Airframe make_airframe(int num_rotors, double arm_m) {
   return airframe;
 }
 
-TEST(VehicleShape, HasEveryPartInAReasonableNumberOfTriangles) {
+TEST(VehicleShape, HasEveryPartWithinTriangleBudget) {
   for (const int num_rotors : {4, 6, 8}) {
     const VehicleShape shape = make_vehicle_shape(make_airframe(num_rotors, 0.3));
     std::map<VehiclePart, std::size_t> triangles;
@@ -51,7 +51,7 @@ TEST(VehicleShape, HasEveryPartInAReasonableNumberOfTriangles) {
   }
 }
 
-TEST(VehicleShape, RotorsAreWhereTheAirframeSaysAndTurnItsWay) {
+TEST(VehicleShape, HasRotorsAsTheAirframeSpecifies) {
   const Airframe airframe = make_airframe(4, 0.25);
   const VehicleShape shape = make_vehicle_shape(airframe);
   ASSERT_EQ(shape.rotors.size(), 4U);
@@ -62,7 +62,7 @@ TEST(VehicleShape, RotorsAreWhereTheAirframeSaysAndTurnItsWay) {
   }
 }
 
-TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
+TEST(VehicleShape, StaysWithinItsCircumscribedSphere) {
   const Airframe airframe = make_airframe(4, 0.325);
   const VehicleShape shape = make_vehicle_shape(airframe);
   for (const Mesh& mesh : shape.meshes) {
@@ -79,7 +79,7 @@ TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
   EXPECT_GE(shape.circumscribed_radius_m, static_cast<float>(airframe.circumscribed_radius_m()) - 1e-5F);
 }
 
-TEST(VehicleShape, MarkersAreRetroReflectiveSleevesOnTheLegsAndNothingElseChanges) {
+TEST(VehicleShape, AddsReflectiveMarkersToLegsOnly) {
   const Airframe airframe = make_airframe(4, 0.25);
   const VehicleShape plain = make_vehicle_shape(airframe);
   const MarkersConfig markers{.place = MarkersConfig::Place::kLegs, .reflectivity = 0.8};
@@ -97,7 +97,7 @@ TEST(VehicleShape, MarkersAreRetroReflectiveSleevesOnTheLegsAndNothingElseChange
   }
 }
 
-TEST(VehicleShape, StandsOnItsLegsAtTheHeightThatTheAirframeSays) {
+TEST(VehicleShape, StandsAtTheAirframeHeight) {
   Airframe airframe = make_airframe(4, 0.25);
   airframe.leg_height_m = 0.23;
   float lowest_m = 0.0F;
@@ -119,7 +119,7 @@ TEST(VehicleShape, BladesTurnWithTheAngle) {
 }
 
 // Rotors in front, behind, left and right: so it looks the same in a mirror.
-TEST(VehicleShape, IsAsWideToTheLeftAsToTheRightAndNoTriangleIsThereTwice) {
+TEST(VehicleShape, IsSymmetricWithoutDuplicateTriangles) {
   for (const int num_rotors : {4, 6, 8}) {
     const VehicleShape shape =
         make_vehicle_shape(make_airframe(num_rotors, 0.3), {.place = MarkersConfig::Place::kLegs});
@@ -141,7 +141,7 @@ TEST(VehicleShape, IsAsWideToTheLeftAsToTheRightAndNoTriangleIsThereTwice) {
   }
 }
 
-TEST(VehicleShape, BodyHasTheRadiusAndAboutTheHeightOfTheAirframe) {
+TEST(VehicleShape, MatchesAirframeRadiusAndHeight) {
   for (const double height_m : {0.05, 0.1, 0.3}) {
     Airframe airframe = make_airframe(4, 0.4);
     airframe.body_height_m = height_m;

@@ -25,7 +25,7 @@ VehicleState on_a_cubic(double t_s) {
   return state;
 }
 
-TEST(VehicleState, PositionsBetweenTwoStatesFollowTheCubicThroughThem) {
+TEST(VehicleState, InterpolatesPositionsCubically) {
   const VehicleState a = on_a_cubic(0.4), b = on_a_cubic(1.6);
   for (const double t_s : {0.4, 0.5, 0.9, 1.0, 1.37, 1.6}) {
     const VehicleState expected = on_a_cubic(t_s), between = interpolate(a, b, from_seconds(t_s));
@@ -40,13 +40,13 @@ TEST(VehicleState, PositionsBetweenTwoStatesFollowTheCubicThroughThem) {
   }
 }
 
-TEST(VehicleState, OutsideOfTheTwoStatesTheNearerOneHolds) {
+TEST(VehicleState, HoldsTheNearerStateOutside) {
   const VehicleState a = on_a_cubic(0.4), b = on_a_cubic(1.6);
   EXPECT_EQ(interpolate(a, b, from_seconds(0.1)).p_world_m, a.p_world_m);
   EXPECT_EQ(interpolate(a, b, from_seconds(2.0)).p_world_m, b.p_world_m);
 }
 
-TEST(StateHistory, AnswersAsTheTwoStatesAroundTheTime) {
+TEST(StateHistory, MatchesInterpolationOfSurroundingStates) {
   StateHistory history(2, 8);
   for (int i = 0; i < 20; ++i) {
     history.push(0, on_a_cubic(0.1 * i));
@@ -61,7 +61,7 @@ TEST(StateHistory, AnswersAsTheTwoStatesAroundTheTime) {
   EXPECT_EQ(history.at(0, from_seconds(5.0)).t, from_seconds(1.9));
 }
 
-TEST(VehicleState, VelocitiesAndTimesBetweenAreOnTheLineBetween) {
+TEST(VehicleState, InterpolatesVelocitiesAndTimesLinearly) {
   VehicleState a, b;
   a.t = 1'000;
   b.t = 5'000;
@@ -80,7 +80,7 @@ TEST(VehicleState, VelocitiesAndTimesBetweenAreOnTheLineBetween) {
 }
 
 // Reference: a list of all pushed states, searched from its end.
-TEST(StateHistory, AnswersAsAListOfTheLatestStatesDoes) {
+TEST(StateHistory, MatchesAListOfLatestStates) {
   for (const int capacity : {0, 2, 3, 7}) {
     for (const int pushed : {1, 2, 5, 20}) {
       StateHistory history(3, capacity);

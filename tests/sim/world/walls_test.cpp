@@ -57,7 +57,7 @@ std::size_t num_reached(const std::vector<std::pair<int, int>>& ways) {
   return reached.size();
 }
 
-TEST(Walls, OneWayLeadsFromAnyCellOfAMazeToAnyOtherAndNoneOut) {
+TEST(Walls, FormPerfectMazeWithoutExit) {
   const WallsConfig config = maze_of(5, 4);
   std::set<std::vector<std::pair<int, int>>> mazes;
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -69,7 +69,7 @@ TEST(Walls, OneWayLeadsFromAnyCellOfAMazeToAnyOtherAndNoneOut) {
   EXPECT_EQ(mazes.size(), 3U) << "another one for each seed";
 }
 
-TEST(Walls, WithLoopsMoreThanOneWayLeadsOn) {
+TEST(Walls, HaveAlternativePathsWithLoops) {
   WallsConfig config = maze_of(5, 4);
   config.maze.loops = 0.5;
   EXPECT_GT(openings(make_walls(config, 1), config.maze).size(), 22U);
@@ -77,7 +77,7 @@ TEST(Walls, WithLoopsMoreThanOneWayLeadsOn) {
   EXPECT_EQ(openings(make_walls(config, 1), config.maze).size(), 4U * 4U + 5U * 3U);
 }
 
-TEST(Walls, AWallStandsBetweenItsCornersAsThickAndHighAsSet) {
+TEST(Walls, StandBetweenCornersWithSetDimensions) {
   WallsConfig config;
   config.thickness_m = 0.4;
   config.walls.push_back({{Vector3d(4, -3, 0), Vector3d(4, 3, 0), Vector3d(0, 3, 0)}, 2.5});

@@ -23,7 +23,7 @@ WarehouseConfig empty_racks() {
 
 double racks_end_x_m(const WarehouseConfig& config) { return 0.5 * config.num_bays() * config.bay_width_m; }
 
-TEST(Warehouse, EveryAisleIsAsWideAsPromisedBetweenItsRacks) {
+TEST(Warehouse, KeepsPromisedAisleWidthBetweenRacks) {
   const WarehouseConfig config = empty_racks();
   const Scene scene = make_warehouse(config, 1);
   ASSERT_GE(config.aisle_width(), config.aisle_width_m);
@@ -34,7 +34,7 @@ TEST(Warehouse, EveryAisleIsAsWideAsPromisedBetweenItsRacks) {
   }
 }
 
-TEST(Warehouse, AsManyBaysAsFitLeaveTheEndAislesFree) {
+TEST(Warehouse, FillsBaysLeavingEndAislesFree) {
   for (const double end_aisle_m : {3.0, 4.4, 5.0, 6.1}) {
     WarehouseConfig config;
     config.end_aisle_m = end_aisle_m;
@@ -44,7 +44,7 @@ TEST(Warehouse, AsManyBaysAsFitLeaveTheEndAislesFree) {
   }
 }
 
-TEST(Warehouse, BaysAreFreeBetweenTheirUprightsAndUnderTheirBeams) {
+TEST(Warehouse, KeepsBaysOpenBetweenTheirUprights) {
   const WarehouseConfig config = empty_racks();
   const Scene scene = make_warehouse(config, 1);
   const double face_m = config.row_center_y_m(1) + 0.1 + 0.05;  // inside the uprights of the northern rack
@@ -56,7 +56,7 @@ TEST(Warehouse, BaysAreFreeBetweenTheirUprightsAndUnderTheirBeams) {
   }
 }
 
-TEST(Warehouse, RoofCoversTheWallsAndNothingElse) {
+TEST(Warehouse, RoofCoversExactlyTheWalls) {
   const Scene scene = make_warehouse(empty_racks(), 1);
   const Eigen::AlignedBox3d walls = bounds_of(scene, SurfaceClass::kWall),
                             roof = bounds_of(scene, SurfaceClass::kCeiling);
@@ -66,7 +66,7 @@ TEST(Warehouse, RoofCoversTheWallsAndNothingElse) {
   EXPECT_NEAR(walls.sizes().y(), 26.0 + 2 * 0.2, 1e-4);
 }
 
-TEST(Warehouse, TheLeavesFillTheGateOnBothSidesOfTheDoor) {
+TEST(Warehouse, FillsGateWithBothDoorLeaves) {
   WarehouseConfig config = empty_racks();
   config.door_offset_m = 1.5;
   const auto leaves = bounds_of(make_warehouse(config, 1), SurfaceClass::kDoor);
@@ -75,7 +75,7 @@ TEST(Warehouse, TheLeavesFillTheGateOnBothSidesOfTheDoor) {
   EXPECT_NEAR(leaves.max().z(), config.gate_height_m, 1e-4);
 }
 
-TEST(Warehouse, TapeRunsAlongBothSidesOfEveryAisleFromEndToEndOfTheRacks) {
+TEST(Warehouse, TapesBothSidesOfEveryAisle) {
   const WarehouseConfig config = empty_racks();
   const Scene scene = make_warehouse(config, 1);
   const auto tapes = bounds_of_each(scene, SurfaceClass::kMarking);
@@ -94,7 +94,7 @@ TEST(Warehouse, TapeRunsAlongBothSidesOfEveryAisleFromEndToEndOfTheRacks) {
 
 // EUR pallets, 1.2 x 0.8 x 0.144 m. A load stays on its pallet, and a pallet and its load stay in their place of the
 // rack.
-TEST(Warehouse, PalletsHaveTheSizeOfTheStandardAndTheirLoadsStayOnThem) {
+TEST(Warehouse, KeepsLoadsOnStandardSizePallets) {
   WarehouseConfig config;
   config.fill = 1.0;
   const Scene scene = make_warehouse(config, 3);
@@ -123,7 +123,7 @@ TEST(Warehouse, PalletsHaveTheSizeOfTheStandardAndTheirLoadsStayOnThem) {
   EXPECT_EQ(num_pallets, 1);
 }
 
-TEST(Warehouse, ThingsOfAClassAreNumberedFromOneWithoutGaps) {
+TEST(Warehouse, NumbersThingsPerClassWithoutGaps) {
   const Scene scene = make_warehouse({}, 1);
   for (const SurfaceClass surface_class :
        {SurfaceClass::kWall, SurfaceClass::kDoor, SurfaceClass::kCeiling, SurfaceClass::kPillar, SurfaceClass::kRack,
