@@ -124,7 +124,7 @@ TEST(Fields, BeginsEachColumnDescriptionWithUnit) {
 }
 
 // Hash, tables, bytes: all come from `visit`, so nothing may be missing there.
-TEST(Fields, VisitsByteThatIsNotPadding) {
+TEST(Fields, VisitsEveryByteExceptPadding) {
   const Observation nothing;
   Observation::each_samples(
       nothing, []<class Sample>(const std::vector<Sample>&) { EXPECT_TRUE(forgets<Sample>(0)) << Sample::kName; });

@@ -106,7 +106,7 @@ TEST(CaptureMetric, RecordsVehiclePlaceAndSpeedCaptures) {
   EXPECT_EQ(rows[0].p_world_m, Vector3(0.6, 0.8, 8.5));
 }
 
-TEST(CaptureMetric, CountsMinutesUntilTheOwnCrash) {
+TEST(CaptureMetric, CountsPerMinuteUntilOwnCrash) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 20.0, 8.9}) run.put_target({0.0, 0.0, z_m});
   ASSERT_EQ(run.value("captures"), 2.0);

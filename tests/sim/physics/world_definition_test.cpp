@@ -96,7 +96,7 @@ TEST(Crash, RequiresTheCrashSpeedForBodies) {
 }
 
 // The other vehicle's propeller turns, the own ones do not: both break.
-TEST(Crash, BreaksBothPropellersThatTouch) {
+TEST(Crash, BreaksBothAtATurningPropeller) {
   for (const bool turning : {false, true}) {
     PhysicsConfig config = bare_physics();
     config.contacts = true;

@@ -64,7 +64,7 @@ double elevation_of(const BeamTable& beams, int i) {
 }
 
 /// Within a cell's size of the nearest beam, that one; farther from all of them, none.
-TEST(BeamLookup, FindsTheNearestBeamWithoutRows) {
+TEST(BeamLookup, FindsNearestOfScatteredBeams) {
   for (const std::uint32_t count : {300U, 4000U}) {
     const Random random(count, "test.scattered");
     BeamTable beams;

@@ -330,7 +330,7 @@ TEST(Renderer, PointSizeIsIndependentOfDistance) {
   }
 }
 
-TEST(Renderer, DrawsLinesAsColoredPairsEnds) {
+TEST(Renderer, DrawsLinesAsColoredEndPairs) {
   BoxWorld world;
   world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), {});
