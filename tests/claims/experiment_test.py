@@ -103,7 +103,9 @@ class Experiments(unittest.TestCase):
 
     def test_a_killed_experiment_runs_only_what_is_missing(self):
         calls = [{"base": 10, "exponent": exponent} for exponent in range(4)]
-        whole = self.experiment(jobs=2).map(math_pow, calls)
+        first = self.experiment(jobs=2)
+        whole = first.map(math_pow, calls)
+        first.close()
         log = self.path / "rbl-real/flights.jsonl"
         lines = log.read_text().splitlines(keepends=True)
         # Foreign lines, a finished one with a mark, and one that was cut off by the kill.
@@ -111,6 +113,7 @@ class Experiments(unittest.TestCase):
         log.write_text("[1, 2]\n{\"key\": 3}\n" + lines[0] + json.dumps({**kept, "result": -1}) + "\n" + lines[2][:30])
         resumed = self.experiment(resume=True)
         results = resumed.map(math_pow, calls)
+        resumed.close()
         self.assertEqual(sum(result == -1 for result in results), 1, "what is finished is not computed again")
         self.assertEqual([w for w, r in zip(whole, results) if r != -1], [r for r in results if r != -1])
         self.assertEqual(self.experiment().map(math_pow, calls), whole, "not asked to resume")
@@ -155,6 +158,19 @@ class Experiments(unittest.TestCase):
             self.assertEqual(result.returncode, 2)
             for text in texts:
                 self.assertIn(text, result.stderr)
+
+
+    def test_one_run_at_a_time_writes_a_folder(self):
+        first, second = self.experiment(), self.experiment(resume=True)
+        first.map(math_pow, [{"base": 2, "exponent": 3}])
+        with self.assertRaisesRegex(BlockingIOError, "another run of rbl-real"):
+            second.map(math_pow, [{"base": 2, "exponent": 3}])
+
+    def test_a_folder_that_cannot_be_made_is_one_message(self):
+        (self.path / "file").write_text("")
+        result = self.run_program("rbl-ghosts", "--quick", "--out", "file/x")
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
 
 
 def math_pow(base, exponent):

@@ -60,6 +60,11 @@ def run(name, doc, options):
     return experiment
 
 
+def run_all(names, known, options):
+    """Runs the experiments; returns how many rows differ from what was published."""
+    return sum(row["verdict"] == "differs" for name in names for row in run(name, known[name], options).rows)
+
+
 def main():
     known = experiments()
     options = arguments(known)
@@ -70,9 +75,15 @@ def main():
     if options.write_docs:
         from shared import pages
         return pages.write(pathlib.Path(options.out), known)
-    differing = 0
-    for name in options.names or known:
-        differing += sum(row["verdict"] == "differs" for row in run(name, known[name], options).rows)
+    import swiftlet
+    try:
+        differing = run_all(options.names or known, known, options)
+    except (OSError, swiftlet.InputError) as error:
+        print(f"tools/reproduce: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("tools/reproduce: interrupted; --resume goes on with what is finished", file=sys.stderr)
+        return 130
     if differing and not options.quiet:
         print(f"{differing} result{'s differ' if differing > 1 else ' differs'} from what was published")
     return 0

@@ -8,7 +8,7 @@ import swiftlet
 from shared.guidance import GUIDING
 
 SENDERS = {"path for the secondary": 0, "odometry of the secondary": 1}  # numbers of the vehicles
-BIN_BYTES = 16  # of the histogram
+BIN_BYTES = 16  # width of a bin of the histogram
 
 
 def listen(source, changes):

@@ -12,7 +12,7 @@ import swiftlet
 from shared.detection import covariances_m2, draw_by_distance, fly_agile, visible
 
 FEWEST = 30  # detections that a bin needs to be compared with theory
-SAMPLES = 1000000  # of the noise, for the mean of its norm
+SAMPLES = 1000000  # draws of the noise, for the mean of its norm
 
 
 def theory_with_bias_m(range_m, bias_m):
@@ -27,7 +27,7 @@ def run(experiment):
     ideal = fly_agile(experiment, "detection_ideal", 355.0)
     detections, tracks = visible(noisy, "detector"), visible(noisy, "tracker")
     exact = visible(ideal, "detector").bins()
-    expected_m, off = {}, {}  # by the middle of the bin
+    expected_m, off = {}, {}  # keys: middle of the distance bin [m]
     for middle_m, there in detections.bins().items():
         if middle_m in exact and min(there.found.sum(), exact[middle_m].found.sum()) >= FEWEST:
             expected_m[middle_m] = theory_with_bias_m(middle_m, float(exact[middle_m].errors_m().mean()))

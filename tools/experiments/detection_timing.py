@@ -58,7 +58,7 @@ def stage_times_ms(duration_s):
     flown = swiftlet.load(SCENARIO, {**SEEDS, "duration_s": duration_s, DETECTOR: none, TRACKER: none})
     simulator = swiftlet.Simulator(flown, threads=1)
     observer = simulator.vehicle(0)
-    ticks = []  # of each: its times [ms] with detector, neither and tracker; numbers of tracks and detections
+    ticks = []  # per tick: times [ms] with detector, neither and tracker; numbers of tracks and detections
     while not simulator.finished:
         simulator.tick()
         times_ms = []

@@ -17,7 +17,7 @@ BEST, TRUTH, FULL, ONCE, SINGLE = TEAMS = ("true places, the secondary's map", "
 DISTANCES_M = [0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6]  # safe distances of the planner
 QUICK_DISTANCES_M = [0.2, 0.3, 0.6]
 AROUND_M = 0.05 + 1e-9  # distance from the crossing of 90 % within which three times as many flights are flown
-HEIGHT_M = 1.5  # of starts and goals
+HEIGHT_M = 1.5  # height of starts and goals
 GUIDE, SECONDARY = "vehicles[0].", "vehicles[1]."
 
 KNOWN_PLACES = {  # both vehicles use true poses, also for each other

@@ -12,9 +12,9 @@ from swiftlet.functions import Random
 
 DOORS_M = {1.2: (0.5, 1.0), 1.1: (0.45, 1.0), 1.0: (0.4, 1.0), 0.9: (0.4, 0.8)}  # width: safe distance, least share of passes
 PASSAGE = [20.1, 0.0, 0.0]  # x [m], y [m], yaw [rad] of the door: in the middle of the wall of the scenario
-STARTS_M = ((15.6, -2.5, 1.5), (17.4, 0.0, 1.5))  # of the guide and of the guided vehicle, world frame
-SPREAD_M = 0.3  # of the starts, along x and y, to both sides
-PASSES = 2  # of a flight
+STARTS_M = ((15.6, -2.5, 1.5), (17.4, 0.0, 1.5))  # starts of guide and guided vehicle, world frame
+SPREAD_M = 0.3  # largest shift of a start along x and y, to both sides
+PASSES = 2  # passes through the door in a flight
 
 
 def flight_through(width_m, safe_distance_m, seed):

@@ -9,7 +9,7 @@ import numpy as np
 import swiftlet
 
 STEP_S, SCAN_STEPS = 0.02, 5  # step of the software [s], steps from scan to scan
-END_S = 8.0  # of the run
+END_S = 8.0  # end of the run
 ENTERS_S, LEAVES_S = 2.0, 4.5  # times of the first scan with the object and of the first without it
 OBJECT_RADIUS_M = 0.15  # sphere
 VOXEL_M = np.array([10.125, 0.125, 0.125])  # center of the voxel and of the object; the LiDAR is at 0

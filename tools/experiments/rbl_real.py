@@ -8,7 +8,7 @@ import numpy as np
 from rbl_forest import fly_forest, write_flights
 from shared.statistics import mean_and_deviation
 
-START_M, GOAL_M = np.array([-22.0, -33.0, 2.0]), np.array([22.0, 33.0, 5.0])  # of the scenario, world frame
+START_M, GOAL_M = np.array([-22.0, -33.0, 2.0]), np.array([22.0, 33.0, 5.0])  # start and goal of the scenario, world frame
 FLIGHTS = {"conservative": (45.0, 0.55), "aggressive": (32.0, 0.8)}  # distance of the goal [m], speed [m/s]
 
 

@@ -17,14 +17,14 @@ from shared.rbl_prediction import BLIND, INTRUDER, LATE, NO_INTRUDER, NOISE, pre
 from shared.statistics import mean_and_deviation
 from swiftlet.functions import Random
 
-VEHICLES, RADIUS_M, HEIGHT_M = 10, 10.0, 8.0  # of the circle; center above the ground
+VEHICLES, RADIUS_M, HEIGHT_M = 10, 10.0, 8.0  # circle: vehicles, radius, height of its center above the ground
 RBL = {"type": "rbl", "variant": "3d_z", "z_max_m": 2.0 * HEIGHT_M, "cells": {"step_m": 0.35}}
 SENSORS = {  # changes of the sensor for neighbors
     "a hovering vehicle in one goal": {}, "one sample in 2 s": {"rate_hz": 0.5}, "90 % dropout": {"dropout_probability": 0.9},
     "delay of 0.4 s": {"latency_s": 0.4}, "noise of 0.2 of the range": {"sigma_range_relative": 0.2},
     "an intruder at 4 m/s": {"ideal": True}}
 INTRUDER_MPS = 4.0
-QUICK_EPISODES = "282,710,848,976"  # of the batch, drawn at random
+QUICK_EPISODES = "282,710,848,976"  # episodes of the batch, drawn at random once
 
 
 def scene(condition, document, seed):

@@ -13,7 +13,7 @@ SCENARIO = "campus_closure"
 FORMS = {"none": "at once", "printed": "eq. 2 as printed", "released": "eq. 2 as released", "limited": "limited"}
 STEEPNESS, MIDDLE_S, WINDOW_S = 1.5, 3.0, 7.0  # [Orsulic 2021, eq. 2]
 SPEED_MAX_MPS, ACCELERATION_MAX_MPS2, JERK_MAX_MPS3 = 0.25, 0.1, 0.15  # limits of the limited form: keys of global.blend
-STEP_S = 1e-3  # of the computed courses
+STEP_S = 1e-3  # time step of the computed corrections
 STEP_MAX_M = 1e-5  # within a tick: no step
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from shared.point_noise import COMBINATIONS, SIGMA_M, SIGMA_RAD, covariances_m2, panels, sample_errors_m
 from swiftlet.functions import box_probability
 
-EDGE_M = 1.0  # of a voxel, as published
-RANGE_M = np.arange(0.0, 81.0)  # of the figure
+EDGE_M = 1.0  # voxel edge, as published
+RANGE_M = np.arange(0.0, 81.0)  # ranges in the figure
 
 
 def in_the_middle(sigma_rad, sigma_m, range_m):

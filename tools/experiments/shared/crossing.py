@@ -75,10 +75,10 @@ class Crossings:
         self.success = len(succeeded) / seeds  # share of flights without contact in which all vehicles arrive
         self.arrived = sum(arrived) / (seeds * case["num_vehicles"])  # share of all vehicles
         self.contact = sum(flight["contact"] for flight in self.flights) / seeds  # share of flights
-        self.length_m = [length_m for flight in succeeded for length_m in flight["length_m"]]  # of each vehicle
+        self.length_m = [length_m for flight in succeeded for length_m in flight["length_m"]]  # one per vehicle
         self.time_s = [time_s for flight in succeeded for time_s in flight["time_s"]]
-        self.slowest_s = [max(flight["time_s"]) for flight in succeeded]  # of each flight
-        self.mean_time_s = {  # by seed, of the vehicles that arrive; without flights with contact
+        self.slowest_s = [max(flight["time_s"]) for flight in succeeded]  # one per flight
+        self.mean_time_s = {  # key: seed; vehicles that arrive, flights without contact
             flight["seed"]: float(np.mean([time_s for time_s in flight["time_s"] if time_s is not None]))
             for flight, count in zip(self.flights, arrived) if count > 0 and not flight["contact"]}
         self.least_distance_m = min(flight["min_separation_m"] for flight in self.flights)

@@ -71,7 +71,7 @@ def fly_sightings(source, changes, fov_deg):
     simulator = swiftlet.Simulator(scenario, threads=1)
     observer = simulator.vehicle(0)
     result = {"detector": [], "tracker": [], "reported": {"detector": 0, "tracker": 0}, "false": {"detector": 0, "tracker": 0}}
-    truth = []  # of each tick: pose of the observer, transformation to the believed world, places of the targets
+    truth = []  # per tick: pose of the observer, transformation to the believed world, places of the targets
     newest = waiting = processed = None  # sightings of scans: the newest one; those of the detector
     tracks_due = False  # no tracks since the newest scan
     identities = set()
@@ -104,7 +104,7 @@ def fly_sightings(source, changes, fov_deg):
         for scan in observer.scans:
             newest = waiting = targets_of(scan, fov_deg, at(scan.t_ns + round(5e8 * scan.duration_s)))
             tracks_due = evaluated
-        if observer.detections is not None:  # of the scan that the detector took when it was last free
+        if observer.detections is not None:  # they belong to the scan that the detector took when it was last free
             if processed[0][0] >= IGNORED_S:
                 add("detector", processed, observer.detections)
             processed = None

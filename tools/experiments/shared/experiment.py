@@ -2,6 +2,7 @@
 """One experiment: its options, its table of published against ours, and the files it writes."""
 import concurrent.futures
 import csv
+import fcntl
 import hashlib
 import io
 import json
@@ -9,6 +10,7 @@ import math
 import multiprocessing
 import os
 import pathlib
+import signal
 import sys
 import time
 
@@ -16,6 +18,11 @@ import swiftlet
 
 from . import published
 from .tables import markdown, short_number, write_file
+
+
+def _end_by_interrupt():
+    """Ctrl-C ends a worker without a message; the experiment itself reports it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _call(work, arguments):
@@ -59,7 +66,7 @@ class Experiment:
         argument_of = dict(zip(keys, arguments))
         started = time.monotonic()
         with concurrent.futures.ProcessPoolExecutor(max(1, min(self.jobs, len(missing))),
-                                                    mp_context=multiprocessing.get_context("spawn")) as pool:
+                                                    multiprocessing.get_context("spawn"), _end_by_interrupt) as pool:
             futures = {pool.submit(_call, work, argument_of[key]): key for key in missing}
             try:
                 for count, future in enumerate(concurrent.futures.as_completed(futures), len(set(keys)) - len(missing) + 1):
@@ -67,7 +74,8 @@ class Experiment:
                     self._keep(futures[future], future.result())
                     self._progress(f"{count} of {len(set(keys))} {what}", started)
             except BaseException:
-                pool.shutdown(cancel_futures=True)
+                for worker in multiprocessing.active_children():
+                    worker.terminate()
                 raise
         return [finished[key] for key in keys]
 
@@ -82,19 +90,24 @@ class Experiment:
             self._log.close()
 
     def _finished(self):
+        """{key: result} of what is finished; opens flights.jsonl, which one experiment at a time may write."""
         if self._log is None:
-            path = self.folder / "flights.jsonl"
+            self._log = (self.folder / "flights.jsonl").open("a+", encoding="utf-8")
+            try:
+                fcntl.flock(self._log, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise BlockingIOError(f"{self.folder}: another run of {self.name} writes there; wait, or choose another --out") from None
+            if not self.resume:
+                self._log.truncate(0)
+            self._log.seek(0)
             self._known = {}
-            if self.resume and path.exists():
-                for line in path.read_text(encoding="utf-8").splitlines():
-                    try:
-                        entry = json.loads(line)
-                        self._known[entry["key"]] = entry["result"]
-                    except (ValueError, KeyError, TypeError):
-                        continue  # cut off when the experiment was killed
-            self._log = path.open("w", encoding="utf-8")
-            for key, result in self._known.items():
-                self._log.write(json.dumps({"key": key, "result": result}) + "\n")
+            for line in self._log:
+                try:
+                    entry = json.loads(line)
+                    self._known[entry["key"]] = entry["result"]
+                except (ValueError, KeyError, TypeError):
+                    continue  # foreign, or cut off when the experiment was killed
+            self._log.write("\n" if self._log.tell() else "")  # after a line that was cut off
         return self._known
 
     def _keep(self, key, result):
