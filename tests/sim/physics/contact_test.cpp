@@ -231,5 +231,76 @@ TEST(Crash, IsIndependentOfAdvanceIntervals) {
   }
 }
 
+TEST(Crash, RequiresTheCrashSpeedForBodies) {
+  for (const double speed_mps : {0.45, 0.55}) {  // 0.5 m/s by default
+    PhysicsConfig config = contact_physics();
+    config.gravity_mps2.setZero();
+    PhysicsVehicle vehicle = vehicle_at({0, 0, test_quad().leg_height_m + 0.1});
+    vehicle.start.v_world_mps = {0, 0, -speed_mps};
+    Flight flight(config, {vehicle}, flat_ground());
+    flight.run(0.5);
+    EXPECT_EQ(flight.state().crashed, speed_mps > 0.5) << speed_mps;
+  }
+}
+
+// The other vehicle's propeller turns, the own ones do not: both break.
+TEST(Crash, BreaksBothAtATurningPropeller) {
+  for (const bool turning : {false, true}) {
+    PhysicsConfig config = contact_physics();
+    config.motor_lag = true;
+    config.gravity_mps2.setZero();
+    Airframe weak = test_quad();
+    weak.thrust_constant_N_per_radps2 = 1e-12;
+    weak.rotor_speed_min_radps = 1.0;
+    PhysicsVehicle still = vehicle_at({0, 0, 0}, weak, "still"), moving = vehicle_at({1.0, 0, 0}, weak, "moving");
+    moving.start.v_world_mps = {-0.3, 0, 0};
+    if (turning) moving.start.rotor_speed_radps.fill(200.0);
+    Flight flight(config, {still, moving});
+    flight.command(1, turning ? command_for(weak, 200.0) : kOff);
+    flight.run(2.0);
+    EXPECT_EQ(flight.crashes.size(), turning ? 2U : 0U);
+    EXPECT_LT(flight.state(0).v_world_mps.x(), -0.05) << "they met";
+  }
+}
+
+// The ground has no friction, and gravity is slightly oblique in some tests: a vehicle that is not held slides.
+PhysicsConfig smooth_ground() {
+  PhysicsConfig config = bare_physics();
+  config.contacts = true;
+  config.contact_friction = config.contact_restitution = 0.0;
+  return config;
+}
+
+PhysicsVehicle standing(const Airframe& airframe = test_quad()) {
+  return vehicle_at({0, 0, airframe.leg_height_m}, airframe);
+}
+
+TEST(Rest, IsNotFoundInTheAir) {
+  PhysicsConfig config = smooth_ground();
+  config.gravity_mps2.setZero();
+  PhysicsVehicle vehicle = vehicle_at({0, 0, test_quad().leg_height_m + 0.1});
+  vehicle.start.v_world_mps = {0.004, 0, 0};
+  Flight flight(config, {vehicle}, flat_ground());
+  flight.run(1.0);
+  EXPECT_NEAR(flight.state().p_world_m.x(), 0.004, 1e-9);
+}
+
+TEST(Rest, EndsWhenAnotherVehicleComesNear) {
+  PhysicsConfig config = smooth_ground();
+  config.gravity_mps2 = {0.02, 0, -9.81};
+  PhysicsVehicle resting = standing(),
+                 coming = vehicle_at({9, 0.1, test_quad().leg_height_m + 1.0}, test_quad(), "coming");
+  coming.motors_on = true;
+  coming.start.v_world_mps = {-10, 0, 0};
+  Flight flight(config, {resting, coming}, flat_ground());
+  flight.command(1, command_for(test_quad(), test_quad().hover_rotor_speed_radps()));
+  flight.run(0.5);
+  const double x_m = flight.state().p_world_m.x();
+  EXPECT_EQ(flight.state().v_world_mps.norm(), 0.0);
+  flight.run(0.5);
+  EXPECT_GT(flight.state().p_world_m.x(), x_m) << "while the other one flew over it";
+  EXPECT_FALSE(flight.state().crashed);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

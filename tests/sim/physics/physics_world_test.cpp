@@ -203,13 +203,72 @@ TEST(Memory, AdvanceAllocatesNothingOnceWarm) {
 #endif
 }
 
-TEST(Arguments, RefusesExcessRotorsOrMissingCommands) {
+TEST(Arguments, RefuseExcessRotorsAndMissingCommands) {
   Airframe airframe = test_quad();
   airframe.rotors.resize(9);
   EXPECT_THROW(Flight(bare_physics(), {vehicle_at({0, 0, 0}, airframe)}), std::invalid_argument);
+  airframe.rotors.resize(8);
+  EXPECT_NO_THROW(Flight(bare_physics(), {vehicle_at({0, 0, 0}, airframe)}));
   Flight flight(bare_physics(), {vehicle_at({0, 0, 0})});
   flight.commands.clear();
   EXPECT_THROW(flight.run(0.1), std::invalid_argument);
+  PhysicsConfig endless = bare_physics();
+  endless.step_s = 1e-10;
+  EXPECT_THROW(Flight(endless, {vehicle_at({0, 0, 0})}), std::invalid_argument) << "a step of no duration";
+}
+
+TEST(Start, RunningMotorsHoldTheVehicle) {
+  PhysicsVehicle on = vehicle_at({0, 0, 5}), off = vehicle_at({0, 0, 5});
+  on.motors_on = true;
+  on.start.q_world_body.coeffs() *= 2.0;
+  Flight flying(PhysicsConfig{}, {on}), standing(PhysicsConfig{}, {off});
+  for (std::size_t i = 0; i < kMaxRotors; ++i) {
+    const double hover_radps = i < 4 ? test_quad().hover_rotor_speed_radps() : 0.0;
+    EXPECT_DOUBLE_EQ(flying.state().rotor_speed_radps[i], hover_radps);
+    EXPECT_EQ(standing.state().rotor_speed_radps[i], 0.0);
+  }
+  EXPECT_NEAR(flying.state().q_world_body.norm(), 1.0, 1e-12);
+  Airframe heavy = test_quad();
+  heavy.mass_kg = 100.0;
+  PhysicsVehicle too_heavy = vehicle_at({0, 0, 5}, heavy);
+  too_heavy.motors_on = true;
+  EXPECT_DOUBLE_EQ(Flight(PhysicsConfig{}, {too_heavy}).state().rotor_speed_radps[0], heavy.rotor_speed_max_radps);
+}
+
+// Every pair, and every surface, at any distance.
+TEST(Clearance, IsThatOfAllVehiclePairs) {
+  const Random random(4, "clearance");
+  std::vector<PhysicsVehicle> vehicles;
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    Airframe airframe = test_quad();
+    airframe.propeller_radius_m = 0.05 + 0.2 * random.uniform(i, 0);
+    vehicles.push_back(
+        vehicle_at({12.0 * random.uniform(i, 1), 12.0 * random.uniform(i, 2), 20.0 + 12.0 * random.uniform(i, 3)},
+                   airframe, "uav" + std::to_string(i)));
+    const auto n = random.normal3(i, 4);
+    vehicles.back().start.v_world_mps = 3.0 * Vector3(n[0], n[1], 0.3 * n[2]);
+  }
+  PhysicsConfig config = bare_physics();
+  config.gravity_mps2 = {0, 0, -1.0};
+  Flight flight(config, vehicles, flat_ground());
+  for (int k = 0; k < 60; ++k) {
+    flight.run(0.05);
+    for (VehicleId i = 0; i < 24; ++i) {
+      const double radius_m = vehicles[static_cast<std::size_t>(i)].airframe.circumscribed_radius_m();
+      double nearest_m = std::numeric_limits<double>::infinity();
+      VehicleId nearest = kNoVehicle;
+      for (VehicleId j = 0; j < 24; ++j) {
+        const double gap_m = (flight.state(i).p_world_m - flight.state(j).p_world_m).norm() - radius_m -
+                             vehicles[static_cast<std::size_t>(j)].airframe.circumscribed_radius_m();
+        if (j != i && gap_m < nearest_m) nearest_m = gap_m, nearest = j;
+      }
+      const double most_m = 5.0 + k % 7 * 4.0;
+      const Clearance clearance = flight.world.clearance(i, most_m);
+      EXPECT_NEAR(clearance.vehicle_m, nearest_m, 1e-9);
+      EXPECT_EQ(clearance.nearest_vehicle, nearest);
+      EXPECT_NEAR(clearance.surface_m, std::min(flight.state(i).p_world_m.z() - radius_m, most_m), 1e-4) << k;
+    }
+  }
 }
 
 }  // namespace

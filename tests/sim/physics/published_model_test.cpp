@@ -3,7 +3,6 @@
 // minute, an allocation matrix, a rotation matrix as state, drag in newton.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <numbers>
 
 #include "tests/sim/physics/flight.hpp"
@@ -125,7 +124,6 @@ double off_after_five_seconds_m(const Airframe& airframe) {
 
 TEST(PublishedModel, MatchesFiveTumblingSecondsWithinMillimeters) {
   const double off_m = off_after_five_seconds_m(x500_of_that_model());
-  std::printf("after 5 s: %.2e m off\n", off_m);
   EXPECT_LT(off_m, 0.012);
   Airframe other = x500_of_that_model();
   other.motor_time_constant_up_s *= 1.05;
