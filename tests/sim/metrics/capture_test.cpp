@@ -118,21 +118,6 @@ TEST(CaptureMetric, CountsPerMinuteUntilOwnCrash) {
   EXPECT_NEAR(run.value("captures_per_min"), 60.0 * 2.0 / (4.0 * to_seconds(kTick)), 1e-6);
 }
 
-TEST(CaptureMetric, RearmsBeyondItsDistanceOnly) {
-  for (const double away_m : {3.9, 4.1}) {  // rearm_m is 4 m
-    Chase run;
-    for (const double z_m : {9.5, 8.5, 9.0 + away_m, 8.5}) run.put_target({0.0, 0.0, z_m});
-    EXPECT_EQ(run.value("captures"), away_m < 4.0 ? 1.0 : 2.0);
-  }
-}
-
-TEST(CaptureMetric, BeforeAnythingFlewNothingIsMeasured) {
-  const Chase run;
-  for (const char* name : {"captures_per_min", "capture_miss_mean_m", "least_net_distance_m"}) {
-    EXPECT_TRUE(std::isnan(run.value(name))) << name;
-  }
-}
-
 TEST(CaptureMetric, IsAbsentForVehiclesWithoutNet) {
   Chase run;
   run.put_target({0.0, 0.0, 9.5});
