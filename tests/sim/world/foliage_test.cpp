@@ -59,9 +59,9 @@ TEST(Foliage, SwaysTreesHarmonicallyAlongTheWind) {
 
 TEST(Foliage, LeavesFlutterHarmonicallyByEachAxis) {
   const FoliageMotion motion(breeze(), 7);
-  for (const std::uint32_t way : {0U, 17U, 255U}) {
+  for (const std::uint32_t pattern : {0U, 17U, 255U}) {
     for (int axis = 0; axis < 3; ++axis) {
-      expect_harmonic([&](double t_s) { return motion.flutter_m(way, t_s)[axis]; }, axis == 2 ? 0.025 : 0.05, 3.0);
+      expect_harmonic([&](double t_s) { return motion.flutter_m(pattern, t_s)[axis]; }, axis == 2 ? 0.025 : 0.05, 3.0);
     }
   }
 }
@@ -93,10 +93,10 @@ TEST(Foliage, IsAPureFunctionOfArguments) {
   EXPECT_EQ(a.sway_m(3, 12.5), b.sway_m(3, 12.5));
   EXPECT_NE(a.sway_m(3, 12.5), other.sway_m(3, 12.5));
   EXPECT_NE(a.sway_m(3, 12.5), a.sway_m(4, 12.5));
-  int ways[FoliageMotion::kNumPatterns] = {};
-  for (std::uint32_t leaf = 0; leaf < 25'600; ++leaf) ++ways[a.pattern_of(3, leaf)];
-  EXPECT_GT(*std::min_element(std::begin(ways), std::end(ways)), 50) << "of 100 in the mean";
-  EXPECT_LT(*std::max_element(std::begin(ways), std::end(ways)), 160);
+  int leaves[FoliageMotion::kNumPatterns] = {};
+  for (std::uint32_t leaf = 0; leaf < 25'600; ++leaf) ++leaves[a.pattern_of(3, leaf)];
+  EXPECT_GT(*std::min_element(std::begin(leaves), std::end(leaves)), 50) << "of 100 in the mean";
+  EXPECT_LT(*std::max_element(std::begin(leaves), std::end(leaves)), 160);
 }
 
 TEST(Foliage, WorldsHandItToTheirScene) {

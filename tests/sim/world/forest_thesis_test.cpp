@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "swiftlet/sim/errors.hpp"
-#include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -136,27 +135,6 @@ TEST(ForestThesis, GroundExceedsTheAreaTreesFill) {
   }
   test::expect_uniform(xs, -3.0, 37.0);
   test::expect_uniform(ys, 5.0, 25.0);
-}
-
-TEST(ForestThesis, LowCrownsStayOffClearings) {
-  ForestThesisConfig config;
-  config.keep_clear.clearings = {{{0.0, 0.0}, 5.0}};
-  config.num_trees = 1500;
-  config.min_distance_m = 0.05;
-  for (const double clear_m : {3.0, 5.5}) {
-    config.keep_clear.clear_height_m = clear_m;
-    double nearest_high_m = 1e9, nearest_low_m = 1e9;
-    for (const WorldObject& tree : objects_of(make_forest_thesis(config, 4), SurfaceClass::kTrunk)) {
-      const bool is_above = attribute(tree, "crown_base_m") >= clear_m;
-      const double reach_m = is_above ? 0.5 * attribute(tree, "dbh_m") : attribute(tree, "crown_radius_m");
-      double& nearest_m = is_above ? nearest_high_m : nearest_low_m;
-      nearest_m = std::min(nearest_m, tree.position_world_m.head<2>().norm() - 5.0 - reach_m);
-    }
-    EXPECT_GE(nearest_high_m, 0.0);
-    EXPECT_LT(nearest_high_m, 0.5);
-    EXPECT_GE(nearest_low_m, 0.0);
-    EXPECT_LT(nearest_low_m, 1.0);
-  }
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ struct Swarm {
   /// Steps of up to `step_m`, the same for many ticks, so that vehicles get somewhere.
   void move(std::uint32_t tick, double step_m) {
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const auto way = random.normal3(100 + tick / 40, static_cast<std::uint32_t>(i));
-      states[i].p_world_m += step_m * Vector3(way[0], way[1], way[2]);
+      const auto step = random.normal3(100 + tick / 40, static_cast<std::uint32_t>(i));
+      states[i].p_world_m += step_m * Vector3(step[0], step[1], step[2]);
     }
   }
 
@@ -96,35 +96,6 @@ TEST(Neighborhood, ALoneVehicleHasNone) {
   const std::vector<VehicleState> states(1);
   neighborhood.update(states);
   EXPECT_TRUE(neighborhood.candidates(0).empty());
-}
-
-// Two meters farther than the nearest, counted from their surfaces.
-TEST(Neighborhood, KeepsCandidatesWithinTwoExtraMeters) {
-  Neighborhood neighborhood({0.1, 0.5, 0.2, 0.2, 1.0});
-  std::vector<VehicleState> states(5);
-  states[1].p_world_m = {3.5, 0.0, 0.0};   // 3 m away
-  states[2].p_world_m = {0.0, 5.19, 0.0};  // 4.99 m
-  states[3].p_world_m = {0.0, 0.0, 5.21};  // 5.01 m
-  states[4].p_world_m = {-5.9, 0.0, 0.0};  // 4.9 m
-  neighborhood.update(states);
-  const auto around = neighborhood.candidates(0);
-  EXPECT_EQ(std::vector<VehicleId>(around.begin(), around.end()), (std::vector<VehicleId>{1, 2, 4}));
-}
-
-// The list is rebuilt only after a vehicle has moved by a quarter of that.
-TEST(Neighborhood, UpdatesAfterHalfMeterOfMotion) {
-  Neighborhood neighborhood(std::vector<double>(3, 0.0));
-  std::vector<VehicleState> states(3);
-  states[1].p_world_m = {3.0, 0.0, 0.0};
-  states[2].p_world_m = {0.0, 5.4, 0.0};
-  neighborhood.update(states);
-  ASSERT_EQ(neighborhood.candidates(0).size(), 1U);
-  states[2].p_world_m.y() = 5.4 - 0.48;
-  neighborhood.update(states);
-  EXPECT_EQ(neighborhood.candidates(0).size(), 1U);
-  states[2].p_world_m.y() = 5.4 - 0.51;
-  neighborhood.update(states);
-  EXPECT_EQ(neighborhood.candidates(0).size(), 2U);
 }
 
 }  // namespace

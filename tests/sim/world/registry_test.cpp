@@ -2,9 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <ctime>
-#include <limits>
 #include <map>
 #include <set>
 
@@ -22,50 +19,21 @@ bool needs_file(const WorldType& type) {
 }
 
 TEST(SurfaceClasses, DoNotCollideWithSemanticKitti) {
-  // All labels of semantic-kitti.yaml, and what ours may be called there: "ground" is a road or its edge.
-  const std::map<int, std::string> theirs = {{0, "unlabeled"},
-                                             {1, "outlier"},
-                                             {10, ""},
-                                             {11, ""},
-                                             {13, ""},
-                                             {15, ""},
-                                             {16, ""},
-                                             {18, ""},
-                                             {20, ""},
-                                             {30, ""},
-                                             {31, ""},
-                                             {32, ""},
-                                             {40, "ground"},
-                                             {44, ""},
-                                             {48, "kerb"},
-                                             {49, ""},
-                                             {50, "building"},
-                                             {51, "fence"},
-                                             {52, "other-structure"},
-                                             {60, ""},
-                                             {70, "vegetation"},
-                                             {71, "trunk"},
-                                             {72, "terrain"},
-                                             {80, "pole"},
-                                             {81, "traffic-sign"},
-                                             {99, "object"},
-                                             {252, ""},
-                                             {253, ""},
-                                             {254, ""},
-                                             {255, ""},
-                                             {256, ""},
-                                             {257, ""},
-                                             {258, ""},
-                                             {259, ""}};
+  // All labels of semantic-kitti.yaml, and the classes that share one: "ground" is a road or its edge.
+  const std::set<int> theirs = {0,  1,  10, 11, 13, 15, 16, 18, 20, 30,  31,  32,  40,  44,  48,  49,  50,
+                                51, 52, 60, 70, 71, 72, 80, 81, 99, 252, 253, 254, 255, 256, 257, 258, 259};
+  const std::map<std::string, int> shared = {{"unlabeled", 0},   {"ground", 40},       {"kerb", 48},
+                                             {"building", 50},   {"fence", 51},        {"other-structure", 52},
+                                             {"vegetation", 70}, {"trunk", 71},        {"terrain", 72},
+                                             {"pole", 80},       {"traffic-sign", 81}, {"object", 99}};
   std::set<int> numbers;
   for (const char* name : static_class_names()) {
     const int number = static_cast<int>(*surface_class_of(name));
     EXPECT_TRUE(numbers.insert(number).second) << name;
-    const auto found = theirs.find(number);
-    if (found == theirs.end()) continue;
-    EXPECT_EQ(found->second, name) << number;
+    if (!theirs.contains(number)) continue;
+    ASSERT_TRUE(shared.contains(name)) << name;
+    EXPECT_EQ(shared.at(name), number) << name;
   }
-  EXPECT_GE(numbers.size(), 15U);
 }
 
 TEST(Worlds, ListEveryGeneratorWithValidDefault) {
@@ -137,27 +105,6 @@ TEST(Worlds, AnUnknownTypeIsAnError) {
   Module module(world_module_types(), "field");
   module.type = "feild";
   EXPECT_THROW(make_world(module, 1), std::invalid_argument);
-}
-
-// The time for a million is measured by `swiftlet bench`; this test checks that it grows linearly.
-TEST(Worlds, BuildInTimeLinearInTriangles) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take their time";
-#endif
-  const auto seconds_a_triangle = [](double detail) {
-    ForestConfig config;
-    config.detail = detail;
-    double best_s = std::numeric_limits<double>::infinity();
-    std::size_t num_triangles = 0;
-    for (int attempt = 0; attempt < 3; ++attempt) {
-      const std::clock_t start = std::clock();
-      num_triangles = make_forest(config, 1).num_triangles();
-      best_s = std::min(best_s, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    }
-    EXPECT_GT(num_triangles, detail > 1.0 ? 1000000U : 0U);
-    return best_s / static_cast<double>(num_triangles);
-  };
-  EXPECT_LT(seconds_a_triangle(1.8), 3.0 * seconds_a_triangle(0.5));
 }
 
 }  // namespace

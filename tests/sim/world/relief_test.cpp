@@ -3,64 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <set>
 
-#include "tests/sim/world/world_support.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {
-
-constexpr double kWavelength_m = 16.0;
-
-/// Contribution of one octave, in -1..1: the difference of two reliefs, each divided by its sum of weights.
-double octave_at(int octave, double x_m, double y_m, double amplitude_m = 3.0) {
-  const auto sum_of = [&](int octaves) {
-    if (octaves == 0) return 0.0;
-    const Relief relief({.amplitude_m = amplitude_m, .wavelength_m = kWavelength_m, .octaves = octaves}, 5);
-    return relief.height_m(x_m, y_m) / amplitude_m * (2.0 - std::pow(0.5, octaves - 1));
-  };
-  return (sum_of(octave + 1) - sum_of(octave)) * std::pow(2.0, octave);
-}
-
-TEST(Relief, SumsOctavesHalvingWavelengthAndHeight) {
-  for (const int octave : {0, 1, 2, 3}) {
-    const double cell_m = kWavelength_m / std::pow(2.0, octave);
-    std::vector<double> lattice;
-    for (int column = -10; column < 10; ++column) {
-      for (int row = -10; row < 10; ++row) lattice.push_back(octave_at(octave, cell_m * column, cell_m * row));
-    }
-    test::expect_uniform(lattice, -1.0, 1.0);
-    // Between lattice points: the blend 6 t^5 - 15 t^4 + 10 t^3 along both axes.
-    const Random random(3, "test.relief");
-    for (std::uint32_t i = 0; i < 40; ++i) {
-      const double x = random.uniform(-9.0, 9.0, i, 0), y = random.uniform(-9.0, 9.0, i, 1);
-      const double u = x - std::floor(x), v = y - std::floor(y);
-      const auto blend = [](double t) { return 6.0 * std::pow(t, 5) - 15.0 * std::pow(t, 4) + 10.0 * std::pow(t, 3); };
-      double expected = 0.0;
-      for (const int dx : {0, 1}) {
-        for (const int dy : {0, 1}) {
-          expected += (dx == 1 ? blend(u) : 1.0 - blend(u)) * (dy == 1 ? blend(v) : 1.0 - blend(v)) *
-                      octave_at(octave, cell_m * (std::floor(x) + dx), cell_m * (std::floor(y) + dy));
-        }
-      }
-      EXPECT_NEAR(octave_at(octave, cell_m * x, cell_m * y), expected, 1e-9);
-    }
-  }
-}
-
-TEST(Relief, AmplitudeScalesIndependentOctaves) {
-  double product = 0.0, n = 0.0;
-  for (int column = -15; column < 15; ++column) {
-    for (int row = -15; row < 15; ++row, n += 1.0) {
-      product += octave_at(0, kWavelength_m * column, kWavelength_m * row) *
-                 octave_at(1, 0.5 * kWavelength_m * column, 0.5 * kWavelength_m * row);
-    }
-  }
-  EXPECT_NEAR(product / n, 0.0, 5.0 / 3.0 / std::sqrt(n));
-  EXPECT_NEAR(octave_at(0, 3.0, 7.0, 1.0), octave_at(0, 3.0, 7.0, 5.0), 1e-9);
-  EXPECT_EQ(Relief({.amplitude_m = 0.0}, 1).height_m(3.0, 4.0), 0.0);
-}
 
 std::set<float> lines_of(const Mesh& mesh, int axis) {
   std::set<float> lines;
@@ -84,6 +32,59 @@ TEST(Relief, GroundCellsMatchTheRelief) {
   }
   EXPECT_EQ(make_ground(hills, true, {-4.0, 3.0}, {6.0, 10.5}, 0.5).triangles.size(), 2U)
       << "flat ground is a rectangle";
+}
+
+TEST(Relief, IsSmoothWithinItsAmplitude) {
+  const Relief relief({.amplitude_m = 2.0, .wavelength_m = 20.0, .octaves = 4}, 3);
+  double lowest = 1e9, highest = -1e9, steepest = 0;
+  for (double x = -60; x < 60; x += 0.7) {
+    for (double y = -60; y < 60; y += 0.9) {
+      const double z = relief.height_m(x, y);
+      lowest = std::min(lowest, z), highest = std::max(highest, z);
+      steepest = std::max(steepest, std::abs(relief.height_m(x + 1e-3, y) - z) / 1e-3);
+    }
+  }
+  EXPECT_GE(lowest, -2.0);
+  EXPECT_LE(highest, 2.0);
+  EXPECT_GT(highest - lowest, 1.0);
+  EXPECT_EQ(Relief({.amplitude_m = 0.0}, 1).height_m(3.0, 4.0), 0.0);
+  // An octave of height a and wavelength w rises by at most 2 a 15/8 / w; four octaves of halves add up to 4 times that
+  // over the sum of their weights, 15/8.
+  EXPECT_LE(steepest, 4 * 2.0 * 2.0 * (15.0 / 8.0) / 20.0 / (15.0 / 8.0) + 1e-3);
+}
+
+TEST(Relief, CoversRectangleAndSurroundingRing) {
+  const Relief flat_relief({.amplitude_m = 0.0}, 1), hills({.amplitude_m = 2.0}, 1);
+  const Eigen::Vector2d low(-10.0, -6.5), high(10.0, 6.5);
+  constexpr double kWidth_m = 40.0;
+  for (const bool flat : {true, false}) {
+    const Mesh ground = make_ground(flat ? flat_relief : hills, flat, low, high, 1.3);
+    const Mesh around = make_ground_around(flat ? flat_relief : hills, flat, low, high, 1.3, kWidth_m);
+    // Seen from above.
+    const auto covered_m2 = [](const Mesh& mesh) {
+      double sum_m2 = 0.0;
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const float twice_m2 = (mesh.vertices_mesh_m[b] - mesh.vertices_mesh_m[a])
+                                   .cross(mesh.vertices_mesh_m[c] - mesh.vertices_mesh_m[a])
+                                   .z();
+        EXPECT_GT(twice_m2, 0.0F);
+        sum_m2 += 0.5 * twice_m2;
+      }
+      return sum_m2;
+    };
+    const double inner_m2 = 20.0 * 13.0, outer_m2 = (20.0 + 2 * kWidth_m) * (13.0 + 2 * kWidth_m);
+    EXPECT_NEAR(covered_m2(ground), inner_m2, 1e-2);
+    EXPECT_NEAR(covered_m2(around), outer_m2 - inner_m2, 0.1);
+    EXPECT_TRUE(bounds_m(ground).min().head<2>().isApprox(low.cast<float>()));
+    EXPECT_TRUE(bounds_m(ground).max().head<2>().isApprox(high.cast<float>()));
+    EXPECT_TRUE(bounds_m(around).min().head<2>().isApprox((low.array() - kWidth_m).matrix().cast<float>()));
+    EXPECT_TRUE(bounds_m(around).max().head<2>().isApprox((high.array() + kWidth_m).matrix().cast<float>()));
+    std::vector<bool> is_used(around.vertices_mesh_m.size());
+    for (const auto& triangle : around.triangles) {
+      for (const std::uint32_t corner : triangle) is_used.at(corner) = true;
+    }
+    EXPECT_EQ(std::count(is_used.begin(), is_used.end(), false), 0);
+  }
 }
 
 }  // namespace

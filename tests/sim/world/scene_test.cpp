@@ -5,17 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
-#include <set>
-#include <sstream>
 
-#include "sim/world/building.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/world/cloud.hpp"
-#include "swiftlet/sim/world/empty.hpp"
 #include "swiftlet/sim/world/export.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 #include "tests/sim/world/world_support.hpp"
@@ -136,36 +131,6 @@ TEST(Dice, ThrowsEvenlyAndIndependentlyPerKey) {
   test::expect_uniform(direction_angles, -M_PI, M_PI);
 }
 
-TEST(Wall, HasNoPiecesWithoutExtent) {
-  Mesh mesh;
-  const Opening whole[] = {{2.0, 4.0, 0.0, 3.0}};
-  add_wall(mesh, {0, 0}, {4, 0}, 3.0, 0.2, whole);
-  EXPECT_TRUE(mesh.triangles.empty());
-  const Opening beside[] = {{1.0, 2.0, 0.0, 3.0}, {3.0, 2.0, 1.0, 2.0}};  // side by side
-  add_wall(mesh, {0, 0}, {4, 0}, 3.0, 0.2, beside, 0.5);
-  std::vector<Eigen::AlignedBox3d> found;
-  for (const test::Piece& piece : test::pieces_in(mesh)) found.push_back(test::box_around(piece));
-  test::expect_boxes(
-      found, {{Vector3d(2, -0.1, 0.5), Vector3d(4, 0.1, 1.5)}, {Vector3d(2, -0.1, 2.5), Vector3d(4, 0.1, 3.5)}});
-}
-
-TEST(Empty, GroundHasSizeReflectivityAndNormal) {
-  EmptyConfig config;
-  config.ground = true;
-  config.size_m = {30.0, 20.0};
-  config.reflectivity = 0.27;
-  const Scene scene = make_empty(config, 1);
-  EXPECT_TRUE(scene.bounds_m.isApprox(Eigen::AlignedBox3d(Vector3d(-15, -10, 0), Vector3d(15, 10, 0)), 1e-6));
-  EXPECT_EQ(scene.materials.at(0).reflectivity, 0.27F);
-  EXPECT_NEAR(scene.materials[0].color_rgb.mean(), 0.5F, 0.1F);
-  EXPECT_LT(scene.materials[0].color_rgb.maxCoeff() - scene.materials[0].color_rgb.minCoeff(), 0.1F) << "gray";
-  EXPECT_NEAR(area_m2(scene.meshes[0]), 600.0, 1e-3);
-  for (const auto& [a, b, c] : scene.meshes[0].triangles) {
-    const auto& v = scene.meshes[0].vertices_mesh_m;
-    EXPECT_GT((v[b] - v[a]).cross(v[c] - v[a]).z(), 0.0F);
-  }
-}
-
 Scene two_boxes() {
   SceneBuilder builder;
   const std::uint32_t mesh = builder.add_mesh(box_mesh({0, 0, 0}, {1, 2, 4}), kTape, SurfaceClass::kMarking);
@@ -177,47 +142,9 @@ Scene two_boxes() {
   return builder.finish();
 }
 
-TEST(Export, ObjHasCornersTrianglesAndMaterials) {
+TEST(Export, ListsMaterialsAndObjects) {
   const TemporaryDirectory folder;
-  const Scene scene = two_boxes();
-  export_world(scene, folder.path() / "w.obj");
-  std::istringstream lines(read_whole_file(folder.path() / "w.obj"));
-  std::vector<Vector3d> corners;
-  std::vector<std::string> names, materials;
-  std::vector<std::array<std::size_t, 3>> faces;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string kind, name;
-    words >> kind;
-    if (kind == "v") {
-      Vector3d p;
-      words >> p.x() >> p.y() >> p.z();
-      corners.push_back(p);
-    } else if (kind == "f") {
-      std::array<std::size_t, 3> face{};
-      words >> face[0] >> face[1] >> face[2];
-      faces.push_back(face);
-    } else if (kind == "o" || kind == "usemtl") {
-      words >> name;
-      (kind == "o" ? names : materials).push_back(name);
-    } else if (kind == "mtllib") {
-      words >> name;
-      EXPECT_EQ(name, "w.mtl");
-    }
-  }
-  EXPECT_THAT(names, testing::ElementsAre("wall_3_0", "marking_1_1", "marking_2_2"));
-  EXPECT_THAT(materials, testing::ElementsAre("gray", "tape", "tape"));
-  std::size_t corner = 0, face = 0, first = 1;
-  ASSERT_EQ(corners.size(), 24U);
-  ASSERT_EQ(faces.size(), 36U);
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (const Vector3f& vertex : mesh.vertices_mesh_m)
-      EXPECT_TRUE(corners[corner++].isApprox((instance.T_world_mesh * vertex).cast<double>(), 1e-5));
-    for (const auto& t : mesh.triangles)
-      EXPECT_EQ(faces[face++], (std::array<std::size_t, 3>{first + t[0], first + t[1], first + t[2]}));
-    first += mesh.vertices_mesh_m.size();
-  }
+  export_world(two_boxes(), folder.path() / "w.obj");
   const std::string mtl = read_whole_file(folder.path() / "w.mtl");
   EXPECT_THAT(mtl, testing::HasSubstr("newmtl gray\n# reflectivity 0.4\nKd 0.5 0.5 0.5\n"));
   EXPECT_THAT(mtl, testing::HasSubstr("newmtl tape\n# reflectivity 0.9 retroreflective\nKd 1 0.25 0\n"));
@@ -225,85 +152,6 @@ TEST(Export, ObjHasCornersTrianglesAndMaterials) {
             "class,instance,kind,x_m,y_m,z_m,yaw_rad,length_m,height_m\n"
             "wall,3,hide,1.5,-2,3,0.25,4,\n"
             "marking,1,sign,0,0.5,0,-1,0.125,2\n");
-}
-
-TEST(Export, PlyMatchesInBinary) {
-  const TemporaryDirectory folder;
-  const Scene scene = two_boxes();
-  export_world(scene, folder.path() / "w.ply");
-  const std::string content = read_whole_file(folder.path() / "w.ply");
-  EXPECT_THAT(content, testing::HasSubstr("element vertex 24\n"));
-  EXPECT_THAT(content, testing::HasSubstr("element face 36\n"));
-  const char* at = content.data() + content.find("end_header\n") + 11;
-  const auto take = [&]<class Value>(Value value) {
-    std::memcpy(&value, at, sizeof value);
-    at += sizeof value;
-    return value;
-  };
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    const bool is_tape = mesh.surface_class == SurfaceClass::kMarking;
-    for (const Vector3f& vertex : mesh.vertices_mesh_m) {
-      const float x = take(0.0F), y = take(0.0F), z = take(0.0F);
-      EXPECT_TRUE(Vector3f(x, y, z).isApprox(instance.T_world_mesh * vertex, 1e-5F));
-      const int red = take(std::uint8_t{}), green = take(std::uint8_t{}), blue = take(std::uint8_t{});
-      EXPECT_EQ(std::tuple(red, green, blue), is_tape ? std::tuple(255, 64, 0) : std::tuple(128, 128, 128));
-      EXPECT_EQ(take(std::uint16_t{}), is_tape ? 82 : 351);
-      EXPECT_EQ(take(std::uint16_t{}), instance.instance);
-      EXPECT_EQ(take(0.0F), is_tape ? 0.9F : 0.4F);
-      EXPECT_EQ(take(std::uint8_t{}), is_tape ? 1 : 0);
-    }
-  }
-  std::int32_t first = 0;
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (const auto& t : mesh.triangles) {
-      EXPECT_EQ(take(std::uint8_t{}), 3);
-      for (const std::uint32_t corner : t) EXPECT_EQ(take(std::int32_t{}), first + static_cast<std::int32_t>(corner));
-    }
-    first += static_cast<std::int32_t>(mesh.vertices_mesh_m.size());
-  }
-  EXPECT_EQ(at, content.data() + content.size());
-}
-
-// Twenty bits of voxels to each side, less a margin of two.
-TEST(Voxels, EndAMillionVoxelsFromOrigin) {
-  constexpr double kReach = 1048576.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-1.0, 1.0}) {
-      Vector3d p = Vector3d::Constant(0.5);
-      p[axis] = sign * (kReach - 3.0) + 0.5;
-      const Mesh mesh = voxelize(std::vector<Vector3d>{p}, 1.0, 1);
-      ASSERT_EQ(mesh.triangles.size(), 12U);
-      EXPECT_EQ(bounds_m(mesh).min()[axis], static_cast<float>(sign * (kReach - 3.0)));
-      p[axis] = sign * (kReach - 2.0) + 0.5;
-      EXPECT_THROW(voxelize(std::vector<Vector3d>{p}, 1.0, 1), InputError);
-    }
-  }
-}
-
-TEST(Voxels, FacesPointOutwardFromSolid) {
-  const Random random(3, "test.voxels");
-  std::set<std::array<int, 3>> voxels;
-  std::vector<Vector3d> points;
-  for (std::uint32_t i = 0; i < 150; ++i) {
-    std::array<int, 3> voxel{};
-    for (int axis = 0; axis < 3; ++axis) voxel[axis] = static_cast<int>(random.uniform(0.0, 6.0, i, axis)) - 3;
-    voxels.insert(voxel);
-    points.emplace_back(voxel[0] + 0.4, voxel[1] + 0.5, voxel[2] + 0.6);
-  }
-  const Mesh mesh = voxelize(points, 1.0, 1);
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vector3d a = mesh.vertices_mesh_m[i].cast<double>(), b = mesh.vertices_mesh_m[j].cast<double>(),
-                   c = mesh.vertices_mesh_m[k].cast<double>();
-    const Vector3d normal = (b - a).cross(c - a).normalized(), middle = (a + b + c) / 3.0;
-    const auto solid = [&](const Vector3d& p) {
-      return voxels.contains({static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
-                              static_cast<int>(std::floor(p.z()))});
-    };
-    EXPECT_TRUE(solid(middle - 0.01 * normal)) << middle.transpose();
-    EXPECT_FALSE(solid(middle + 0.01 * normal)) << middle.transpose();
-  }
 }
 
 TEST(Cloud, IsScaledTurnedAndShifted) {
@@ -314,6 +162,8 @@ TEST(Cloud, IsScaledTurnedAndShifted) {
   config.file = (folder.path() / "a.pcd").string();
   config.scale = 0.01;
   config.leaf_m = 0.4;
+  config.surface_class = "building";
+  config.reflectivity = 0.7;
   config.yaw_deg = 90.0;
   config.position_m = {10.0, 0.0, 1.1};  // to 7.9, 1, 4.1 m
   const Scene scene = make_cloud(config, 1);
@@ -321,7 +171,8 @@ TEST(Cloud, IsScaledTurnedAndShifted) {
   EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(8.0, 1.2, 4.4), 1e-5));
   ASSERT_EQ(scene.instances.size(), 1U);
   EXPECT_EQ(scene.instances[0].instance, 1);
-  EXPECT_NEAR(scene.materials[0].color_rgb.mean(), 0.6F, 0.1F);
+  EXPECT_EQ(scene.meshes[0].surface_class, SurfaceClass::kBuilding);
+  EXPECT_EQ(scene.materials[0].reflectivity, 0.7F);
   config.file.clear();
   EXPECT_THROW(make_cloud(config, 1), InputError);
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 
 namespace swiftlet::sim {
 namespace {
@@ -44,21 +43,6 @@ TEST(VehicleState, HoldsTheNearerStateOutside) {
   const VehicleState a = on_a_cubic(0.4), b = on_a_cubic(1.6);
   EXPECT_EQ(interpolate(a, b, from_seconds(0.1)).p_world_m, a.p_world_m);
   EXPECT_EQ(interpolate(a, b, from_seconds(2.0)).p_world_m, b.p_world_m);
-}
-
-TEST(StateHistory, MatchesInterpolationOfSurroundingStates) {
-  StateHistory history(2, 8);
-  for (int i = 0; i < 20; ++i) {
-    history.push(0, on_a_cubic(0.1 * i));
-    history.push(1, on_a_cubic(3.0 + 0.1 * i));
-  }
-  EXPECT_EQ(history.latest(0).t, from_seconds(1.9));
-  EXPECT_EQ(history.latest(1).t, from_seconds(4.9));
-  for (const double t_s : {1.2, 1.23, 1.5, 1.67, 1.899, 1.9}) {
-    EXPECT_TRUE(history.at(0, from_seconds(t_s)).p_world_m.isApprox(on_a_cubic(t_s).p_world_m, 1e-12)) << t_s;
-    EXPECT_TRUE(history.at(1, from_seconds(t_s + 3.0)).p_world_m.isApprox(on_a_cubic(t_s + 3.0).p_world_m, 1e-12));
-  }
-  EXPECT_EQ(history.at(0, from_seconds(5.0)).t, from_seconds(1.9));
 }
 
 TEST(VehicleState, InterpolatesVelocitiesAndTimesLinearly) {

@@ -46,11 +46,11 @@ std::vector<std::pair<int, int>> openings(const Scene& scene, const MazeConfig& 
   return found;
 }
 
-std::size_t num_reached(const std::vector<std::pair<int, int>>& ways) {
+std::size_t num_reached(const std::vector<std::pair<int, int>>& passages) {
   std::set<int> reached = {0};
   for (std::size_t before = 0; before != reached.size();) {
     before = reached.size();
-    for (const auto& [a, b] : ways) {
+    for (const auto& [a, b] : passages) {
       if (reached.contains(a) || reached.contains(b)) reached.insert({a, b});
     }
   }
@@ -61,10 +61,10 @@ TEST(Walls, FormPerfectMazeWithoutExit) {
   const WallsConfig config = maze_of(5, 4);
   std::set<std::vector<std::pair<int, int>>> mazes;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const auto ways = openings(make_walls(config, seed), config.maze);
-    EXPECT_EQ(ways.size(), 5U * 4U - 1U) << "a tree";
-    EXPECT_EQ(num_reached(ways), 20U);
-    mazes.insert(ways);
+    const auto passages = openings(make_walls(config, seed), config.maze);
+    EXPECT_EQ(passages.size(), 5U * 4U - 1U) << "a tree";
+    EXPECT_EQ(num_reached(passages), 20U);
+    mazes.insert(passages);
   }
   EXPECT_EQ(mazes.size(), 3U) << "another one for each seed";
 }

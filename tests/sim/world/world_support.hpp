@@ -129,44 +129,6 @@ inline Eigen::AlignedBox3d bounds_of(const Scene& scene, SurfaceClass surface_cl
   return all;
 }
 
-using Piece = std::vector<Eigen::Vector3d>;
-
-/// Connected pieces of a mesh with their corners in order, sorted by their first corner.
-inline std::vector<Piece> pieces_in(const Mesh& mesh, const Eigen::Affine3f& T = Eigen::Affine3f::Identity()) {
-  std::map<std::uint32_t, Piece> pieces;
-  const std::vector<std::uint32_t> piece_of = pieces_of(mesh);
-  for (std::size_t i = 0; i < piece_of.size(); ++i)
-    pieces[piece_of[i]].push_back((T * mesh.vertices_mesh_m[i]).cast<double>());
-  std::vector<Piece> list;
-  for (auto& [first, piece] : pieces) list.push_back(std::move(piece));
-  return list;
-}
-
-inline Eigen::AlignedBox3d box_around(const Piece& piece) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : piece) box.extend(p);
-  return box;
-}
-
-/// Checks that the boxes are equal, in any order.
-inline void expect_boxes(std::vector<Eigen::AlignedBox3d> found, const std::vector<Eigen::AlignedBox3d>& expected,
-                         double most_m = 1e-4) {
-  EXPECT_EQ(found.size(), expected.size());
-  for (const Eigen::AlignedBox3d& box : expected) {
-    const auto same = std::find_if(found.begin(), found.end(), [&](const Eigen::AlignedBox3d& other) {
-      return (other.min() - box.min()).cwiseAbs().maxCoeff() < most_m &&
-             (other.max() - box.max()).cwiseAbs().maxCoeff() < most_m;
-    });
-    if (same == found.end()) {
-      ADD_FAILURE() << "no box from " << box.min().transpose() << " to " << box.max().transpose();
-    } else {
-      found.erase(same);
-    }
-  }
-  for (const Eigen::AlignedBox3d& box : found)
-    ADD_FAILURE() << "a box from " << box.min().transpose() << " to " << box.max().transpose();
-}
-
 /// Evenly distributed between two values: none beyond them, some near both, and the mean and the variance in between.
 inline void expect_uniform(std::vector<double> values, double low, double high, double slack = 1e-5) {
   ASSERT_GE(values.size(), 30U);
