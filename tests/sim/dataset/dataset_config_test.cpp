@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -97,14 +96,6 @@ TEST(DatasetConfig, RoundTripsThroughItsFile) {
   EXPECT_EQ(write_dataset(load_dataset(directory.path() / "again.yaml")), text);
 }
 
-TEST(DatasetConfig, SplitsMayNotShareAWorld) {
-  EXPECT_THAT(
-      [&] {
-        load_dataset(kSmallDataset, {{"splits[1].first_seed", "101"}});
-      },
-      ThrowsMessage<InputError>(HasSubstr("splits[1].first_seed: expected seeds that the split train does not")));
-}
-
 TEST(DatasetConfig, RefusesUnknownVariationKeyBeforeSimulating) {
   const DatasetConfig config = load_dataset(kSmallDataset, {{"families[0].vary[0].key", "world.num_treees"}});
   EXPECT_THAT([&] { plan_dataset(config); }, ThrowsMessage<InputError>(HasSubstr("num_treees")));
@@ -138,7 +129,7 @@ std::vector<std::string> problems_of_config(Config config) {
   return visitor.problems;
 }
 
-TEST(DatasetConfig, NamesAreOfLettersAndDigits) {
+TEST(DatasetConfig, NamesAreUniqueWordsOfLettersAndDigits) {
   DatasetConfig config;
   config.families.resize(1);
   config.families[0].scenario = "x.yaml";
@@ -146,15 +137,14 @@ TEST(DatasetConfig, NamesAreOfLettersAndDigits) {
     config.name = name;
     return problems_of_config(config).empty();
   };
-  for (const char* name : {"a", "azAZ09_-", "z", "Z", "0", "9", "A"}) EXPECT_TRUE(takes(name)) << name;
-  for (const char* name : {"", "a.b", "a b", "`", "{", "@", "[", "/", ":"}) EXPECT_FALSE(takes(name)) << name;
+  for (const std::string name : {"a", "azAZ09_-", "Z"}) EXPECT_TRUE(takes(name)) << name;
+  for (const std::string name : {"", "a.b", "a b", "/", ":"}) EXPECT_FALSE(takes(name)) << name;
   EXPECT_TRUE(takes(std::string(64, 'x')));
   EXPECT_FALSE(takes(std::string(65, 'x')));
   config.name = "fine";
   config.splits.resize(2);
   config.splits[1] = {"train", 1, 50};
   EXPECT_THAT(problems_of_config(config), ::testing::Each(HasSubstr("splits[")));
-  EXPECT_EQ(problems_of_config(config).size(), 2U) << "each has a name that the other has";
   config.splits[1].name = "valid";
   EXPECT_THAT(problems_of_config(config), ::testing::IsEmpty());
   config.families.clear();
@@ -178,62 +168,44 @@ TEST(DatasetConfig, SplitsMayTouchButNotOverlap) {
 }
 
 TEST(DatasetConfig, ValidatesVariationsByTheirLaw) {
-  const auto takes = [](Law law, double min, double max, const std::vector<std::string>& choices = {}) {
-    return problems_of_config(family_with("a", law, min, max, choices).vary[0]).empty();
-  };
-  EXPECT_TRUE(takes(Law::kUniform, 1, 1));
-  EXPECT_FALSE(takes(Law::kUniform, 1, 0.999));
-  EXPECT_TRUE(takes(Law::kUniform, -1, 0));
-  EXPECT_TRUE(takes(Law::kLogUniform, 1e-9, 1));
-  EXPECT_FALSE(takes(Law::kLogUniform, 0, 1));
-  EXPECT_TRUE(takes(Law::kWhole, -2, 3));
-  EXPECT_FALSE(takes(Law::kWhole, 0.5, 3));
-  EXPECT_FALSE(takes(Law::kWhole, 0, 3.5));
-  EXPECT_TRUE(takes(Law::kUniform, 0.5, 3.5));
-  EXPECT_TRUE(takes(Law::kChoice, 0, 1, {"x"}));
-  EXPECT_FALSE(takes(Law::kChoice, 0, 1));
-  EXPECT_FALSE(takes(Law::kUniform, 0, 1, {"x"}));
+  const struct {
+    Law law;
+    double min, max;
+    std::vector<std::string> choices;
+    bool is_fine;
+  } variations[] = {{Law::kUniform, 1, 1, {}, true},     {Law::kUniform, 1, 0.999, {}, false},
+                    {Law::kUniform, 0, 1, {"x"}, false}, {Law::kLogUniform, 1e-9, 1, {}, true},
+                    {Law::kLogUniform, 0, 1, {}, false}, {Law::kWhole, -2, 3, {}, true},
+                    {Law::kWhole, 0.5, 3, {}, false},    {Law::kWhole, 0, 3.5, {}, false},
+                    {Law::kChoice, 0, 1, {"x"}, true},   {Law::kChoice, 0, 1, {}, false}};
+  for (const auto& v : variations) {
+    EXPECT_EQ(problems_of_config(family_with("a", v.law, v.min, v.max, v.choices).vary[0]).empty(), v.is_fine)
+        << static_cast<int>(v.law) << " from " << v.min << " to " << v.max;
+  }
   EXPECT_FALSE(problems_of_config(family_with("", Law::kUniform, 0, 1).vary[0]).empty());
-  FamilyConfig family;
-  EXPECT_THAT(problems_of_config(family), ::testing::ElementsAre("scenario: expected a scenario file"));
+  EXPECT_THAT(problems_of_config(FamilyConfig()), ::testing::ElementsAre("scenario: expected a scenario file"));
 }
 
 TEST(DatasetConfig, RequiresOrderedFlightBounds) {
-  const auto takes = [](double FlightConfig::*low, double low_value, double FlightConfig::*high, double high_value) {
-    FlightConfig config;
-    config.*low = low_value;
-    config.*high = high_value;
-    return problems_of_config(config).empty();
-  };
-  EXPECT_TRUE(takes(&FlightConfig::speed_min_mps, 2, &FlightConfig::speed_max_mps, 2));
-  EXPECT_FALSE(takes(&FlightConfig::speed_min_mps, 2.1, &FlightConfig::speed_max_mps, 2));
-  EXPECT_FALSE(takes(&FlightConfig::height_min_m, 3, &FlightConfig::height_max_m, 3));
-  EXPECT_TRUE(takes(&FlightConfig::height_min_m, 2.9, &FlightConfig::height_max_m, 3));
-  EXPECT_FALSE(takes(&FlightConfig::leg_min_m, 3, &FlightConfig::leg_max_m, 3));
-  EXPECT_TRUE(takes(&FlightConfig::leg_min_m, 2.9, &FlightConfig::leg_max_m, 3));
-  EXPECT_FALSE(takes(&FlightConfig::partner_min_m, 3, &FlightConfig::partner_max_m, 3));
-  EXPECT_TRUE(takes(&FlightConfig::partner_min_m, 2.9, &FlightConfig::partner_max_m, 3));
-  EXPECT_TRUE(takes(&FlightConfig::separation_m, 4, &FlightConfig::partner_min_m, 4));
-  EXPECT_FALSE(takes(&FlightConfig::separation_m, 4.1, &FlightConfig::partner_min_m, 4));
+  using Key = double FlightConfig::*;
+  const std::pair<Key, Key> bounds[] = {{&FlightConfig::speed_min_mps, &FlightConfig::speed_max_mps},
+                                        {&FlightConfig::height_min_m, &FlightConfig::height_max_m},
+                                        {&FlightConfig::leg_min_m, &FlightConfig::leg_max_m},
+                                        {&FlightConfig::partner_min_m, &FlightConfig::partner_max_m},
+                                        {&FlightConfig::separation_m, &FlightConfig::partner_min_m}};
+  for (const auto& [low, high] : bounds) {
+    for (const double low_value : {2.9, 3.1}) {
+      FlightConfig config;
+      config.*low = low_value;
+      config.*high = 3.0;
+      EXPECT_EQ(problems_of_config(config).empty(), low_value < 3.0);
+    }
+  }
   ContentConfig content;
-  content.trajectory_rate_hz = 0.0;
-  EXPECT_THAT(problems_of_config(content), ::testing::IsEmpty());
-  content.trajectory_rate_hz = 1e-3;
-  EXPECT_THAT(problems_of_config(content), ::testing::IsEmpty());
-  content.trajectory_rate_hz = 9e-4;
-  EXPECT_EQ(problems_of_config(content).size(), 1U);
-}
-
-TEST(DatasetConfig, FlightsStayIndoorsByWish) {
-  const auto indoors = [](const std::string& word) {
-    return load_dataset(kSmallDataset, {{"families[0].flight.indoors", word}}).families[0].flight.indoors;
-  };
-  EXPECT_EQ(FlightConfig().indoors, FlightConfig::Indoors::kAuto);
-  EXPECT_EQ(indoors("auto"), FlightConfig::Indoors::kAuto);
-  EXPECT_EQ(indoors("true"), FlightConfig::Indoors::kTrue);
-  EXPECT_EQ(indoors("false"), FlightConfig::Indoors::kFalse);
-  EXPECT_THAT([&] { indoors("outside"); },
-              ThrowsMessage<InputError>(HasSubstr("expected one of \"auto\", \"true\", \"false\"")));
+  for (const auto& [rate_hz, problems] : {std::pair(0.0, 0U), {1e-3, 0U}, {9e-4, 1U}}) {
+    content.trajectory_rate_hz = rate_hz;
+    EXPECT_EQ(problems_of_config(content).size(), problems) << rate_hz;
+  }
 }
 
 /// A team of four above a plane, the second and the fourth with a LiDAR.
@@ -329,19 +301,15 @@ TEST_F(TeamOfFour, PreparesScenarioWithPathsAndWorld) {
     const auto& path = guidance.as<TimedPathConfig>();
     EXPECT_EQ(vehicle.start.position_m, path.points_m.front());
     EXPECT_GT(path.interval_s, 0.0);
-    // The initial heading is within a right angle of the first path direction.
-    EXPECT_LE(std::abs(vehicle.start.yaw_deg), 360.0);
   }
   const auto& materials = prepared.world.scene->materials;
   ASSERT_EQ(prepared.reflectivities.size(), materials.size());
-  const World plain = make_flight_world(scenario, {});
-  const Random random(flight.seed, "dataset.reflectivity");
   for (std::size_t i = 0; i < materials.size(); ++i) {
     EXPECT_EQ(materials[i].reflectivity, static_cast<float>(prepared.reflectivities[i]));
-    const double drawn = static_cast<double>(plain.scene->materials[i].reflectivity) *
-                         std::exp(1.5 * random.normal(0, static_cast<std::uint32_t>(i)));
-    EXPECT_NEAR(prepared.reflectivities[i], std::clamp(drawn, 0.02, 0.98), 1e-6);
+    EXPECT_GE(prepared.reflectivities[i], static_cast<double>(0.02F));
+    EXPECT_LE(prepared.reflectivities[i], static_cast<double>(0.98F));
   }
+  EXPECT_NE(prepare_flight(plan, flight, 1).reflectivities, prepared.reflectivities) << "of another attempt";
   const World again = make_flight_world(scenario, prepared.reflectivities);
   EXPECT_EQ(again.scene->materials[0].reflectivity, materials[0].reflectivity);
   std::vector<double> too_many = prepared.reflectivities;
@@ -351,23 +319,6 @@ TEST_F(TeamOfFour, PreparesScenarioWithPathsAndWorld) {
       ThrowsMessage<std::runtime_error>(HasSubstr("expected " + std::to_string(too_many.size()) + " materials")));
   flight.pictures = false;
   EXPECT_TRUE(prepare_flight(plan, flight, 0).scenario.snapshots.empty());
-}
-
-TEST_F(TeamOfFour, ReflectivitiesStayBetweenDarkestAndBrightest) {
-  config.families[0].reflectivity_spread = 2.0;
-  const DatasetPlan plan = plan_dataset(config);
-  Flight flight = plan.flights.at(0);
-  flight.num_vehicles = 2;
-  double least = 1.0, most = 0.0;
-  for (int attempt = 0; attempt < 6; ++attempt) {
-    for (const double reflectivity : prepare_flight(plan, flight, attempt).reflectivities) {
-      least = std::min(least, reflectivity);
-      most = std::max(most, reflectivity);
-    }
-  }
-  EXPECT_GE(least, static_cast<double>(0.02F));
-  EXPECT_LE(most, static_cast<double>(0.98F));
-  EXPECT_LT(least, most);
 }
 
 TEST_F(TeamOfFour, RequiresLidarAndFlyablePath) {
