@@ -5,19 +5,43 @@
 
 #include <cmath>
 
+#include "swiftlet/core/math/random.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
-const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-30, -30, 0), Eigen::Vector3d(30, 30, 20));
+using Eigen::Vector3d;
 
-TEST(View, ProjectsKnownPoints) {
-  const View view = perspective_view({1, 2, 3}, {2, 2, 3}, 90.0, 200, 100);
-  // Straight ahead: the middle. At 45 degrees up: the upper edge. North is left when looking east.
-  EXPECT_TRUE(view.project({6, 2, 3})->isApprox(Eigen::Vector3d(100, 50, 5), 1e-9));
-  EXPECT_NEAR(view.project({6, 2, 8})->y(), 0.0, 1e-9);
-  EXPECT_NEAR(view.project({6, 2 + 5, 3})->x(), 50.0, 1e-9);
-  EXPECT_FALSE(view.project({0, 2, 3})) << "behind the camera";
-  EXPECT_NEAR(view.pixels_per_m(5.0), 10.0, 1e-9);
+const Eigen::AlignedBox3d kBounds(Vector3d(-30, -30, 0), Vector3d(30, 30, 20));
+
+TEST(View, LevelsHorizonAndMatchesThePinhole) {
+  const Random random(1, "test.views");
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const auto draw = [&](double most, std::uint32_t k) { return random.uniform(-most, most, i, k); };
+    const Vector3d eye(draw(9, 0), draw(9, 1), draw(9, 2)), target(draw(9, 3), draw(9, 4), draw(9, 5)),
+        p(draw(20, 6), draw(20, 7), draw(20, 8));
+    const double fov_deg = random.uniform(20.0, 100.0, i, 9);
+    const View view = perspective_view(eye, target, fov_deg, 300, 200);
+    const Vector3d back = (eye - target).normalized(), right = Vector3d(-back.y(), back.x(), 0.0).normalized(),
+                   up = back.cross(right);
+    const double depth = -(p - eye).dot(back), f = 100.0 / std::tan(0.5 * fov_deg * M_PI / 180.0);
+    const auto at = view.project(p);
+    ASSERT_EQ(at.has_value(), depth >= view.near_m);
+    if (!at) continue;
+    EXPECT_NEAR(at->x(), 150.0 + f * (p - eye).dot(right) / depth, 1e-6);
+    EXPECT_NEAR(at->y(), 100.0 - f * (p - eye).dot(up) / depth, 1e-6);
+    EXPECT_NEAR(at->z(), depth, 1e-9);
+    EXPECT_NEAR(view.pixels_per_m(depth), f / depth, 1e-9);
+  }
+}
+
+TEST(View, OrientsVerticalViewByHint) {
+  const View down = perspective_view({1, 2, 10}, {1, 2, 0}, 90.0, 200, 100);
+  EXPECT_TRUE(down.project({2, 2, 0})->head<2>().isApprox(Eigen::Vector2d(105, 50), 1e-9)) << "east is at the right";
+  EXPECT_TRUE(down.project({1, 3, 0})->head<2>().isApprox(Eigen::Vector2d(100, 45), 1e-9)) << "north is up";
+  const View along = perspective_view({0, -10, 0}, {0, 0, 0}, 90.0, 200, 100, Vector3d::UnitY());
+  EXPECT_TRUE(along.project({1, 0, 0})->head<2>().isApprox(Eigen::Vector2d(105, 50), 1e-9));
+  EXPECT_TRUE(along.project({0, 0, 1})->head<2>().isApprox(Eigen::Vector2d(100, 45), 1e-9));
 }
 
 TEST(View, ReversesDepthFromOneToZero) {
@@ -52,7 +76,7 @@ TEST(Cameraman, FollowsAWholeTeamSmoothly) {
   config.type = CameraConfig::Type::kFollow;
   const double radius_m = 0.5;
   Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, radius_m), kBounds);
-  Eigen::Vector3d last_eye = Eigen::Vector3d::Zero();
+  Vector3d last_eye = Vector3d::Zero();
   for (int k = 0; k <= 1500; ++k) {
     PictureScene picture;
     picture.states = team_at(0.02 * k);
@@ -82,13 +106,13 @@ TEST(Cameraman, FollowingOneVehicleKeepsItsOffset) {
   picture.states = team_at(3.0);
   picture.t = picture.states[0].t;
   const View view = cameraman.view(picture);
-  EXPECT_TRUE((view.eye_world_m - picture.states[2].p_world_m).isApprox(Eigen::Vector3d(-6, -3, 4), 1e-9));
+  EXPECT_TRUE((view.eye_world_m - picture.states[2].p_world_m).isApprox(Vector3d(-6, -3, 4), 1e-9));
 }
 
 /// A wall of any length at x = -3, from the ground to 6 m, with a gap for y above `gap_m`.
-bool behind_wall(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double gap_m) {
+bool behind_wall(const Vector3d& a, const Vector3d& b, double gap_m) {
   if ((a.x() + 3.0) * (b.x() + 3.0) >= 0.0) return false;
-  const Eigen::Vector3d at = a + (-3.0 - a.x()) / (b.x() - a.x()) * (b - a);
+  const Vector3d at = a + (-3.0 - a.x()) / (b.x() - a.x()) * (b - a);
   return at.z() < 6.0 && at.y() < gap_m;
 }
 
@@ -96,7 +120,7 @@ TEST(Cameraman, AvoidsOcclusionAtTheStart) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-8, 0, 3};
-  const auto blocks = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return behind_wall(a, b, 1e9); };
+  const auto blocks = [](const Vector3d& a, const Vector3d& b) { return behind_wall(a, b, 1e9); };
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {0, 0, 2};
@@ -104,7 +128,7 @@ TEST(Cameraman, AvoidsOcclusionAtTheStart) {
   ASSERT_TRUE(blocks(picture.states[0].p_world_m, blind.eye_world_m)) << "the test itself";
   const View view = Cameraman(config, 0, {0.5F}, kBounds, blocks).view(picture);
   EXPECT_FALSE(blocks(picture.states[0].p_world_m, view.eye_world_m));
-  const Eigen::Vector3d at = *view.project(picture.states[0].p_world_m);
+  const Vector3d at = *view.project(picture.states[0].p_world_m);
   EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6)) << "it still looks at the vehicle";
 }
 
@@ -113,9 +137,9 @@ TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-8, 0, 3};
-  const auto blocks = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return behind_wall(a, b, 12.0); };
+  const auto blocks = [](const Vector3d& a, const Vector3d& b) { return behind_wall(a, b, 12.0); };
   Cameraman cameraman(config, 0, {0.4F}, kBounds, blocks);
-  Eigen::Vector3d last_eye = Eigen::Vector3d::Zero();
+  Vector3d last_eye = Vector3d::Zero();
   int blocked = 0;
   PictureScene picture;
   picture.states.resize(1);
@@ -124,14 +148,14 @@ TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
     picture.states[0].t = picture.t;
     picture.states[0].p_world_m = {0.0, -10.0 + 1.5 * 0.02 * k, 2.0};
     cameraman.update(picture.t, picture.states);
-    const Eigen::Vector3d eye = cameraman.view(picture).eye_world_m;
+    const Vector3d eye = cameraman.view(picture).eye_world_m;
     blocked += blocks(picture.states[0].p_world_m, eye) ? 1 : 0;
     ASSERT_TRUE(k == 0 || (eye - last_eye).norm() < 0.4) << "a jump at " << k;
     last_eye = eye;
   }
   EXPECT_LT(blocked, 30) << "of 1501";
   // 1.2 s of inertia at 1.5 m/s leave it behind a little.
-  EXPECT_TRUE((last_eye - picture.states[0].p_world_m).isApprox(Eigen::Vector3d(-8, 0, 3), 0.3))
+  EXPECT_TRUE((last_eye - picture.states[0].p_world_m).isApprox(Vector3d(-8, 0, 3), 0.3))
       << (last_eye - picture.states[0].p_world_m).transpose();
 }
 
@@ -152,8 +176,8 @@ TEST(Cameraman, FromTheTopShowsEveryTrail) {
   picture.states = team_at(0.0);
   picture.trails_m = {{{-25, 3, 1}, {0, 0, 1}}, {{0, 28, 2}}};
   const View view = cameraman.view(picture);
-  for (const Eigen::Vector3d& p : {Eigen::Vector3d(-25, 3, 1), Eigen::Vector3d(0, 28, 2)}) {
-    const Eigen::Vector3d at = *view.project(p);
+  for (const Vector3d& p : {Vector3d(-25, 3, 1), Vector3d(0, 28, 2)}) {
+    const Vector3d at = *view.project(p);
     EXPECT_TRUE(at.x() > 0 && at.x() < config.width_px && at.y() > 0 && at.y() < config.height_px) << at.transpose();
   }
 }
@@ -167,10 +191,10 @@ TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {3, 4, 5};
-  picture.states[0].q_world_body = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());  // facing north
+  picture.states[0].q_world_body = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());  // facing north
   const View view = cameraman.view(picture);
-  EXPECT_TRUE(view.eye_world_m.isApprox(Eigen::Vector3d(3, 4.2, 5.1), 1e-9));
-  const Eigen::Vector3d ahead = *view.project({3, 14.2, 5.1});
+  EXPECT_TRUE(view.eye_world_m.isApprox(Vector3d(3, 4.2, 5.1), 1e-9));
+  const Vector3d ahead = *view.project({3, 14.2, 5.1});
   EXPECT_TRUE(ahead.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6));
 }
 
@@ -200,6 +224,43 @@ TEST(Cameraman, StaysWithItsVehicleByDefault) {
     const double away_m = (cameraman.view(picture).eye_world_m - picture.states[1].p_world_m).norm();
     EXPECT_GT(away_m, 0.1);
     EXPECT_LT(away_m, type == CameraConfig::Type::kFollow ? 20.0 : 0.5);
+  }
+}
+
+TEST(Cameraman, StepsBackForNarrowerPictures) {
+  CameraConfig config;
+  config.type = CameraConfig::Type::kFollow;
+  config.position_m = {-1, 0, 1};
+  config.width_px = 300;
+  config.height_px = 200;
+  Cameraman cameraman(config, kNoVehicle, {0.5F, 0.5F}, kBounds);
+  PictureScene picture;
+  picture.states.resize(2);
+  picture.states[0].p_world_m = {0, -6, 2};
+  picture.states[1].p_world_m = {0, 6, 2};
+  cameraman.update(0, picture.states);
+  const double usual_m = cameraman.view(picture).eye_world_m.norm();
+  cameraman.set_size(150, 200);
+  EXPECT_GT(cameraman.view(picture).eye_world_m.norm(), 1.5 * usual_m);
+  cameraman.set_size(600, 200);
+  EXPECT_NEAR(cameraman.view(picture).eye_world_m.norm(), usual_m, 1e-9);
+}
+
+TEST(Cameraman, SpansTheGroundInTopPerspective) {
+  for (const double bottom_m : {-6.0, 3.0}) {
+    CameraConfig config;
+    config.width_px = 300;
+    config.height_px = 200;
+    config.span_m = 40.0;
+    config.fov_deg = 50.0;
+    config.perspective = true;
+    const Eigen::AlignedBox3d bounds(Vector3d(-9, -9, bottom_m), Vector3d(9, 9, 20));
+    const View view = Cameraman(config, kNoVehicle, {}, bounds).view(PictureScene());
+    EXPECT_FALSE(view.orthographic);
+    const double ground_m = std::max(0.0, bottom_m);
+    EXPECT_TRUE(view.project({0, 0, ground_m})->head<2>().isApprox(Eigen::Vector2d(150, 100), 1e-9));
+    EXPECT_NEAR(view.project({0, 20, ground_m})->y(), 0.0, 1e-6);
+    EXPECT_NEAR(view.project({30, 0, ground_m})->x(), 300.0, 1e-6);
   }
 }
 

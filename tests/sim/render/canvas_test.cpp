@@ -90,22 +90,5 @@ TEST(Canvas, WritesWellFormedSvgWithText) {
   EXPECT_THAT(svg, HasSubstr("width=\"25.4mm\" height=\"16.933mm\" viewBox=\"0 0 300 200\""));
 }
 
-TEST(Canvas, AnchorsSvgTextWithAHalo) {
-  SvgCanvas canvas(100, 50, 100.0, "");
-  canvas.text({50, 25}, "t = 1 s", {.height_px = 10.0F, .align = Align::kRight, .halo = Rgb::Ones()});
-  const std::string svg = canvas.finish();
-  EXPECT_THAT(svg, HasSubstr("<text x=\"50\" y=\"25\" font-size=\"13.7\" text-anchor=\"end\""));
-  EXPECT_THAT(svg, HasSubstr("stroke=\"#ffffff\""));
-  EXPECT_THAT(svg, HasSubstr("paint-order=\"stroke\""));
-}
-
-TEST(Canvas, FormCheckDetectsMalformedMarkup) {
-  EXPECT_NE(not_well_formed("<a><b></a></b>"), "");
-  EXPECT_NE(not_well_formed("<a>x & y</a>"), "");
-  EXPECT_NE(not_well_formed("<a>x > y</a>"), "");
-  EXPECT_NE(not_well_formed("<a>"), "");
-  EXPECT_EQ(not_well_formed("<a b=\"1\"><c/>x &amp; y</a>"), "");
-}
-
 }  // namespace
 }  // namespace swiftlet::sim

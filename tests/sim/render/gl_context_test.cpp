@@ -53,11 +53,6 @@ TEST(GlContext, DrawsInSoftware) {
   EXPECT_THAT(reinterpret_cast<const char*>(renderer), ::testing::HasSubstr("llvmpipe")) << picture_library();
 }
 
-TEST(GlContext, ClearsToAColor) {
-  const GlContext context;
-  EXPECT_EQ(cleared_to(0.2F, 0.4F, 0.6F), (Pixel{51, 102, 153, 255}));
-}
-
 TEST(GlContext, IsHandedFromThreadToThread) {
   GlContext context;
   context.release();

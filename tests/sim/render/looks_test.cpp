@@ -106,27 +106,8 @@ TEST(Looks, CloudsHaveTheirStylesColors) {
   picture.clouds[0].intensity.pop_back();
   style.cloud = CloudColors::kIntensity;
   const Rgb unknown = color(0, 2);
-  EXPECT_NEAR(unknown.x(), 0.9F, 0.06F) << "light gray where nobody knows";
+  EXPECT_NEAR(unknown.x(), 0.9F, 0.06F) << "light gray without a reflectivity";
   EXPECT_EQ(unknown.x(), unknown.z());
-}
-
-TEST(Looks, HidesPointsOutsideTheView) {
-  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 90.0, 100, 100);  // 90 degrees in both directions
-  PictureCloud cloud;
-  const std::pair<Eigen::Vector3f, bool> points[] = {
-      {{10, 9.9F, 0}, true},   {{10, 10.1F, 0}, false}, {{10, 0, -9.9F}, true}, {{10, 0, -10.1F}, false},
-      {{10, 0, 10.1F}, false}, {{0.06F, 0, 0}, true},   {{0.04F, 0, 0}, false}, {{1990, 0, 0}, true},
-      {{2010, 0, 0}, false},   {{-5, 0, 0}, false}};
-  std::vector<Eigen::Vector3f> expected;
-  for (const auto& [p, is_shown] : points) {
-    cloud.points_world_m.push_back(p);
-    if (is_shown) expected.push_back(p);
-  }
-  EXPECT_EQ(shown_of(std::vector{cloud}, view, {}).at(0).points_world_m, expected);
-  PictureStyle style;
-  style.cut_above = true;
-  style.cut_height_m = -1.0;
-  EXPECT_EQ(shown_of(std::vector{cloud}, view, style).at(0).points_world_m.size(), 1U);
 }
 
 TEST(Looks, BlendsTranslucentOverlaysInDepthOrder) {
@@ -148,8 +129,6 @@ TEST(Looks, BlendsTranslucentOverlaysInDepthOrder) {
     EXPECT_GT(both.y(), 0.1F) << "and what lies below shines through";
   }
 }
-
-// ---- Rotors.
 
 // Exact to the pixel: a square of 40 px around the middle, and a plane up to all four borders.
 TEST(Looks, PicturesAreNeitherShiftedNorCut) {
@@ -211,32 +190,6 @@ TEST(Looks, PicturesAreIndependentOfEarlierOnes) {
     const std::vector<float> depth_m = used.draw_depth(view(60, 80), picture, {}).depth_m;
     if (first_depth_m.empty()) first_depth_m = depth_m;
     EXPECT_EQ(depth_m, first_depth_m);
-  }
-}
-
-// A hole in the leaves, 0.4 m and 1.6 of its radius wide where the vehicle is, narrower towards the camera.
-TEST(Looks, OmitsLeavesBeforeTheFollowedVehicle) {
-  const Scene scene = leaf_wall(0.2F, 40, -4.0F);
-  auto shape = std::make_shared<VehicleShape>(*make_test_shape());
-  shape->circumscribed_radius_m = 0.5F;
-  Renderer renderer(scene, std::vector<std::shared_ptr<const VehicleShape>>{shape});
-  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 96, 72);
-  PictureScene picture = with_vehicle({9.0, 0.0, 0.0});
-  picture.states.resize(3);  // two more than have a shape
-  picture.states[1].p_world_m = picture.states[2].p_world_m = {9.0, 2.0, 0.0};
-  for (const double scale : {1.0, 2.0}) {
-    PictureStyle style;
-    style.vehicle_scale = scale;
-    style.watched = {-1, 0, 2, 7};
-    const Image image = renderer.draw(view, picture, style);
-    const double radius_m = (0.4 + 1.6 * 0.5 * scale) * (0.7 + 0.3 * 5.0 / 9.0);
-    for (const double side : {-1.0, 1.0}) {
-      for (const auto& [y, is_free] : {std::pair(0.72 * radius_m, true), {1.25 * radius_m, false}}) {
-        const Eigen::Vector3d at = *view.project({5.0, side * y, 0.02});
-        EXPECT_EQ(is_dominated_by(color_at(image, static_cast<int>(at.x()), static_cast<int>(at.y())), 1), !is_free)
-            << side * y << " " << scale;
-      }
-    }
   }
 }
 

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
-#include <numbers>
 #include <thread>
 
 #include "render_support.hpp"
@@ -91,17 +89,6 @@ TEST(Renderer, CullingChangesNoPixel) {
     const View view = perspective_view({-2, -3, 2}, target, 60.0, kWidth, kHeight);
     EXPECT_EQ(renderer.draw(view, {}, culled).rgb, renderer.draw(view, {}, complete).rgb);
   }
-}
-
-TEST(Renderer, GivesTheSamePixelsAgain) {
-  BoxWorld world;
-  world.add({5, -1, 0}, {6, 1, 2}, kRed).add({-20, -20, -1}, {20, 20, 0}, kGray, SurfaceClass::kGround);
-  Renderer renderer(world.scene(), {});
-  const Image first = renderer.draw(view_along_x(), {}, {});
-  renderer.draw(view_along_x({1, 2, 3}), {}, {});
-  EXPECT_EQ(renderer.draw(view_along_x(), {}, {}).rgb, first.rgb);
-  Renderer another(world.scene(), {});
-  EXPECT_EQ(another.draw(view_along_x(), {}, {}).rgb, first.rgb);
 }
 
 TEST(Renderer, IsIndependentOfTheThread) {
@@ -220,6 +207,7 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlays) {
   const Eigen::Vector4f half_green(0.0F, 1.0F, 0.0F, 0.5F);
   picture.overlays.push_back({"voxels", Overlay::Kind::kCubes, {{-4, -4, 1}}, {blue}, 1.0F, {}});
   picture.overlays.push_back({"ball", Overlay::Kind::kSpheres, {{0, 4, 1}}, {blue}, 0.7F, {}});
+  picture.overlays.push_back({"rung", Overlay::Kind::kLines, {{-8, -6, 1}, {8, -6, 1}}, {blue, blue}, 5.0F, {}});
   picture.overlays.push_back({"path", Overlay::Kind::kPolyline, {{-8, -8, 1}, {8, -8, 1}}, {blue}, 5.0F, {}});
   picture.overlays.push_back(
       {"area", Overlay::Kind::kTriangles, {{-2, -2, 1}, {2, -2, 1}, {0, 2, 1}}, {half_green}, 1.0F, {}});
@@ -238,14 +226,15 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlays) {
 
   style.trails = true;
   style.cloud = CloudColors::kLabel;
-  style.overlays = {"voxels", "ball", "path", "area"};
+  style.overlays = {"voxels", "ball", "rung", "path", "area"};
   const Image drawn = renderer.draw(view, picture, style);
   EXPECT_TRUE(is_dominated_by(color(drawn, -4, -4), 2)) << "a cube";
   EXPECT_TRUE(is_dominated_by(color(drawn, 0, 4), 2)) << "a sphere";
+  EXPECT_TRUE(is_dominated_by(color(drawn, 0, -6), 2)) << "a line";
   EXPECT_TRUE(is_dominated_by(color(drawn, 0, -8), 2)) << "a path";
   EXPECT_TRUE(is_dominated_by(color(drawn, -4, 8), 0)) << "a trail";
   EXPECT_TRUE(is_dominated_by(color(drawn, 4.2, -3.8), 0)) << "a cloud of vehicle points";
-  EXPECT_LT((color(drawn, 8, 0) - color(plain, 8, 0)).cwiseAbs().maxCoeff(), 0.05F) << "an overlay nobody chose";
+  EXPECT_LT((color(drawn, 8, 0) - color(plain, 8, 0)).cwiseAbs().maxCoeff(), 0.05F) << "an overlay that is not listed";
   // Half transparent: half of the ground, half of the color.
   EXPECT_NEAR(color(drawn, 0, -1).x(), 0.5F * color(plain, 0, -1).x(), 0.06F);
 
@@ -280,27 +269,6 @@ TEST(Renderer, DrawsIdenticallyWithACachedWorld) {
   }
 }
 
-TEST(Renderer, SmoothsOnlyEdgesOfQuickPictures) {
-  BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -1, -1}, {4.2F, 1, 3}, {0.05F, 0.05F, 0.05F});
-  const View view = perspective_view({0, 0, 1}, {1, 0, 1}, 60.0, kWidth, kHeight, {0.0, 0.25, 1.0});  // tilted
-  PictureStyle style;
-  Renderer renderer(world.scene(), {});
-  const Image fine = renderer.draw(view, {}, style);
-  style.quick = true;
-  const Image quick = renderer.draw(view, {}, style);
-  double difference = 0.0;
-  int between = 0;  // neither wall nor sky
-  for (int y = 5; y < kHeight / 3; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      difference += (color_at(fine, x, y) - color_at(quick, x, y)).cwiseAbs().maxCoeff();
-      between += std::abs(brightness(color_at(quick, x, y)) - 0.5F) < 0.15F ? 1 : 0;
-    }
-  }
-  EXPECT_LT(difference / (kWidth * (kHeight / 3 - 5)), 0.02);
-  EXPECT_GT(between, kHeight / 6) << "about one a row at each edge";
-}
-
 int columns_unlike(const Image& image, const Image& plain, int y) {
   int count = 0;
   for (int x = 0; x < image.width; ++x)
@@ -330,36 +298,6 @@ TEST(Renderer, PointSizeIsIndependentOfDistance) {
   }
 }
 
-TEST(Renderer, DrawsLinesAsColoredEndPairs) {
-  BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
-  Renderer renderer(world.scene(), {});
-  const Eigen::Vector4f blue(0.1F, 0.2F, 1.0F, 1.0F), red(1.0F, 0.1F, 0.1F, 1.0F);
-  PictureScene picture;
-  picture.overlays.push_back({"rungs",
-                              Overlay::Kind::kLines,
-                              {{-8, -6, 1}, {8, -6, 1}, {-8, 0, 1}, {8, 0, 1}, {-8, 6, 1}, {8, 6, 1}},
-                              {blue, blue, red, red, blue, blue},
-                              5.0F,
-                              {}});
-  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);
-  PictureStyle style;
-  style.overlays = {"*"};
-  const Image drawn = renderer.draw(view, picture, style);
-  const auto color = [&](double x, double y) {
-    return color_at(drawn, static_cast<int>(200 + 20 * x), static_cast<int>(200 - 20 * y));
-  };
-  for (const double x : {-7.0, 0.0, 7.0}) {
-    EXPECT_TRUE(is_dominated_by(color(x, -6), 2));
-    EXPECT_TRUE(is_dominated_by(color(x, 0), 0));
-    EXPECT_TRUE(is_dominated_by(color(x, 6), 2));
-    for (const double between : {-3.0, 3.0}) {
-      EXPECT_FALSE(is_dominated_by(color(x, between), 2));
-      EXPECT_FALSE(is_dominated_by(color(x, between), 0));
-    }
-  }
-}
-
 TEST(Renderer, LeavesEmptyPaperWhite) {
   BoxWorld world;
   world.add({3, -1, 0}, {5, 1, 2}, kGray);
@@ -369,32 +307,6 @@ TEST(Renderer, LeavesEmptyPaperWhite) {
   EXPECT_LT(corner().minCoeff(), 0.97F) << "the sky";
   style.white = true;
   EXPECT_EQ(corner(), Rgb::Ones());
-}
-
-TEST(Renderer, FillsPixelsCenteredWithinADisc) {
-  BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
-  Renderer renderer(world.scene(), {});
-  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);  // 20 px a meter
-  PictureScene picture;
-  picture.clouds.resize(1);
-  for (int i = 0; i < 256; ++i) {  // 24 px apart, at 16 x 16 places within a pixel
-    const Eigen::Vector2i at(i % 16, i / 16);
-    const Eigen::Vector2f p_m = (24.0F + 1.0F / 16.0F) / 20.0F * at.cast<float>().array() - 9.1F;
-    picture.clouds[0].points_world_m.emplace_back(p_m.x(), p_m.y(), 1.0F);
-  }
-  PictureStyle style;
-  style.cloud = CloudColors::kVehicle;
-  const Image empty = renderer.draw(view, {}, style);
-  for (const float diameter_px : {2.0F, 3.0F, 4.0F, 7.0F}) {
-    style.point_px = diameter_px;
-    const Image drawn = renderer.draw(view, picture, style);
-    int filled_px = 0;
-    for (int i = 0; i < 400 * 400; ++i) filled_px += std::memcmp(&drawn.rgb[3 * i], &empty.rgb[3 * i], 3) != 0;
-    // The disc reaches beyond the square of its diameter a little: 1.15 times the area.
-    const float disc_px = 1.15F * std::numbers::pi_v<float> / 4.0F * diameter_px * diameter_px;
-    EXPECT_NEAR(filled_px / 256.0F, disc_px, 0.02F * disc_px) << diameter_px;
-  }
 }
 
 TEST(ShownPoints, LieInViewBelowCut) {

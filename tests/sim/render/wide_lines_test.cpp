@@ -53,5 +53,19 @@ TEST(WideLines, OmitPointsAndZeroLengths) {
   EXPECT_EQ(drawn_px({{1, 1, 1}, {1, 1, 1}}, 4.0F), 0.0);
 }
 
+// Pieces of a line before the eye, and none from behind it.
+TEST(WideLines, AreClippedBeforeTheEye) {
+  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 300, 200);
+  const auto vertices = [&](const std::vector<Eigen::Vector3f>& points_m) {
+    std::vector<ClipVertex> out;
+    append_polyline(view, points_m, std::vector{Eigen::Vector4f(1, 0, 0, 1)}, 4.0F, out);
+    for (const ClipVertex& v : out) EXPECT_GE(v.clip.w(), static_cast<float>(view.near_m));
+    return out.size();
+  };
+  EXPECT_EQ(vertices({{-1, 0.2F, 0}, {3, 0.2F, 0}}), 6U);
+  EXPECT_EQ(vertices({{3, 0.2F, 0}, {-1, 0.2F, 0}, {3, -0.2F, 0}}), 12U);
+  EXPECT_EQ(vertices({{-3, 0, 0}, {-1, 1, 0}}), 0U);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim
