@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bags read by their published formats, record by record: every index leads to its messages.
 #include <gtest/gtest.h>
-#include <lz4frame.h>
-#include <zlib.h>
-#include <zstd.h>
 
 #include <cstring>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "sim/recorders/mcap_writer.hpp"
 #include "sim/recorders/rosbag_writer.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -40,12 +36,6 @@ class Taker {
  private:
   std::string_view bytes_;
 };
-
-std::string bytes_of_file(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// Message number k: of channel k % 3, at its time, with its text.
 constexpr int kMessages = 40;
@@ -89,7 +79,7 @@ TEST(Rosbag, IndicesAndCountsMatchMessages) {
   }
   writer.finish();
 
-  const std::string bytes = bytes_of_file(file);
+  const std::string bytes = read_whole_file(file);
   Taker all(bytes);
   ASSERT_EQ(all.take(13), "#ROSBAG V2.0\n");
   const BagRecord head(all);
@@ -129,12 +119,12 @@ TEST(Rosbag, IndicesAndCountsMatchMessages) {
       Taker there(std::string_view(bytes).substr(offset));
       EXPECT_EQ(BagRecord(there).data, chunks.at(static_cast<std::size_t>(infos)));
       Taker pairs(record.data);
-      std::map<std::uint32_t, std::uint32_t> told;
+      std::map<std::uint32_t, std::uint32_t> listed;
       while (!pairs.empty()) {
         const auto connection = pairs.take<std::uint32_t>();
-        told[connection] = pairs.take<std::uint32_t>();
+        listed[connection] = pairs.take<std::uint32_t>();
       }
-      EXPECT_EQ(told, counts.at(static_cast<std::size_t>(infos)));
+      EXPECT_EQ(listed, counts.at(static_cast<std::size_t>(infos)));
       EXPECT_LE(BagRecord::time(record.number<std::uint64_t>("start_time")),
                 BagRecord::time(record.number<std::uint64_t>("end_time")));
       ++infos;
@@ -168,17 +158,17 @@ TEST(Mcap, SummaryLeadsToChunksAndMessages) {
   }
   writer.finish();
 
-  const std::string bytes = bytes_of_file(file);
+  const std::string bytes = read_whole_file(file);
   const std::string_view whole = bytes;
   ASSERT_EQ(whole.substr(0, 8), whole.substr(whole.size() - 8));
   // The footer is the last record: 1 + 8 bytes, then the places of summary and offsets, and a checksum.
   Taker footer(whole.substr(whole.size() - 8 - 20));
   Taker summary(whole.substr(footer.take<std::uint64_t>()));
   int chunks = 0, found = 0;
-  std::uint64_t told = 0;
+  std::uint64_t num_listed = 0;
   for (McapRecord record(summary); record.opcode != 0x02; record = McapRecord(summary)) {
     Taker content(record.content);
-    if (record.opcode == 0x0B) told = content.take<std::uint64_t>();
+    if (record.opcode == 0x0B) num_listed = content.take<std::uint64_t>();
     if (record.opcode != 0x08) continue;
     ++chunks;
     const auto begin = static_cast<TimeNs>(content.take<std::uint64_t>()),
@@ -217,7 +207,7 @@ TEST(Mcap, SummaryLeadsToChunksAndMessages) {
     }
   }
   EXPECT_EQ(found, kMessages);
-  EXPECT_EQ(told, static_cast<std::uint64_t>(kMessages));
+  EXPECT_EQ(num_listed, static_cast<std::uint64_t>(kMessages));
   EXPECT_GT(chunks, 2);
 }
 
@@ -226,7 +216,7 @@ TEST(Mcap, EmptyFileHasNoChunk) {
   const auto file = directory.path() / "a.mcap";
   McapWriter writer(file, {.profile = "", .library = "test"});
   writer.finish();
-  const std::string bytes = bytes_of_file(file);
+  const std::string bytes = read_whole_file(file);
   Taker all(std::string_view(bytes).substr(8, bytes.size() - 16));
   std::vector<int> opcodes;
   while (!all.empty()) {

@@ -5,13 +5,11 @@
 
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <numbers>
 
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/md5.hpp"
 #include "sim/recorders/ros_encoder.hpp"
-#include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_rows.hpp"
 #include "sim/recorders/ros_types.hpp"
@@ -156,18 +154,6 @@ TEST(RosEncoder, AlignsNumbersOnlyInCdr) {
   EXPECT_THAT(ints(ros1.bytes()), ElementsAre(1, 0, 0, 0, 'a', 2, 1));
 }
 
-TEST(RosEncoder, CountsNanosecondsUpwardsBeforeZero) {
-  RosEncoder cdr(RosDialect::kRos2);
-  cdr.begin();
-  cdr.time(-250'000'000);
-  std::int32_t seconds = 0;
-  std::uint32_t nanoseconds = 0;
-  std::memcpy(&seconds, cdr.bytes().data() + 4, 4);
-  std::memcpy(&nanoseconds, cdr.bytes().data() + 8, 4);
-  EXPECT_EQ(seconds, -1);
-  EXPECT_EQ(nanoseconds, 750'000'000U);
-}
-
 TEST(RosEncoder, SplitsTimesClampingNegativesInRos1) {
   const auto words_of = [](RosDialect dialect, TimeNs t) {
     RosEncoder encoder(dialect);
@@ -230,174 +216,12 @@ TEST(Geodesy, AppliesEllipsoidCurvatureEastAndNorth) {
   EXPECT_NEAR(geodetic_of_world({0, 0, 30}, datum).altitude_m, 30, 1e-8);
 }
 
-TEST(RosPoints, MeasureOusterRangesFromTheAxis) {
-  // Two beams that start 27.67 mm off the axis, 10 m long; one of them without return.
-  auto beams = std::make_shared<BeamTable>();
-  beams->rows = 1;
-  beams->cols = 2;
-  beams->directions_lidar.assign(2, Eigen::Vector3f::UnitX());
-  beams->origins_lidar.assign(2, Eigen::Vector3f(0.0F, 0.02767F, 0.0F));
-  beams->column_offset_s = {0.0F, 0.05F};
-  Scan scan;
-  scan.beams = beams;
-  scan.range_m = {10.0F, 0.0F};
-  scan.intensity = scan.reflectivity = {0.5F, 0.0F};
-  RosEncoder out(RosDialect::kRos1);
-  encode_points(scan, PointsLayout::kOuster, 0.0F, 0, "lidar", out);
-  const auto points = out.bytes().last(2 * 48 + 1);  // and a byte for is_dense
-  const auto uint32_at = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, points.data() + at, sizeof value);
-    return value;
-  };
-  EXPECT_EQ(uint32_at(32), 10028U);
-  EXPECT_EQ(uint32_at(48 + 32), 0U) << "an empty return stays empty";
-}
-
-/// The last bytes of a message as numbers.
-template <class Number>
-Number number_at(std::span<const std::byte> bytes, std::size_t at) {
-  Number value{};
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
-TEST(RosPoints, SmallLayoutHoldsOnlyRoundedReturns) {
-  auto beams = std::make_shared<BeamTable>();
-  beams->rows = 1;
-  beams->cols = 3;
-  beams->directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(), Eigen::Vector3f(0.6F, 0.0F, 0.8F)};
-  beams->origins_lidar.assign(3, Eigen::Vector3f::Zero());
-  beams->column_offset_s = {0.0F, 0.01F, 0.02F};
-  Scan scan;
-  scan.beams = beams;
-  scan.range_m = {10.0012F, 0.0F, 5.0F};
-  scan.intensity = scan.reflectivity = {0.5F, 0.0F, 1.0F};
-  const auto points_of = [&](float step_m) {
-    RosEncoder out(RosDialect::kRos1);
-    encode_points(scan, PointsLayout::kSmall, step_m, 0, "lidar", out);
-    const auto bytes = out.bytes();
-    EXPECT_EQ(number_at<std::uint32_t>(bytes, bytes.size() - 2 * 16 - 1 - 4), 2U * 16U) << "two of three returned";
-    return std::vector<std::byte>(bytes.end() - 2 * 16 - 1, bytes.end());
-  };
-  const auto exact = points_of(0.0F), rounded = points_of(0.25F);
-  EXPECT_FLOAT_EQ(number_at<float>(exact, 0), 10.0012F);
-  EXPECT_FLOAT_EQ(number_at<float>(rounded, 0), 10.0F);
-  EXPECT_FLOAT_EQ(number_at<float>(exact, 12), 50.0F) << "half of white";
-  EXPECT_FLOAT_EQ(number_at<float>(rounded, 16), 3.0F);
-  EXPECT_FLOAT_EQ(number_at<float>(rounded, 24), 4.0F);
-}
-
-// Offsets of the fields as the makers' drivers publish them.
-TEST(RosPoints, VendorLayoutsHoldRowsAndTimes) {
-  auto beams = std::make_shared<BeamTable>();
-  beams->rows = 2;
-  beams->cols = 3;
-  for (int i = 0; i < 6; ++i)
-    beams->directions_lidar.push_back(Eigen::Vector3f(1.0F, 0.1F * static_cast<float>(i), 0.2F).normalized());
-  beams->origins_lidar.assign(6, Eigen::Vector3f::Zero());
-  beams->column_offset_s = {0.0F, 0.01F, 0.02F};
-  Scan scan;
-  scan.beams = beams;
-  scan.duration = 30'000'000;
-  scan.range_m = {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F};
-  scan.intensity = {0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F};
-  scan.reflectivity.assign(6, 0.5F);
-  constexpr std::size_t kOuster = 48, kLivox = 26;
-  RosEncoder ouster(RosDialect::kRos1), livox(RosDialect::kRos1);
-  encode_points(scan, PointsLayout::kOuster, 0.0F, 0, "lidar", ouster);
-  encode_points(scan, PointsLayout::kLivox, 0.0F, 0, "lidar", livox);
-  const auto of_ouster = ouster.bytes().last(6 * kOuster + 1), of_livox = livox.bytes().last(6 * kLivox + 1);
-  std::vector<int> lines;
-  for (int i = 0; i < 6; ++i) {
-    const auto point = of_ouster.subspan(static_cast<std::size_t>(i) * kOuster);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_EQ(number_at<float>(point, 4 * axis), scan.point_lidar(i)[static_cast<Eigen::Index>(axis)]);
-    EXPECT_EQ(number_at<float>(point, 16), scan.intensity[static_cast<std::size_t>(i)]);
-    EXPECT_NEAR(number_at<std::uint32_t>(point, 20), i % 3 * 10'000'000.0, 1.0);
-    EXPECT_EQ(number_at<std::uint16_t>(point, 26), i / 3);
-    EXPECT_EQ(number_at<std::uint32_t>(point, 32), 1000U * static_cast<std::uint32_t>(i + 1));
-    // The other maker's points come in order of time.
-    const auto shot = of_livox.subspan(static_cast<std::size_t>(i) * kLivox);
-    const auto line = static_cast<int>(number_at<std::uint8_t>(shot, 17));
-    const int beam = line * 3 + i / 2;
-    ASSERT_LT(beam, 6);
-    lines.push_back(line);
-    EXPECT_EQ(number_at<float>(shot, 0), scan.point_lidar(beam).x());
-    EXPECT_EQ(number_at<std::uint8_t>(shot, 16), 0);  // tag: a certain return
-    EXPECT_NEAR(number_at<double>(shot, 18), i / 2 * 1e7, 1.0);
-  }
-  EXPECT_EQ(std::count(lines.begin(), lines.end(), 1), 3);
-}
-
-TEST(RosMarkers, GroupWorldTrianglesByMaterial) {
-  Scene scene;
-  scene.materials = {{.name = "nothing"}, {.name = "wall", .color_rgb = {0.25F, 0.5F, 0.75F}}};
-  Mesh mesh;
-  mesh.vertices_mesh_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  mesh.triangles = {{0, 1, 2}};
-  mesh.material = 1;
-  scene.meshes = {mesh};
-  for (const float x_m : {0.0F, 10.0F}) {
-    Instance instance;
-    instance.T_world_mesh = Eigen::Affine3f(Eigen::Translation3f(x_m, 0.0F, 2.0F));
-    scene.instances.push_back(instance);
-  }
-  RosEncoder out(RosDialect::kRos1);
-  encode_world_markers(scene, 0, 0, out);
-  const auto bytes = out.bytes();
-  EXPECT_EQ(number_at<std::uint32_t>(bytes, 0), 1U) << "the material of nothing has no marker";
-  const std::size_t type = 4 + 4 + 8 + (4 + 5) + (4 + 5) + 4;  // count, header with "world", space "world", id
-  EXPECT_EQ(number_at<std::int32_t>(bytes, type), 11);         // TRIANGLE_LIST
-  const std::size_t color = type + 4 + 4 + 7 * 8 + 3 * 8;      // after action, pose, scale
-  EXPECT_EQ(number_at<double>(bytes, color - 8), 1.0) << "in meters";
-  EXPECT_EQ(number_at<float>(bytes, color + 4), 0.5F);
-  EXPECT_EQ(number_at<float>(bytes, color + 12), 1.0F);
-  const std::size_t points = color + 4 * 4 + 8 + 1;  // after lifetime and frame_locked
-  ASSERT_EQ(number_at<std::uint32_t>(bytes, points), 6U);
-  EXPECT_EQ(number_at<double>(bytes, points + 4 + 16), 2.0);
-  EXPECT_EQ(number_at<double>(bytes, points + 4 + 4 * 24), 11.0) << "the second corner of the second one";
-}
-
-TEST(RosMarkers, FollowVehicleFramesWithRotorDiscs) {
-  VehicleShape shape;
-  shape.materials = {{.name = "frame"}};
-  VehicleShape::RotorShape rotor;
-  rotor.hub_body_m = {0.2F, 0.0F, 0.1F};
-  rotor.radius_m = 0.15F;
-  shape.rotors = {rotor};
-  RosEncoder out(RosDialect::kRos1);
-  encode_vehicle_markers(shape, "uav1/body", 0, 0, out);
-  const auto bytes = out.bytes();
-  const std::size_t locked = 4 + 4 + 8 + (4 + 9) + (4 + 5) + 12 + 7 * 8 + 3 * 8 + 4 * 4 + 8;
-  EXPECT_EQ(number_at<std::uint8_t>(bytes, locked), 1);
-  const auto count = number_at<std::uint32_t>(bytes, locked + 1);
-  EXPECT_EQ(count % 6, 0U);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::size_t at = locked + 5 + 24 * i;
-    const double x_m = number_at<double>(bytes, at) - 0.2F, y_m = number_at<double>(bytes, at + 8);
-    EXPECT_NEAR(std::hypot(x_m, y_m), i % 3 == 0 ? 0.0 : 0.15, 1e-6);
-    EXPECT_EQ(number_at<double>(bytes, at + 16), static_cast<double>(0.1F));
-  }
-}
-
+// White is at 100 or 150 of 255, brighter returns on a logarithmic scale up to a thousand times white.
 TEST(RosPoints, ScaleReflectivityLinearlyThenLogarithmically) {
-  for (const int white : {100, 150}) {
-    for (float reflectivity = 1e-3F; reflectivity < 1e4F; reflectivity *= 1.0137F) {
-      const double beyond = std::min(std::log10(static_cast<double>(reflectivity)) / 3.0, 1.0);
-      const double expected =
-          reflectivity <= 1.0F ? white * static_cast<double>(reflectivity) : white + (255.0 - white) * beyond;
-      EXPECT_NEAR(reflectivity_byte(reflectivity, white), expected, 0.501) << reflectivity;
-    }
-  }
-  EXPECT_EQ(reflectivity_byte(-1.0F, 100), 0);
-  EXPECT_EQ(reflectivity_byte(0.0F, 100), 0);
-  EXPECT_EQ(reflectivity_byte(0.1F, 100), 10);
-  EXPECT_EQ(reflectivity_byte(1.0F, 100), 100);
-  EXPECT_EQ(reflectivity_byte(10.0F, 100), 152);  // a third of the way from 100 to 255
-  EXPECT_EQ(reflectivity_byte(1000.0F, 150), 255);
-  EXPECT_EQ(reflectivity_byte(1e9F, 150), 255);
-  EXPECT_EQ(reflectivity_byte(std::nanf(""), 150), 0);
+  const std::tuple<float, int, int> cases[] = {{-1.0F, 100, 0},  {0.0F, 100, 0},         {0.1F, 100, 10},
+                                               {1.0F, 100, 100}, {10.0F, 100, 152},      {1000.0F, 150, 255},
+                                               {1e9F, 150, 255}, {std::nanf(""), 150, 0}};
+  for (const auto& [reflectivity, white, expected] : cases) EXPECT_EQ(reflectivity_byte(reflectivity, white), expected);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/events.hpp"
 #include "swiftlet/sim/recorders/map.hpp"
@@ -76,11 +76,7 @@ TEST(Recorders, WriteIdenticalBytesForIdenticalRuns) {
       for (const auto& entry : fs::recursive_directory_iterator(directory.path())) {
         if (entry.is_regular_file()) files.insert(entry.path());
       }
-      for (const fs::path& file : files) {
-        std::ostringstream text;
-        text << std::ifstream(file, std::ios::binary).rdbuf();
-        content.push_back(text.str());
-      }
+      for (const fs::path& file : files) content.push_back(read_whole_file(file));
     }
     EXPECT_EQ(contents[0], contents[1]) << type;
   }

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every message, read back by its own definition, against its tick.
+// Which messages are sent when; tests/readers compares every value of every message.
 #include "sim/recorders/ros_topics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <numbers>
 #include <set>
 
-#include "sim/recorders/geodesy.hpp"
 #include "tests/sim/recorders/ros_reader.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -109,23 +106,9 @@ RosConfig config_of(std::vector<std::string> topics) {
 void expect_near(const Vector3& found, const Vector3& expected) {
   EXPECT_LT((found - expected).norm(), 1e-9) << found.transpose() << " and " << expected.transpose();
 }
-void expect_pose(const RosReading& message, const std::string& position, const std::string& rotation, const Vector3& p,
-                 const Matrix3& R) {
-  expect_near(message.vector(position), p);
-  EXPECT_NEAR(message.rotation(rotation).norm(), 1.0, 1e-12);
-  EXPECT_LT((message.rotation(rotation).toRotationMatrix() - R).norm(), 1e-9);
-}
-void expect_pose(const RosReading& message, const std::string& pose, const Pose& T) {
-  expect_pose(message, pose + ".position", pose + ".orientation", T.translation(), T.linear());
-}
-template <class Matrix>
-void expect_matrix(const RosReading& message, const std::string& path, const Matrix& expected) {
-  const std::vector<double> found = message.array(path);
-  ASSERT_EQ(found.size(), static_cast<std::size_t>(expected.size()));
-  for (Eigen::Index i = 0; i < expected.rows(); ++i) {
-    for (Eigen::Index j = 0; j < expected.cols(); ++j)
-      EXPECT_NEAR(found[static_cast<std::size_t>(i * expected.cols() + j)], expected(i, j), 1e-9) << path;
-  }
+void expect_pose(const RosReading& message, const std::string& position, const std::string& rotation, const Pose& T) {
+  expect_near(message.vector(position), T.translation());
+  EXPECT_LT((message.rotation(rotation).toRotationMatrix() - T.linear()).norm(), 1e-9);
 }
 void expect_color(const RosReading& message, const std::string& marker, std::array<double, 4> rgba) {
   const char* const kParts[] = {".color.r", ".color.g", ".color.b", ".color.a"};
@@ -184,158 +167,29 @@ TEST_P(RosTopicsTest, SendsExactlyWhatEachTickHolds) {
   }
 }
 
-TEST_P(RosTopicsTest, PlacesAreThoseOfTheTick) {
-  RosRun run(config_of({"truth", "estimate", "tf", "clock", "pose", "odometry"}), GetParam());
-  for (int k = 0; k <= 8; ++k) {
-    const TickView& view = run.tick();
-    EXPECT_EQ(run.sink.read_all("/clock").at(0).time("clock"), view.t);
-    const RosReading tf = run.sink.read_all("/tf").at(0);
-    ASSERT_EQ(tf.count("transforms"), k >= 5 ? 4U : 2U);
-    std::size_t place = 0;
-    for (std::size_t v = 0; v < 2; ++v) {
-      const std::string name = kNames[v], at = "/" + name;
-      const VehicleState& state = view.states[v];
-      const Observation& sensed = view.observations[v];
-      const StateEstimate& estimate = view.actions[v]->estimate;
-      const auto expect_transform = [&](const std::string& child, const Pose& T) {
-        const std::string transform = "transforms[" + std::to_string(place++) + "]";
-        EXPECT_EQ(tf.text(transform + ".header.frame_id"), "world");
-        EXPECT_EQ(tf.time(transform + ".header.stamp"), view.t);
-        EXPECT_EQ(tf.text(transform + ".child_frame_id"), child);
-        expect_pose(tf, transform + ".transform.translation", transform + ".transform.rotation", T.translation(),
-                    T.linear());
-      };
-      expect_transform(name + "/body", state.T_world_body());
-      if (k >= 5) expect_transform(name + "/local", estimate.T_world_local);
-
-      const RosReading truth = run.sink.read_all(at + "/truth/pose").at(0);
-      EXPECT_EQ(truth.text("header.frame_id"), "world");
-      EXPECT_EQ(truth.time("header.stamp"), view.t);
-      expect_pose(truth, "pose", state.T_world_body());
-
-      const auto expect_odometry = [&](const RosReading& read, TimeNs t, const std::string& frame, const Pose& T,
-                                       const Vector3& v_frame_mps, const Vector3& omega_radps, const Matrix6& P) {
-        EXPECT_EQ(read.text("header.frame_id"), frame);
-        EXPECT_EQ(read.text("child_frame_id"), name + "/body");
-        EXPECT_EQ(read.time("header.stamp"), t);
-        expect_pose(read, "pose.pose", T);
-        expect_near(read.vector("twist.twist.linear"), T.linear().transpose() * v_frame_mps);
-        expect_near(read.vector("twist.twist.angular"), omega_radps);
-        expect_matrix(read, "pose.covariance", P);
-        expect_matrix(read, "twist.covariance", Matrix6(Matrix6::Zero()));
-      };
-      const OdometrySample& odometry = sensed.odometry.at(0);
-      expect_odometry(run.sink.read_all(at + "/odometry").at(0), odometry.t, name + "/local", odometry.T_local_body,
-                      odometry.v_local_body_mps, Vector3::Zero(), Matrix6::Zero());
-      const PoseSample& pose = sensed.pose.at(0);
-      expect_odometry(run.sink.read_all(at + "/pose").at(0), pose.t, "world", pose.T_world_body, pose.v_world_mps,
-                      pose.omega_body_radps, Matrix6::Zero());
-      const auto told = run.sink.read_all(at + "/estimate");
-      ASSERT_EQ(told.size(), k >= 5 ? 1U : 0U);
-      if (k < 5) continue;
-      // Position turned from the local axes to those of the world, rotation from the body's.
-      Matrix6 turn = Matrix6::Zero();
-      turn.topLeftCorner<3, 3>() = estimate.T_world_local.linear();
-      turn.bottomRightCorner<3, 3>() = estimate.T_world_local.linear() * estimate.T_local_body.linear();
-      expect_odometry(told[0], estimate.t, "world", estimate.T_world_local * estimate.T_local_body,
-                      estimate.T_world_local.linear() * estimate.v_local_mps, estimate.omega_body_radps,
-                      turn * estimate.covariance * turn.transpose());
-    }
-  }
-}
-
-TEST_P(RosTopicsTest, SamplesAreThoseOfTheTick) {
-  RosConfig config = config_of({"imu", "gnss", "altimeter", "compass", "neighbors", "messages"});
-  config.datum_deg = {-33.5, 151.25};
-  config.datum_altitude_m = 40.0;
-  RosRun run(config, GetParam());
-  for (int k = 0; k <= 5; ++k) {
-    const TickView& view = run.tick();
-    for (std::size_t v = 0; v < 2; ++v) {
-      const std::string name = kNames[v], other = kNames[1 - v], at = "/" + name + "/";
-      const Observation& sensed = view.observations[v];
-      const auto imu = run.sink.read_all(at + "imu");
-      ASSERT_EQ(imu.size(), 2U);
-      for (std::size_t i = 0; i < 2; ++i) {
-        EXPECT_EQ(imu[i].text("header.frame_id"), name + "/body");
-        EXPECT_EQ(imu[i].time("header.stamp"),
-                  std::max<TimeNs>(sensed.imu[i].t, GetParam() == RosDialect::kRos1 ? 0 : -kNsPerSecond));
-        EXPECT_TRUE(imu[i].rotation("orientation").isApprox(Eigen::Quaterniond::Identity()));
-        Matrix3 unknown = Matrix3::Zero();
-        unknown(0, 0) = -1.0;
-        expect_matrix(imu[i], "orientation_covariance", unknown);
-        expect_near(imu[i].vector("angular_velocity"), sensed.imu[i].omega_body_radps);
-        expect_near(imu[i].vector("linear_acceleration"), sensed.imu[i].specific_force_body_mps2);
-        expect_matrix(imu[i], "angular_velocity_covariance", Matrix3(Matrix3::Zero()));
-        expect_matrix(imu[i], "linear_acceleration_covariance", Matrix3(Matrix3::Zero()));
-      }
-      const auto gnss = run.sink.read_all(at + "gnss");
-      ASSERT_EQ(gnss.size(), k % 5 == 0 ? 1U : 0U);
-      if (!gnss.empty()) {
-        const GnssSample& sample = sensed.gnss.at(0);
-        EXPECT_EQ(gnss[0].number("status.status"), 0) << "STATUS_FIX";
-        EXPECT_EQ(gnss[0].number("status.service"), 1) << "SERVICE_GPS";
-        EXPECT_EQ(gnss[0].number("position_covariance_type"), 2) << "COVARIANCE_TYPE_DIAGONAL_KNOWN";
-        const Geodetic place = geodetic_of_world(sample.p_world_m, {-33.5, 151.25, 40.0});
-        EXPECT_EQ(gnss[0].number("latitude"), place.latitude_deg);
-        EXPECT_EQ(gnss[0].number("longitude"), place.longitude_deg);
-        EXPECT_EQ(gnss[0].number("altitude"), place.altitude_m);
-        expect_matrix(gnss[0], "position_covariance",
-                      Matrix3(sample.sigma_p_m.cwiseProduct(sample.sigma_p_m).asDiagonal()));
-      }
-      const RosReading altimeter = run.sink.read_all(at + "altimeter").at(0);
-      EXPECT_EQ(altimeter.time("header.stamp"), view.t);
-      EXPECT_EQ(altimeter.text("header.frame_id"), name + "/body");
-      EXPECT_EQ(altimeter.time("t_s"), sensed.altimeter.at(0).t);
-      EXPECT_EQ(altimeter.number("height_m"), sensed.altimeter.at(0).height_m);
-      EXPECT_EQ(run.sink.read_all(at + "compass").at(0).number("yaw_rad"), sensed.compass.at(0).yaw_rad);
-      const RosReading neighbor = run.sink.read_all(at + "neighbors").at(0);
-      EXPECT_EQ(neighbor.text("neighbor"), other);
-      EXPECT_EQ(neighbor.number("y_body_m"), sensed.neighbors.at(0).p_body_m.y());
-      EXPECT_EQ(neighbor.number("cov_xz_m2"), sensed.neighbors.at(0).covariance_body(0, 2));
-      const auto heard = run.sink.read_all(at + "radio/neighbor");
-      ASSERT_EQ(heard.size(), k % 3 == 0 ? 0U : 1U) << "a newer program's words are not read";
-      if (heard.empty()) continue;
-      const Message& message = sensed.messages.at(0);
-      EXPECT_EQ(heard[0].time("header.stamp"), message.received);
-      EXPECT_EQ(heard[0].text("header.frame_id"), "");
-      EXPECT_EQ(heard[0].text("sender"), other);
-      EXPECT_EQ(heard[0].time("received_s"), message.received);
-      NeighborPosition said;
-      ASSERT_EQ(read_message(message, said), Reading::kDone);
-      EXPECT_EQ(heard[0].number("z_m"), said.p_world_m.z());
-    }
-  }
-}
-
-TEST_P(RosTopicsTest, NamesSubjectsOfEventsAndSeries) {
-  RosRun run(config_of({"events", "scores", "spread"}), GetParam());
-  for (int k = 0; k <= 9; ++k) {
-    const TickView& view = run.tick();
-    const auto events = run.sink.read_all("/events");
-    if (k == 7) {
-      EXPECT_EQ(events.at(0).time("header.stamp"), view.t);
-      EXPECT_EQ(events.at(0).text("header.frame_id"), "world");
-      EXPECT_EQ(events.at(0).text("kind"), "crash");
-      EXPECT_EQ(events.at(0).text("vehicle"), "uav_2");
-      EXPECT_EQ(events.at(0).text("partner"), "trunk \"17\"");
-      EXPECT_EQ(events.at(0).number("position_z_m"), view.events[0].p_world_m.z());
-      EXPECT_EQ(events.at(0).text("note"), "motors\nstopped");
-    }
-    if (k == 9) {
-      EXPECT_EQ(events.at(0).text("vehicle"), "") << "about the whole run";
-    }
-    const auto scores = run.sink.read_all("/uav_2/scores");
-    ASSERT_EQ(scores.size(), 2U);
-    EXPECT_EQ(scores[0].time("header.stamp"), view.t);
-    EXPECT_EQ(scores[0].text("header.frame_id"), "");
-    EXPECT_EQ(scores[0].text("target"), "uav1");
-    EXPECT_EQ(scores[0].number("found"), 1.0);
-    EXPECT_EQ(scores[0].number("visible_points"), 12.0);
-    EXPECT_EQ(scores[1].text("target"), "");
-    EXPECT_EQ(scores[1].number("visible_points"), -1.0);
-    EXPECT_EQ(run.sink.read_all("/spread").at(0).time("t_s"), view.t);
-  }
+// A corrected estimate is published in the world, its covariance with it: positions turned from the local axes,
+// rotations from those of the body.
+TEST_P(RosTopicsTest, PlacesCorrectedEstimatesInTheWorld) {
+  RosRun run(config_of({"estimate", "tf"}), GetParam());
+  for (int k = 0; k < 8; ++k) run.tick();
+  const StateEstimate& estimate = run.tick().actions[1]->estimate;
+  const Pose &T_world_local = estimate.T_world_local, T_world_body = T_world_local * estimate.T_local_body;
+  const RosReading tf = run.sink.read_all("/tf").at(0), read = run.sink.read_all("/uav_2/estimate").at(0);
+  EXPECT_EQ(tf.text("transforms[3].child_frame_id"), "uav_2/local");
+  expect_pose(tf, "transforms[3].transform.translation", "transforms[3].transform.rotation", T_world_local);
+  EXPECT_EQ(read.text("header.frame_id"), "world");
+  EXPECT_EQ(read.text("child_frame_id"), "uav_2/body");
+  EXPECT_EQ(read.time("header.stamp"), estimate.t);
+  expect_pose(read, "pose.pose.position", "pose.pose.orientation", T_world_body);
+  expect_near(read.vector("twist.twist.linear"), estimate.T_local_body.linear().transpose() * estimate.v_local_mps);
+  Matrix6 turn = Matrix6::Zero();
+  turn.topLeftCorner<3, 3>() = T_world_local.linear();
+  turn.bottomRightCorner<3, 3>() = T_world_body.linear();
+  const Matrix6 expected = turn * estimate.covariance * turn.transpose();
+  const std::vector<double> found = read.array("pose.covariance");
+  ASSERT_EQ(found.size(), 36U);
+  for (Eigen::Index i = 0; i < 36; ++i)
+    EXPECT_NEAR(found[static_cast<std::size_t>(i)], expected(i / 6, i % 6), 1e-9) << i;
 }
 
 /// Time of a point in the layout of Livox [ns].
@@ -390,108 +244,12 @@ TEST(RosNames, AreAlphanumericAndDistinct) {
   EXPECT_EQ(expected_ros_name("2nd", taken), "a name that begins with a letter, because a recorder writes ROS topics");
 }
 
-TEST_P(RosTopicsTest, MarkersShowDetectionsAndTracks) {
-  RosRun run(config_of({"detections", "tracks", "relatives"}), GetParam());
-  bool turned_over = false;
-  for (int k = 0; k <= 12; ++k) {
-    const TickView& view = run.tick();
-    for (std::size_t v = 0; v < 2; ++v) {
-      const std::string at = "/" + std::string(kNames[v]);
-      const Action& action = *view.actions[v];
-      const auto expect_first_deletes = [&](const RosReading& read) {
-        EXPECT_EQ(read.number("markers[0].action"), 3) << "DELETEALL";
-        EXPECT_EQ(read.text("markers[0].header.frame_id"), "world");
-        EXPECT_EQ(read.time("markers[0].header.stamp"), view.t);
-        for (std::size_t i = 0; i < read.count("markers"); ++i) {
-          const std::string marker = "markers[" + std::to_string(i) + "]";
-          EXPECT_EQ(read.number(marker + ".lifetime.sec"), 0);
-          EXPECT_EQ(read.number(marker + ".lifetime.nanosec"), 0);
-          EXPECT_EQ(read.count(marker + ".colors"), 0U);
-          EXPECT_EQ(read.number(marker + ".frame_locked"), 0);
-          EXPECT_EQ(read.number(marker + ".mesh_use_embedded_materials"), 0);
-          if (i > 0) {
-            EXPECT_EQ(read.number(marker + ".action"), 0) << "ADD";
-            EXPECT_EQ(read.text(marker + ".header.frame_id"), "world");
-          }
-        }
-      };
-      const RosReading detections = run.sink.read_all(at + "/detections").at(0);
-      ASSERT_EQ(detections.count("markers"), 1U + action.detections.size());
-      expect_first_deletes(detections);
-      for (std::size_t i = 0; i < action.detections.size(); ++i) {
-        const std::string marker = "markers[" + std::to_string(i + 1) + "]";
-        const Detection& detection = action.detections[i];
-        EXPECT_EQ(detections.text(marker + ".ns"), "detections");
-        EXPECT_EQ(detections.number(marker + ".id"), static_cast<double>(i));
-        EXPECT_EQ(detections.number(marker + ".type"), 1) << "CUBE";
-        EXPECT_EQ(detections.time(marker + ".header.stamp"),
-                  std::max<TimeNs>(detection.t, GetParam() == RosDialect::kRos1 ? 0 : -kNsPerSecond));
-        expect_near(detections.vector(marker + ".pose.position"), detection.position_m);
-        EXPECT_TRUE(detections.rotation(marker + ".pose.orientation").isApprox(Eigen::Quaterniond::Identity()));
-        expect_near(detections.vector(marker + ".scale"), detection.extent_m.cwiseMax(0.1));
-      }
-      const RosReading relative = run.sink.read_all(at + "/relatives").at(0);
-      EXPECT_EQ(relative.time("header.stamp"), action.relatives[0].t);
-      EXPECT_EQ(relative.text("header.frame_id"), "world");
-      EXPECT_EQ(relative.text("other"), kNames[v]);
-      EXPECT_EQ(relative.number("yaw_rad"), action.relatives[0].yaw_rad);
-
-      const auto tracks = run.sink.read_all(at + "/tracks");
-      ASSERT_EQ(tracks.size(), k % 2 == 0 ? 1U : 0U);
-      if (tracks.empty()) continue;
-      const Track& track = action.tracks.at(0);
-      const RosReading& read = tracks[0];
-      ASSERT_EQ(read.count("markers"), 5U);
-      expect_first_deletes(read);
-      for (std::size_t i = 1; i < 5; ++i) {
-        EXPECT_EQ(read.number("markers[" + std::to_string(i) + "].id"), track.id);
-        EXPECT_EQ(read.time("markers[" + std::to_string(i) + "].header.stamp"), track.t);
-      }
-      EXPECT_EQ(read.text("markers[1].ns"), "tracks");
-      EXPECT_EQ(read.number("markers[1].type"), 2) << "SPHERE";
-      expect_near(read.vector("markers[1].pose.position"), track.position_m);
-      EXPECT_GT(read.vector("markers[1].scale").minCoeff(), 0.0) << "it can be seen";
-      EXPECT_EQ(read.text("markers[2].ns"), "covariance");
-      EXPECT_EQ(read.number("markers[2].type"), 2);
-      expect_near(read.vector("markers[2].pose.position"), track.position_m);
-      // Three standard deviations to each side along the axes.
-      const Eigen::Quaterniond axes = read.rotation("markers[2].pose.orientation");
-      EXPECT_NEAR(axes.norm(), 1.0, 1e-9);
-      const Vector3 sigma_m = read.vector("markers[2].scale") / 6.0;
-      const Matrix3 P =
-          axes.toRotationMatrix() * sigma_m.cwiseAbs2().asDiagonal() * axes.toRotationMatrix().transpose();
-      EXPECT_LT((P - track.covariance.topLeftCorner<3, 3>()).norm(), 1e-9 * P.norm());
-      const Matrix3 as_solved =
-          Eigen::SelfAdjointEigenSolver<Matrix3>(track.covariance.topLeftCorner<3, 3>()).eigenvectors();
-      turned_over = turned_over || as_solved.determinant() < 0.0;
-      EXPECT_EQ(read.text("markers[3].ns"), "velocity");
-      EXPECT_EQ(read.number("markers[3].type"), 0) << "ARROW";
-      ASSERT_EQ(read.count("markers[3].points"), 2U);
-      expect_near(read.vector("markers[3].points[0]"), track.position_m);
-      expect_near(read.vector("markers[3].points[1]") - track.position_m, track.velocity_mps);
-      EXPECT_GT(read.number("markers[3].scale.y"), read.number("markers[3].scale.x")) << "a head wider than its shaft";
-      EXPECT_GT(read.number("markers[3].scale.x"), 0.0);
-      EXPECT_EQ(read.number("markers[3].scale.z"), 0.0) << "the head's length is the viewer's choice";
-      EXPECT_EQ(read.text("markers[4].ns"), "names");
-      EXPECT_EQ(read.number("markers[4].type"), 9) << "TEXT_VIEW_FACING";
-      EXPECT_EQ(read.text("markers[4].text"), std::to_string(track.id));
-      const Vector3 above_m = read.vector("markers[4].pose.position") - track.position_m;
-      EXPECT_GT(above_m.z(), read.number("markers[1].scale.z") / 2.0) << "above the sphere";
-      EXPECT_EQ(above_m.head<2>().norm(), 0.0);
-      EXPECT_GT(read.number("markers[4].scale.z"), 0.0) << "height of the letters";
-      EXPECT_EQ(read.vector("markers[4].scale").head<2>().norm(), 0.0) << "only z counts for text";
-    }
-  }
-  EXPECT_TRUE(turned_over) << "some axes were left-handed before";
-}
-
 TEST_P(RosTopicsTest, SendsWorldAndVehiclesAsTriangles) {
   RosRun run(config_of({"world", "models"}), GetParam());
   run.tick();
   const RosReading world = run.sink.read_all("/world").at(0), model = run.sink.read_all("/uav_2/model").at(0);
-  ASSERT_EQ(world.count("markers"), 1U);
+  ASSERT_EQ(world.count("markers"), 1U) << "only materials with triangles";
   EXPECT_EQ(world.text("markers[0].header.frame_id"), "world");
-  EXPECT_EQ(world.text("markers[0].ns"), "world");
   EXPECT_EQ(world.number("markers[0].frame_locked"), 0);
   expect_color(world, "markers[0]", {0.25, 0.5, 0.75, 1.0});
   ASSERT_EQ(world.count("markers[0].points"), 3U);
@@ -503,54 +261,18 @@ TEST_P(RosTopicsTest, SendsWorldAndVehiclesAsTriangles) {
   expect_near(model.vector("markers[0].points[5]"), {0, 0, 1});
   for (const std::string marker : {"markers[0]", "markers[1]"}) {
     EXPECT_EQ(model.text(marker + ".header.frame_id"), "uav_2/body");
-    EXPECT_EQ(model.text(marker + ".ns"), "model");
     EXPECT_EQ(model.number(marker + ".frame_locked"), 1);
-    EXPECT_EQ(model.number(marker + ".id"), marker == "markers[0]" ? 0 : 1);
     EXPECT_EQ(model.number(marker + ".type"), 11) << "TRIANGLE_LIST";
     expect_near(model.vector(marker + ".scale"), Vector3::Ones());
   }
-  EXPECT_GT(model.number("markers[1].color.a"), 0.0);
-  EXPECT_LT(model.number("markers[1].color.a"), 1.0) << "one sees through a disc";
-  // Triangles from the hub to the rim all around, each from above and from below: twice the area of the disc.
-  const std::size_t corners = model.count("markers[1].points");
-  ASSERT_EQ(corners % 3, 0U);
-  double above_m2 = 0.0, below_m2 = 0.0;
-  for (std::size_t i = 0; i < corners; i += 3) {
-    const auto corner = [&](std::size_t j) { return model.vector("markers[1].points[" + std::to_string(i + j) + "]"); };
-    const double up_m2 = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).z();
-    (up_m2 > 0.0 ? above_m2 : below_m2) += std::abs(up_m2);
+  EXPECT_LT(model.number("markers[1].color.a"), 1.0) << "discs are transparent";
+  for (std::size_t i = 0; i < model.count("markers[1].points"); ++i) {
+    const Vector3 from_hub_m = model.vector("markers[1].points[" + std::to_string(i) + "]") - Vector3(0.2, 0.0, 0.1);
+    EXPECT_NEAR(from_hub_m.norm(), i % 3 == 0 ? 0.0 : 0.15, 1e-6);
+    EXPECT_NEAR(from_hub_m.z(), 0.0, 1e-6);
   }
-  const auto sides = static_cast<double>(corners) / 6.0;
-  const double polygon_m2 = 0.5 * sides * std::sin(2.0 * std::numbers::pi / sides) * 0.15 * 0.15;
-  EXPECT_NEAR(above_m2, polygon_m2, 1e-6);
-  EXPECT_NEAR(below_m2, polygon_m2, 1e-6);
-  EXPECT_GT(polygon_m2, 0.95 * std::numbers::pi * 0.15 * 0.15) << "nearly round";
   run.tick();
   EXPECT_THAT(run.topics_sent(), IsEmpty()) << "once is enough";
-}
-
-TEST_P(RosTopicsTest, LatchesLidarMountsWithFirstScan) {
-  RosRun run(config_of({"points", "tf"}), GetParam());
-  for (int k = 0; k < 10; ++k) run.tick();
-  const TickView& view = run.tick();
-  const auto told = run.sink.read_all("/tf_static");
-  ASSERT_EQ(told.size(), 3U);
-  for (std::size_t i = 0; i < 3; ++i) ASSERT_EQ(told[i].count("transforms"), i + 1);
-  const std::pair<std::string, const Scan*> lidars[] = {{"uav1/os1", &view.scans[0][0]->scan},
-                                                        {"uav_2/mid360", &view.scans[1][0]->scan},
-                                                        {"uav_2/puck", &view.scans[1][1]->scan}};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string transform = "transforms[" + std::to_string(i) + "]", &child = lidars[i].first;
-    EXPECT_EQ(told[2].text(transform + ".child_frame_id"), child);
-    EXPECT_EQ(told[2].text(transform + ".header.frame_id"), child.substr(0, child.find('/')) + "/body");
-    EXPECT_EQ(told[2].time(transform + ".header.stamp"), view.t);
-    const Pose& T = lidars[i].second->T_body_lidar;
-    expect_pose(told[2], transform + ".transform.translation", transform + ".transform.rotation", T.translation(),
-                T.linear());
-    const RosReading points = run.sink.read_all("/" + child + "/points").at(0);
-    EXPECT_EQ(points.text("header.frame_id"), child);
-    EXPECT_EQ(points.time("header.stamp"), lidars[i].second->stamp);
-  }
 }
 
 TEST(RosTopics, SendsOnlyRequestedTopics) {
@@ -683,14 +405,6 @@ TEST(RosTopics, NumbersMarkersAndClampsNegativeThickness) {
   ASSERT_EQ(tracks.count("markers"), 9U);
   EXPECT_EQ(tracks.text("markers[8].text"), "12");
   EXPECT_EQ(tracks.vector("markers[6].scale").minCoeff(), 0.0);
-}
-
-TEST(RosTopics, ReplacesOtherCharactersWithUnderscores) {
-  OneTick tick({"truth"}, {"azAZ09_", "`{@[/:-"});
-  tick.write(0, nullptr);
-  std::vector<std::string> topics;
-  for (const auto& channel : tick.sink.channels) topics.push_back(channel.topic);
-  EXPECT_THAT(topics, ElementsAre("/azAZ09_/truth/pose", "/_______/truth/pose"));
 }
 
 }  // namespace
