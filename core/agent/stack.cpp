@@ -241,7 +241,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
     } else {
       if (looks_around_) wanted_ = {};  // guidance sets only what it changes
       looks_around_ = false;
-      ask_guidance(observation, dt_s);
+      step_guidance(observation, dt_s);
     }
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
@@ -249,7 +249,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
     set_note(warning[0] == '\0' ? wanted_.note : warning);
   }
 
-  void ask_guidance(const Observation& observation, double dt_s) {
+  void step_guidance(const Observation& observation, double dt_s) {
     stages_.guidance->step({.dt_s = dt_s,
                             .estimate = action_.estimate,
                             .observation = observation,

@@ -10,7 +10,6 @@ namespace swiftlet {
 namespace {
 
 constexpr int kBeam = 16;             // counts per beam
-constexpr int kMostMemory = 1000;     // memory limit in beams; counts are 16 bits
 constexpr double kMostCells = 1e9;    // most cells of a map
 constexpr double kMostAxis = 4096.0;  // most cells along an axis
 
@@ -90,18 +89,18 @@ void AirMap::forget_layers(int axis, int first, int count) {
 
 // Ray traversal by Amanatides and Woo 1987, clipped to the box.
 void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
-  const Eigen::Array3d from = from_m.array() * cells_per_m_, way = to_m.array() * cells_per_m_ - from;
+  const Eigen::Array3d from = from_m.array() * cells_per_m_, displacement = to_m.array() * cells_per_m_ - from;
   const Eigen::Array3d low = min_cell_.array().cast<double>(), high = low + mask_.array().cast<double>() + 1.0;
-  if (!from.allFinite() || !way.allFinite()) return;
+  if (!from.allFinite() || !displacement.allFinite()) return;
   constexpr double kInside = 1e-6;  // margin in voxels: rounding never steps out of the box
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double low_at = low[axis] + kInside - from[axis], high_at = high[axis] - kInside - from[axis];
-    if (way[axis] == 0.0) {
+    if (displacement[axis] == 0.0) {
       if (low_at > 0.0 || high_at < 0.0) return;
       continue;
     }
-    const double a = low_at / way[axis], b = high_at / way[axis];
+    const double a = low_at / displacement[axis], b = high_at / displacement[axis];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
@@ -112,14 +111,14 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   const std::size_t field_mask[3] = {field_mask_[0], field_mask_[1], field_mask_[2]};
   double next[3], per_cell[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double cell = std::floor(from[axis] + enter * way[axis]);
-    const bool forward = way[axis] > 0.0, still = way[axis] == 0.0;
+    const double cell = std::floor(from[axis] + enter * displacement[axis]);
+    const bool forward = displacement[axis] > 0.0, still = displacement[axis] == 0.0;
     const std::size_t mask = field_mask[axis], one = mask & (~mask + 1);
     field[axis] =
         fields_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(static_cast<int>(cell) & mask_[axis])];
     field_step[axis] = forward ? ~mask + one : ~one + 1;  // carries or borrows pass through the bits of other axes
-    per_cell[axis] = still ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
-    next[axis] = still ? per_cell[axis] : ((forward ? cell + 1.0 : cell) - from[axis]) / way[axis];
+    per_cell[axis] = still ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(displacement[axis]);
+    next[axis] = still ? per_cell[axis] : ((forward ? cell + 1.0 : cell) - from[axis]) / displacement[axis];
   }
   while (true) {
     add(counts_[field[0] | field[1] | field[2]], kBeam, 0);

@@ -30,7 +30,7 @@ int bin_in(double value, double whole, int count) {
 }
 
 // Probability that a beam did not end before a surface of uncertain range.
-double share_that_came_so_far(double range_m, double surface_m, double sigma_m) {
+double share_beyond(double range_m, double surface_m, double sigma_m) {
   if (range_m <= 0.0) return 1.0;
   const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, 1e-6);
   return 1.0 / (1.0 + elementary::exp(-kLogistic * std::clamp(beyond_sigma, -20.0, 20.0)));
@@ -144,7 +144,7 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
         const double exponent = across_sq / width_sq;
         if (exponent > kBeamReach_sigma * kBeamReach_sigma) continue;
         const double shots = target.radius_m * target.radius_m / width_sq * elementary::exp(-exponent);
-        result.shots += shots * share_that_came_so_far(beam.range_m, along_m - target.radius_m, target.sigma_m);
+        result.shots += shots * share_beyond(beam.range_m, along_m - target.radius_m, target.sigma_m);
       }
     }
   }

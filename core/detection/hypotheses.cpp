@@ -249,10 +249,10 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
 
   const double weight = (1.0 - h.sight.hidden) * of_target / (none + of_target);
   const Eigen::Matrix<double, 6, 3> K = h.covariance * H.transpose() * S.inverse();
-  const Vector6 way = K * innovation_m;
-  h.mean += weight * way;
+  const Vector6 correction = K * innovation_m;
+  h.mean += weight * correction;
   h.covariance -= weight * K * S * K.transpose();
-  h.covariance += weight * (1.0 - weight) * way * way.transpose();
+  h.covariance += weight * (1.0 - weight) * correction * correction.transpose();
   h.covariance = 0.5 * (h.covariance + h.covariance.transpose()).eval();
   keep(h, measurement);
   h.seen = h.t;
@@ -335,11 +335,11 @@ void Hypotheses::split_body(std::size_t k) {
 // Keeps the older hypothesis, with the mean of both states and the spread between them.
 void Hypotheses::join(const LocalCloud& cloud, std::size_t stays, std::size_t goes) {
   Hypothesis &h = hypotheses_[stays], &other = hypotheses_[goes];
-  const Vector6 way = other.mean - h.mean;
-  h.size_m =
-      std::min(std::max({h.size_m, other.size_m, 2.0 * way.head<3>().norm()}), kMostSize * config_.target.body_m);
-  h.mean += 0.5 * way;
-  h.covariance = 0.5 * (h.covariance + other.covariance) + 0.25 * way * way.transpose();
+  const Vector6 difference = other.mean - h.mean;
+  h.size_m = std::min(std::max({h.size_m, other.size_m, 2.0 * difference.head<3>().norm()}),
+                      kMostSize * config_.target.body_m);
+  h.mean += 0.5 * difference;
+  h.covariance = 0.5 * (h.covariance + other.covariance) + 0.25 * difference * difference.transpose();
   h.existence = std::max(h.existence, other.existence);
   other.existence = 0.0;
   other.was_target = false;

@@ -147,8 +147,8 @@ bool AgileSpline::can_stop_inside(const Vector3& point, const Vector3& step) con
   const double length = step.norm();
   const double braking = braking_per_knot(step);
   const double n = std::floor(length / braking);
-  const double way = n * length - 0.5 * braking * n * (n + 1.0);  // (length - b) + (length - 2 b) + ...
-  const Vector3 stop = length > 0.0 ? Vector3(point + step * (way / length)) : point;
+  const double stopping_distance = n * length - 0.5 * braking * n * (n + 1.0);  // (length - b) + (length - 2 b) + ...
+  const Vector3 stop = length > 0.0 ? Vector3(point + step * (stopping_distance / length)) : point;
   return is_inside(point, box_min_m_, box_max_m_) && is_inside(stop, box_min_m_, box_max_m_);
 }
 

@@ -108,7 +108,7 @@ class Explore : public Guidance {
   void take_plan() {
     switch (found_.status) {
       case NextViewStatus::kFound:
-        promised_ = found_.share;
+        expected_share_ = found_.share;
         follower_.start(std::move(found_.corners_local_m));
         return enter(State::kFlying);
       case NextViewStatus::kNothingLeft:
@@ -137,10 +137,10 @@ class Explore : public Guidance {
 
   /// Is most of the space that the view promised known before arrival?
   bool shows_enough(const GuidanceInput& input) {
-    if (judged_ == input.map->revision()) return false;
-    judged_ = input.map->revision();
+    if (tested_revision_ == input.map->revision()) return false;
+    tested_revision_ = input.map->revision();
     see(input, follower_.corners_local_m().back(), config_.view.num_rays);
-    return static_cast<double>(dark_local_m_.size()) < (1.0 - kSeenEnough) * promised_ * config_.view.num_rays;
+    return static_cast<double>(dark_local_m_.size()) < (1.0 - kSeenEnough) * expected_share_ * config_.view.num_rays;
   }
 
   void fail(const char* reason) {
@@ -184,8 +184,8 @@ class Explore : public Guidance {
   Worker planner_;
   NextView found_;
   PathFollower follower_;
-  double promised_ = 0.0;     // share of the rays that end in unknown space at the view
-  std::uint64_t judged_ = 0;  // revision of the map
+  double expected_share_ = 0.0;        // share of the rays that end in unknown space at the view
+  std::uint64_t tested_revision_ = 0;  // revision of the map
   Reference hold_;
   std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };

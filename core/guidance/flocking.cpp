@@ -145,9 +145,9 @@ class Pacnav : public LevelFlight {
 
  private:
   Vector3 toward(const Vector3& p_local_m, const Vector3& aim_local_m) const {
-    const Vector3 way = horizontal(aim_local_m - p_local_m);
-    const double d = way.norm();
-    return d > kNearest_m ? Vector3(way / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
+    const Vector3 offset = horizontal(aim_local_m - p_local_m);
+    const double d = offset.norm();
+    return d > kNearest_m ? Vector3(offset / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
   }
 
   /// The goal, or a place behind the neighbor with the most persistent path; without one, the own position.
@@ -238,10 +238,10 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local
   retina.assign(static_cast<std::size_t>(n), 0);
   const double pixel = 2.0 * kPi / n;
   for (const Neighbor& neighbor : neighbors) {
-    const Vector3 way = horizontal(neighbor.position_local_m - p_local_m);
-    const double d = way.norm();
+    const Vector3 offset = horizontal(neighbor.position_local_m - p_local_m);
+    const double d = offset.norm();
     const double half = d > config.body_radius_m ? elementary::asin(config.body_radius_m / d) : kPi / 2.0;
-    const double bearing = wrap(elementary::atan2(way.y(), way.x()) - heading_rad);
+    const double bearing = wrap(elementary::atan2(offset.y(), offset.x()) - heading_rad);
     const int first = static_cast<int>(std::floor((bearing - half + kPi) / pixel));
     const int last = static_cast<int>(std::floor((bearing + half + kPi) / pixel));
     for (int i = first; i <= last; ++i) retina[static_cast<std::size_t>(((i % n) + n) % n)] = 1;

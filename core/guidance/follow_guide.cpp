@@ -41,8 +41,8 @@ class FollowGuide : public Guidance {
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     if (!started_) hold(input.estimate.T_local_body);
     started_ = true;
-    const bool heard = listen(input);
-    watch_link(input, heard);
+    const bool is_new = listen(input);
+    watch_link(input, is_new);
     drop_visited(input.estimate.T_local_body.translation());
     choose_goal(input, output);
     report(input, outbox);
@@ -66,7 +66,7 @@ class FollowGuide : public Guidance {
 
   /// Processes messages; true if a path was accepted.
   bool listen(const GuidanceInput& input) {
-    bool heard = false;
+    bool is_new = false;
     for (const Message& message : input.observation.messages) {
       GuidingPath received;
       if (message.from != primary_ || read_message(message, received) != Reading::kDone) continue;
@@ -76,9 +76,9 @@ class FollowGuide : public Guidance {
       const bool remembered = t >= input.poses[0].t && t <= input.estimate.t;
       if (T_local_body == nullptr && !remembered) continue;  // no pose is known for its time
       take(received, level(T_local_body != nullptr ? *T_local_body : input.poses.at(t)), input.estimate);
-      heard = true;
+      is_new = true;
     }
-    return heard;
+    return is_new;
   }
 
   /// Pose of a sent report, by its time stamp on the own clock: over a slow radio, the answer arrives seconds later.
@@ -125,11 +125,11 @@ class FollowGuide : public Guidance {
     path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(passed));
   }
 
-  void watch_link(const GuidanceInput& input, bool heard) {
-    if (heard) {
+  void watch_link(const GuidanceInput& input, bool is_new) {
+    if (is_new) {
       linked_ = true;
-      last_heard_ = input.observation.t;
-    } else if (linked_ && input.observation.t - last_heard_ > from_seconds(config_.link_timeout_s)) {
+      last_received_ = input.observation.t;
+    } else if (linked_ && input.observation.t - last_received_ > from_seconds(config_.link_timeout_s)) {
       linked_ = false;
       lost_ = true;
       path_.clear();
@@ -197,7 +197,7 @@ class FollowGuide : public Guidance {
     report.yaw_rate_radps = (e.T_local_body.linear() * e.omega_body_radps).z();
     report.path = newest_path_;
     report.num_visited = num_visited_;
-    write_message(report, outbox.say(primary_));
+    write_message(report, outbox.add(primary_));
     reported_[next_reported_] = {report.t, report.T_local_body};
     next_reported_ = (next_reported_ + 1) % reported_.size();
   }
@@ -213,7 +213,7 @@ class FollowGuide : public Guidance {
   TimeNs report_period_;
   bool started_ = false;
   bool linked_ = false, lost_ = false, was_guided_ = false;
-  TimeNs last_heard_ = 0, next_report_ = 0;
+  TimeNs last_received_ = 0, next_report_ = 0;
   GuidingPath::Word command_ = GuidingPath::Word::kGuide;
   double moves_within_m_ = 0.0;  // 0: no motion requested
   std::uint32_t newest_path_ = 0;

@@ -50,7 +50,7 @@ class Guide : public Guidance {
     find_team(input);
     search(input);
     advance_state(input);
-    speak(input, outbox);
+    send_messages(input, outbox);
     output.goal = hold_;
     output.speed_limit_mps = config_.speed_mps;
     fill(output);
@@ -162,8 +162,8 @@ class Guide : public Guidance {
     switch (state_) {
       case GuideState::kIdle:
         if (std::ranges::all_of(team_, &Guided::ready)) {
-          if (anybody_has_more_goals() && (has_more_goals(moving()) || choose_next())) next_goal(input);
-        } else if (anybody_has_more_goals() && waited(config_.stage_timeout_s)) {
+          if (team_has_more_goals() && (has_more_goals(moving()) || choose_next())) next_goal(input);
+        } else if (team_has_more_goals() && waited(config_.stage_timeout_s)) {
           failures_ = config_.retries;  // no retry for a vehicle that was never found
           fail("the guided vehicle was not found");
         }
@@ -178,7 +178,7 @@ class Guide : public Guidance {
         move_secondary(input);
         return;
       case GuideState::kGoalReached:
-        if (!anybody_has_more_goals() || !(planner_.idle() || planner_.due(now_))) return;
+        if (!team_has_more_goals() || !(planner_.idle() || planner_.due(now_))) return;
         if (choose_next()) {
           next_goal(input);
         } else if (waited(config_.stage_timeout_s)) {
@@ -198,7 +198,7 @@ class Guide : public Guidance {
     if (advances()) return guided.advanced_m < config_.advance.distance_m;
     return config_.loop || guided.num_reached < guided.goals_m.size();
   }
-  bool anybody_has_more_goals() const {
+  bool team_has_more_goals() const {
     return std::ranges::any_of(team_, [this](const Guided& guided) { return has_more_goals(guided); });
   }
 
@@ -261,8 +261,8 @@ class Guide : public Guidance {
 
   // Planning, while both hover.
 
-  void start_planning(const char* why = "planning") {
-    why_planning_ = why;
+  void start_planning(const char* cause = "planning") {
+    planning_note_ = cause;
     path_.clear();
     plan_ahead_.reset();
     settled_since_.reset();
@@ -498,16 +498,16 @@ class Guide : public Guidance {
 
   // Messages to the others: the rest of their path in their level body frame, or an empty path, on which they hover.
 
-  void speak(const GuidanceInput& input, Outbox& outbox) {
+  void send_messages(const GuidanceInput& input, Outbox& outbox) {
     if (now_ < next_report_ || std::ranges::none_of(team_, &Guided::was_known)) return;
     next_report_ = now_ + guiding_period_;
     ++num_reports_;
     for (std::size_t i = 0; i < team_.size(); ++i) {
-      if (team_[i].was_known) speak_to(i, input, outbox);
+      if (team_[i].was_known) send_guidance(i, input, outbox);
     }
   }
 
-  void speak_to(std::size_t i, const GuidanceInput& input, Outbox& outbox) {
+  void send_guidance(std::size_t i, const GuidanceInput& input, Outbox& outbox) {
     GuidingPath report;
     report.path = num_reports_;
     const bool its_turn = i == moving_;
@@ -522,7 +522,7 @@ class Guide : public Guidance {
                   : its_turn && figure_m_ > 0.0 ? GuidingPath::Word::kMove
                                                 : GuidingPath::Word::kGuide;
     report.radius_m = its_turn ? figure_m_ : 0.0;
-    write_message(report, outbox.say(team_[i].id));
+    write_message(report, outbox.add(team_[i].id));
   }
 
   /// The path in the level body frame at the time of the newest odometry, so that the radio's delay does not shift it.
@@ -543,7 +543,7 @@ class Guide : public Guidance {
     }
   }
 
-  bool is_done() const { return state_ == GuideState::kGoalReached && !anybody_has_more_goals(); }
+  bool is_done() const { return state_ == GuideState::kGoalReached && !team_has_more_goals(); }
   bool has_failed() const { return state_ == GuideState::kFailure && failures_ > config_.retries; }
 
   void fill(GuidanceOutput& output) const {
@@ -552,10 +552,10 @@ class Guide : public Guidance {
       case GuideState::kIdle:
         output.note = std::ranges::all_of(team_, &Guided::was_known) ? "idle: no goal"
                                                                      : "idle: the guided vehicle is not localized yet";
-        if (!anybody_has_more_goals()) output.mission = MissionStatus::kEndless;
+        if (!team_has_more_goals()) output.mission = MissionStatus::kEndless;
         return;
       case GuideState::kPlanning:
-        output.note = moving().ready()  ? why_planning_
+        output.note = moving().ready()  ? planning_note_
                       : figure_m_ > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
                                         : "hovers: the guided vehicle is lost";
         return;
@@ -603,7 +603,7 @@ class Guide : public Guidance {
   Reference hold_;
   std::vector<PlannedPose> path_;  // remaining path of the guided vehicle
   std::uint64_t checked_ = 0;      // revision of the map in which the remaining paths were checked
-  const char* why_planning_ = "planning";
+  const char* planning_note_ = "planning";
 
   TimeNs next_report_ = 0;
   std::uint32_t num_reports_ = 0;

@@ -102,9 +102,9 @@ class Navigate : public Guidance {
     if (config_.search == NavigateConfig::Search::kAStar) {
       return find_clear_path(map, config_.planner, p_local_m, goal_local_m);
     }
-    const SampledSearch way =
+    const SampledSearch sampled_search =
         config_.search == NavigateConfig::Search::kRrt ? SampledSearch::kRrt : SampledSearch::kInformedRrtStar;
-    return find_sampled_path(map, config_.planner, config_.sampling, way, p_local_m, goal_local_m,
+    return find_sampled_path(map, config_.planner, config_.sampling, sampled_search, p_local_m, goal_local_m,
                              static_cast<std::uint32_t>(num_plans_));
   }
 

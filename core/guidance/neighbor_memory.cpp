@@ -15,7 +15,7 @@ constexpr TimeNs kLongestAhead = 1'000'000'000;
 constexpr double kFade_s = 20.0;            // time constant with which the longest sample interval decays
 constexpr double kLongestInterval_s = 4.0;  // longer gaps do not count as sample intervals: the neighbor is lost
 // Time beyond kLongestAhead after which an unmeasured neighbor counts as at rest.
-constexpr TimeNs kLongestOnItsWay = 2'000'000'000;
+constexpr TimeNs kLongestMotion = 2'000'000'000;
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void NeighborMemory::update(const GuidanceInput& input) {
               T_local_body.translation());
     }
   } else if (config_.source == NeighborSourceConfig::Source::kRadio) {
-    for (const Message& message : input.observation.messages) hear(message, input);
+    for (const Message& message : input.observation.messages) receive(message, input);
   }
   if (config_.source == NeighborSourceConfig::Source::kTracks) {
     known_.clear();
@@ -117,7 +117,7 @@ Neighbor NeighborMemory::now_of(const Filter& filter) const {
   neighbor.velocity_covariance_local_m2ps2 = ahead.P.bottomRightCorner<3, 3>();
   if (now > ahead.t) {
     neighbor.unpredicted_s = to_seconds(now - ahead.t);
-    if (now - ahead.t > kLongestOnItsWay) {
+    if (now - ahead.t > kLongestMotion) {
       neighbor.unpredicted_s = 0.0;
       neighbor.velocity_local_mps.setZero();
     }
@@ -148,16 +148,16 @@ void NeighborMemory::forget(TimeNs now) {
   filters_.resize(kept);
 }
 
-void NeighborMemory::hear(const Message& message, const GuidanceInput& input) {
-  NeighborPosition said;
-  if (read_message(message, said) != Reading::kDone || !said.p_world_m.allFinite()) return;
-  measure(message.from, said.t, FrameChange::to_local(input.estimate).point(said.p_world_m),
-          kRadioVariance_m2 * Matrix3::Identity(), input.poses.at(said.t).translation());
+void NeighborMemory::receive(const Message& message, const GuidanceInput& input) {
+  NeighborPosition report;
+  if (read_message(message, report) != Reading::kDone || !report.p_world_m.allFinite()) return;
+  measure(message.from, report.t, FrameChange::to_local(input.estimate).point(report.p_world_m),
+          kRadioVariance_m2 * Matrix3::Identity(), input.poses.at(report.t).translation());
 }
 
 void NeighborMemory::announce(const StateEstimate& estimate, Outbox& outbox) const {
   if (config_.source != NeighborSourceConfig::Source::kRadio) return;
-  write_message(NeighborPosition{estimate.t, estimate.T_world_body().translation()}, outbox.say());
+  write_message(NeighborPosition{estimate.t, estimate.T_world_body().translation()}, outbox.add());
 }
 
 void NeighborMemory::predict(Filter& filter, TimeNs t) const {

@@ -23,7 +23,7 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // shorter displacements give no heading
 // Violation of a plane beyond which the vehicle evades without turning its sensor first.
 constexpr double kPressed_m = 0.01;
-constexpr double kHurry = 3.0;
+constexpr double kGoalExtension = 3.0;
 // Neighbors unseen for longer than this no longer shrink the cell below kMinCellSize_m. Larger values slow the team
 // down after a dropout.
 constexpr double kLongUnseen_s = 5.0;
@@ -41,15 +41,15 @@ constexpr double kDodge_s = 0.5;       // time before the braking paths come too
 constexpr double kOutOfPlane_s = 1.5;  // time after the last approach until the vehicle returns to its plane
 constexpr double kSameHeight_m = 0.3;  // evades upwards unless the neighbor is higher by more than this
 // Neighbors that meet the vehicle within this time at their present velocities stay in view.
-constexpr double kWatch_s = 3.0;
+constexpr double kMeetingHorizon_s = 3.0;
 // Time for which the vehicle keeps its own pledge, beyond two samples and lost ones.
 constexpr double kPledged_s = 1.0;
-constexpr double kLookAround = 2.0;      // waiting time before the start, in longest sample intervals
-constexpr double kSeldom_s = 0.5;        // shorter sample intervals do not delay the start
-constexpr double kAims_m = 1.0;          // distance of the goal on a straight part of the detour, in view
-constexpr double kUnseen_m = 0.2;        // same out of view: up or down
-constexpr double kSeesFree_radii = 2.0;  // range within which a view proves a place free, in sensing radii
-constexpr double kHeightStep_m = 0.2;    // step of the search for free height
+constexpr double kLookAround = 2.0;       // waiting time before the start, in longest sample intervals
+constexpr double kShortInterval_s = 0.5;  // shorter sample intervals do not delay the start
+constexpr double kAims_m = 1.0;           // distance of the goal on a straight part of the detour, in view
+constexpr double kUnseen_m = 0.2;         // same out of view: up or down
+constexpr double kSeesFree_radii = 2.0;   // range within which a view proves a place free, in sensing radii
+constexpr double kHeightStep_m = 0.2;     // step of the search for free height
 constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // bounds of the elevation of the view's edge
 constexpr double kBetweenSamples = 0.87;                      // steps: half the diagonal between samples
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
@@ -175,7 +175,7 @@ class Rbl : public Guidance {
     const OccupancyView* map = config_.lidar.enabled && !detour_.is_looking() ? map_ : nullptr;
     const RblStatus settled = settling_.update(goal, p_local_m, neighbors_.neighbors(), map, now);
     if (settled.mission != MissionStatus::kRunning) return settled;
-    if (detour_.gave_up()) return {MissionStatus::kFailed, detour_.note()};
+    if (detour_.has_failed()) return {MissionStatus::kFailed, detour_.note()};
     return {MissionStatus::kRunning, *detour_.note() != '\0' ? detour_.note() : settled.note};
   }
 
@@ -227,7 +227,7 @@ class Rbl : public Guidance {
     }
     if (!pressed_ && looks_around(now)) to_local_m_ = reference_.rest_local_m();
     if (pressed_) {
-      to_local_m_ = hurry_local_m(p_local_m);
+      to_local_m_ = extended_goal_local_m(p_local_m);
       braking_cuts_.insert(braking_cuts_.end(), obstacle_cuts_.begin(), obstacle_cuts_.end());
     }
     to_local_m_ =
@@ -236,18 +236,18 @@ class Rbl : public Guidance {
 
   /// The governor approaches near goals slowly, so the goal of an evading vehicle lies farther away. It stays within
   /// the heights of flight, the sensing radius and the obstacle planes.
-  Vector3 hurry_local_m(const Vector3& p_local_m) const {
+  Vector3 extended_goal_local_m(const Vector3& p_local_m) const {
     const Vector3 aside_m = to_local_m_ - p_local_m;
-    double farther = kHurry;
+    double farther = kGoalExtension;
     if (config_.lidar.enabled) farther = std::min(farther, config_.cells.sensing_radius_m / aside_m.norm());
     for (const HalfSpace& cut : obstacle_cuts_) {
       const double towards_m = cut.normal_local.dot(aside_m);
       if (towards_m > 0.0) farther = std::min(farther, cut.offset_m / towards_m);
     }
-    Vector3 hurried_local_m = p_local_m + std::max(farther, 1.0) * aside_m;
-    hurried_local_m.z() =
-        std::clamp(hurried_local_m.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
-    return hurried_local_m;
+    Vector3 extended_local_m = p_local_m + std::max(farther, 1.0) * aside_m;
+    extended_local_m.z() =
+        std::clamp(extended_local_m.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
+    return extended_local_m;
   }
 
   /// Height of a planar vehicle: that of its goal, or above or below a neighbor that does not brake.
@@ -309,9 +309,9 @@ class Rbl : public Guidance {
       };
       // Derivative of the neighbor's stopping distance v t + v^2 / 2a with respect to its closing speed.
       const double closing_mps = d > 0.0 ? std::max(0.0, -v_local_mps.dot(to_other_local_m) / d) : 0.0;
-      const double way_s = reaction_s + closing_mps / limits_.horizontal_acceleration_mps2;
+      const double velocity_gain_s = reaction_s + closing_mps / limits_.horizontal_acceleration_mps2;
       const double sigma_m =
-          sigma(neighbor.covariance_local_m2) + way_s * sigma(neighbor.velocity_covariance_local_m2ps2);
+          sigma(neighbor.covariance_local_m2) + velocity_gain_s * sigma(neighbor.velocity_covariance_local_m2ps2);
       const double vertical_m = planar_ ? distance_m : separation.vertical_m;
       // While a neighbor's pledge holds, only the uncertainty of its last measured position counts.
       const double seen_m = sigmas * sigma(neighbor.seen_covariance_local_m2);
@@ -325,7 +325,7 @@ class Rbl : public Guidance {
       }
       keep_behind(cut, cell_m);
       const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
-      if (meeting_mps > kComing_mps && d - distance_m < kWatch_s * meeting_mps)
+      if (meeting_mps > kComing_mps && d - distance_m < kMeetingHorizon_s * meeting_mps)
         coming_local_m_.push_back(other_local_m);
       // A braking neighbor is already slow. A poorly measured one is taken to be faster: its filter starts at rest.
       const double speed_sigma_mps = sigma(neighbor.velocity_covariance_local_m2ps2);
@@ -402,7 +402,7 @@ class Rbl : public Guidance {
   /// With long sample intervals, a near neighbor may not have been measured yet.
   bool looks_around(TimeNs now) const {
     const double longest_s = neighbors_.longest_s();
-    return longest_s > kSeldom_s && to_seconds(now - started_) < kLookAround * longest_s;
+    return longest_s > kShortInterval_s && to_seconds(now - started_) < kLookAround * longest_s;
   }
   /// Time after a sample during which the neighbor counts as keeping its pledge.
   double pledged_for_s() const { return neighbors_.shortest_s() + neighbors_.latency_s() + to_seconds(period_); }

@@ -58,15 +58,16 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const auto scaled = [&](const Vector3& v) -> Vector3 { return scale.cwiseProduct(v); };
   const Vector3 a = scaled(self.p_local_m), b = scaled(other.p_local_m);
-  const auto [mine, theirs] = nearest_points(a, scaled(self.stop_local_m) - a, b, scaled(other.stop_local_m) - b);
-  Vector3 gap = theirs - mine;
+  const auto [nearest_self, nearest_other] =
+      nearest_points(a, scaled(self.stop_local_m) - a, b, scaled(other.stop_local_m) - b);
+  Vector3 gap = nearest_other - nearest_self;
   if (gap.norm() < kTouching_m) gap = b - a;  // crossing paths: away from the neighbor's present position
-  const double d = (theirs - mine).norm();
+  const double d = (nearest_other - nearest_self).norm();
   const double length = gap.norm();
   const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
   // If the distance is already missing, the vehicle yields alone.
   const double room_m = d - distance_m, share_m = room_m > 0.0 ? 0.5 * room_m : room_m;
-  const double offset_m = normal.dot(mine - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
+  const double offset_m = normal.dot(nearest_self - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
   const Vector3 unscaled = scaled(normal);  // n' . (S q) = (S n') . q
   const double stretch = unscaled.norm();
   return {unscaled / stretch, offset_m / stretch};
@@ -90,9 +91,9 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
                                      const MotionLimits& limits, const Vector3* begun_local) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
-  const Vector3 way = scale.cwiseProduct(v_other_local_mps);
-  if (way.norm() < kTouching_m || to_self.dot(way) <= 0.0) return std::nullopt;
-  const Vector3 ahead = way.normalized();
+  const Vector3 displacement = scale.cwiseProduct(v_other_local_mps);
+  if (displacement.norm() < kTouching_m || to_self.dot(displacement) <= 0.0) return std::nullopt;
+  const Vector3 ahead = displacement.normalized();
   const Vector3 beside = to_self - to_self.dot(ahead) * ahead;
   if (beside.norm() >= distance_m) return std::nullopt;
 

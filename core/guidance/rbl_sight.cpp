@@ -17,7 +17,7 @@ constexpr double kNoDirection_m = 0.3;  // shorter displacements give no directi
 constexpr double kBesideTheView = 0.2;  // tangent of the tolerated horizontal angle outside the view
 // Cost of a flight direction out of view; that of a near neighbor unseen for 1 s is 2.
 constexpr double kAheadUnseen = 2.0;
-constexpr double kUnlooked_s = 1.0;   // time since an azimuth was in view that costs nothing
+constexpr double kFreshView_s = 1.0;  // time since an azimuth was in view that costs nothing
 constexpr double kGlancePerS = 2.0;   // cost for each further second, for the azimuth to be viewed next
 constexpr double kGlance = 4.0;       // upper limit of that cost
 constexpr double kComesUnseen = 5.0;  // cost of each approaching neighbor out of view
@@ -98,7 +98,7 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
     if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
     // In flight, the heading leaves the flight direction only as far as that stays in view.
     if (glance_ >= 0 && (blindly[i] || !shows[i][glance_])) {
-      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kUnlooked_s);
+      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kFreshView_s);
       cost += std::min(kGlance, kGlancePerS * overdue_s);
     }
     if (cost < least) {

@@ -23,7 +23,7 @@ constexpr double kPathStanding_mps = 0.02;
 constexpr double kAgain_s = 0.2;    // period of repeated messages, against losses
 constexpr double kBetter_m = 0.05;  // least improvement of a plan over the flown path
 
-PathInTime heard(const SharedPath& received, const FrameChange& to_local) {
+PathInTime received_path(const SharedPath& received, const FrameChange& to_local) {
   PathInTime path{received.t, received.interval_s, {}};
   for (const SharedPath::Place& place : received.places) {
     path.places_local_m.push_back(to_local.point(place.p_world_m.cast<double>()));
@@ -50,12 +50,12 @@ class SharePaths : public Guidance {
     if (!plan_ && now_ >= next_plan_) {
       next_plan_ += from_seconds(config_.period_s);
       plan(goal_local_m, to_local);
-      if (plan_) report(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
+      if (plan_) report(input.estimate, SharedPath::Kind::kPlan, plan_->path, outbox);
     }
     if (now_ >= next_report_) {
       next_report_ = now_ + from_seconds(kAgain_s);
-      report(input.estimate, SharedPath::Word::kFlown, flown_.path, outbox);
-      if (plan_) report(input.estimate, SharedPath::Word::kPlan, plan_->path, outbox);
+      report(input.estimate, SharedPath::Kind::kFlown, flown_.path, outbox);
+      if (plan_) report(input.estimate, SharedPath::Kind::kPlan, plan_->path, outbox);
     }
     fly(input, output);
     Vector3 to_goal_m = goal_local_m - input.estimate.T_local_body.translation();
@@ -66,7 +66,7 @@ class SharePaths : public Guidance {
 
  private:
   /// A path to a position, from the governor's state at some time.
-  struct Way {
+  struct Flight {
     ReferenceGovernor from;
     Vector3 to_local_m = Vector3::Zero();
     PathInTime path;
@@ -92,11 +92,11 @@ class SharePaths : public Guidance {
         continue;
       if (message.from < 0 || message.from >= static_cast<VehicleId>(others_.size())) continue;
       Other& other = others_[static_cast<std::size_t>(message.from)];
-      if (received.word == SharedPath::Word::kPlan) {
-        other.plan = heard(received, to_local);
-        plan_heard_ = plan_heard_ || (plan_ && !keeps_clear(plan_->path, *other.plan));
+      if (received.kind == SharedPath::Kind::kPlan) {
+        other.plan = received_path(received, to_local);
+        has_conflict_ = has_conflict_ || (plan_ && !keeps_clear(plan_->path, *other.plan));
       } else {
-        other.flown = heard(received, to_local);
+        other.flown = received_path(received, to_local);
         if (other.plan && other.plan->t <= other.flown->t) other.plan.reset();
       }
     }
@@ -114,7 +114,7 @@ class SharePaths : public Guidance {
   }
 
   void decide() {
-    if (!plan_heard_ && keeps_clear(plan_->path)) {
+    if (!has_conflict_ && keeps_clear(plan_->path)) {
       flown_.to_local_m = plan_->to_local_m;
       flown_.path = plan_->path;
       next_report_ = now_;
@@ -123,7 +123,7 @@ class SharePaths : public Guidance {
   }
 
   /// The governor's path to a position, until it rests there.
-  PathInTime way(ReferenceGovernor governor, const Vector3& to_local_m, TimeNs begins) const {
+  PathInTime path_to(ReferenceGovernor governor, const Vector3& to_local_m, TimeNs begins) const {
     PathInTime path{begins, kInterval_s, {governor.state().position_m}};
     Reference goal;
     goal.position_m = to_local_m;
@@ -139,7 +139,7 @@ class SharePaths : public Guidance {
   }
 
   void plan(const Vector3& goal_local_m, const FrameChange& to_local) {
-    plan_heard_ = false;
+    has_conflict_ = false;
     // Plans from the state at the end of the check.
     ReferenceGovernor from = governor_;
     Reference goal = from.state();
@@ -157,11 +157,11 @@ class SharePaths : public Guidance {
       if (!config_.planar) {
         to_m.z() = std::clamp(to_m.z(), to_local.height(config_.z_min_m), to_local.height(config_.z_max_m));
       }
-      PathInTime path = way(from, to_m, begins);
+      PathInTime path = path_to(from, to_m, begins);
       const double cost = cost_m(path, goal_local_m);
       if (cost >= best_m || !keeps_clear(path)) return;
       best_m = cost;
-      plan_ = Way{from, to_m, std::move(path)};
+      plan_ = Flight{from, to_m, std::move(path)};
     };
     const double far_m = std::min(ahead_m.norm(), config_.speed_mps * 2.0);
     if (far_m < 1e-3) return;
@@ -186,8 +186,8 @@ class SharePaths : public Guidance {
     return left_m + 0.2 * std::max(0.0, to_seconds(path.end() - now_));
   }
 
-  void report(const StateEstimate& estimate, SharedPath::Word word, const PathInTime& path, Outbox& outbox) {
-    sent_.word = word;
+  void report(const StateEstimate& estimate, SharedPath::Kind kind, const PathInTime& path, Outbox& outbox) {
+    sent_.kind = kind;
     sent_.t = std::max(now_, path.t);
     sent_.interval_s = kReportInterval_s;
     sent_.places.clear();
@@ -195,7 +195,7 @@ class SharePaths : public Guidance {
       sent_.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
       if (t >= path.end()) break;
     }
-    write_message(sent_, outbox.say());
+    write_message(sent_, outbox.add());
   }
 
   void fly(const GuidanceInput& input, GuidanceOutput& output) {
@@ -212,9 +212,9 @@ class SharePaths : public Guidance {
   MotionLimits limits_;
   ReferenceGovernor governor_;
   TimeNs now_ = 0, next_plan_ = 0, checked_ = 0, next_report_ = 0;
-  bool started_ = false, plan_heard_ = false, arrived_ = false;
-  Way flown_{ReferenceGovernor(MotionLimits{}), Vector3::Zero(), {}};
-  std::optional<Way> plan_;
+  bool started_ = false, has_conflict_ = false, arrived_ = false;
+  Flight flown_{ReferenceGovernor(MotionLimits{}), Vector3::Zero(), {}};
+  std::optional<Flight> plan_;
   std::vector<Other> others_;  // indexed by VehicleId
   SharedPath sent_;            // kept to reuse its memory
 };

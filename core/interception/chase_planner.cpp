@@ -25,7 +25,7 @@ MotionLimits slower(MotionLimits limits) {
 
 /// Displacement from the motion at constant velocity that is reached within a time, with full acceleration after its
 /// build-up at full jerk.
-double way_by_m(double t_s, double acceleration, double jerk) {
+double reachable_m(double t_s, double acceleration, double jerk) {
   const double pushed_s = std::max(0.0, t_s - 0.5 * acceleration / jerk);
   return 0.5 * acceleration * pushed_s * pushed_s;
 }
@@ -107,9 +107,9 @@ double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction
     if (displacement_m.head<2>().norm() - reach_m_ > t_s * limits_.horizontal_speed_mps) continue;
     if (std::abs(displacement_m.z()) > t_s * limits_.vertical_speed_mps) continue;
     if (missing_m.head<2>().norm() - reach_m_ >
-        way_by_m(t_s, limits_.horizontal_acceleration_mps2, limits_.horizontal_jerk_mps3))
+        reachable_m(t_s, limits_.horizontal_acceleration_mps2, limits_.horizontal_jerk_mps3))
       continue;
-    if (std::abs(missing_m.z()) > way_by_m(t_s, limits_.vertical_acceleration_mps2, limits_.vertical_jerk_mps3))
+    if (std::abs(missing_m.z()) > reachable_m(t_s, limits_.vertical_acceleration_mps2, limits_.vertical_jerk_mps3))
       continue;
     return t_s;
   }

@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-using Word = ChaseReport::Word;
+using Status = ChaseReport::Status;
 
 constexpr double kSilent_s = 1.0;  // age beyond which a report is ignored
 // Plausible interval between path points in a report; reports with other intervals are rejected.
@@ -55,7 +55,7 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
     if (received.fresh && received_.t < received.peer.t) continue;
     received.fresh = true;
     ChasePeer& peer = received.peer;
-    peer.word = received_.word;
+    peer.status = received_.status;
     peer.t = received_.t;
     peer.arrival_s = received_.arrival_s;
     peer.target.p_m = to_local.point(received_.target_world_m);
@@ -95,7 +95,7 @@ bool ChaseTeam::is_peer(std::uint32_t track) const {
 
 bool ChaseTeam::is_led(const Vector3& p_local_m, TimeNs now) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const Received& received) {
-    return received.fresh && received.peer.word == Word::kLeads &&
+    return received.fresh && received.peer.status == Status::kLeads &&
            (received.peer.target_at(now).p_m - p_local_m).norm() < kSameTarget_m;
   });
 }
@@ -116,7 +116,7 @@ void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
     const ChasePeer& peer = peers_[i].peer;
     if (!peers_[i].fresh || !peer.same_target || !peer.chases()) continue;
     // A leader has come nearer since its report, a yielding interceptor has not.
-    const bool led = peer.word == Word::kLeads;
+    const bool led = peer.status == Status::kLeads;
     const double its_s = rank_s(peer.arrival_s - (led ? to_seconds(now - peer.t) : 0.0), led);
     const auto id = static_cast<VehicleId>(i);
     if (its_s > least_s || (its_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
@@ -126,27 +126,27 @@ void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
   leads_ = leader_ == self_;
 }
 
-void ChaseTeam::append_bystanders(TimeNs now, double clearance_m, double yield_clearance_m,
-                                  std::vector<Bystander>& bystanders) const {
+void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
+                                        std::vector<MovingObstacle>& moving_obstacles) const {
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     const ChasePeer& peer = peers_[i].peer;
-    if (!peers_[i].fresh || bystanders.size() == bystanders.capacity()) continue;
+    if (!peers_[i].fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
     const double age_s = to_seconds(now - peer.t);
-    const bool yields = leads_ && peer.same_target && peer.word != Word::kCaught;
-    Bystander bystander;
-    bystander.p_local_m = peer.at(now) + peer.off_local_m;
-    bystander.v_local_mps = peer.path.velocity_mps(age_s);
-    bystander.radius_m = yields ? kLeaderShare * clearance_m : clearance_m;
-    if (leader_ == static_cast<VehicleId>(i)) bystander.plan_room_m = std::max(0.0, yield_clearance_m - clearance_m);
-    bystander.path = &peer.path;
-    bystander.path_age_s = age_s;
-    bystanders.push_back(bystander);
+    const bool yields = leads_ && peer.same_target && peer.status != Status::kCaught;
+    MovingObstacle obstacle;
+    obstacle.p_local_m = peer.at(now) + peer.off_local_m;
+    obstacle.v_local_mps = peer.path.velocity_mps(age_s);
+    obstacle.radius_m = yields ? kLeaderShare * clearance_m : clearance_m;
+    if (leader_ == static_cast<VehicleId>(i)) obstacle.plan_room_m = std::max(0.0, yield_clearance_m - clearance_m);
+    obstacle.path = &peer.path;
+    obstacle.path_age_s = age_s;
+    moving_obstacles.push_back(obstacle);
   }
 }
 
 bool ChaseTeam::has_caught() const {
   return std::any_of(peers_.begin(), peers_.end(), [](const Received& received) {
-    return received.fresh && received.peer.same_target && received.peer.word == Word::kCaught;
+    return received.fresh && received.peer.same_target && received.peer.status == Status::kCaught;
   });
 }
 
@@ -158,11 +158,11 @@ const ChasePeer* ChaseTeam::chasing(const Vector3& own_local_m, TimeNs now) cons
   return nullptr;
 }
 
-void ChaseTeam::report(ChaseReport::Word word, TimeNs now, double arrival_s, const PointState& target,
+void ChaseTeam::report(ChaseReport::Status status, TimeNs now, double arrival_s, const PointState& target,
                        const PathAhead& path, const FrameChange& to_world, Outbox& outbox) {
   next_report_ = now + from_seconds(kReportPeriod_s);
   sent_.t = now;
-  sent_.word = word;
+  sent_.status = status;
   sent_.arrival_s = arrival_s;
   sent_.target_world_m = to_world.point(target.p_m);
   sent_.target_world_mps = to_world.direction(target.v_mps);
@@ -171,7 +171,7 @@ void ChaseTeam::report(ChaseReport::Word word, TimeNs now, double arrival_s, con
   for (int i = 0; i < path.num_places; ++i) {
     sent_.places.push_back({to_world.point(path.places_local_m[static_cast<std::size_t>(i)]).cast<float>()});
   }
-  write_message(sent_, outbox.say());
+  write_message(sent_, outbox.add());
 }
 
 }  // namespace swiftlet

@@ -18,7 +18,7 @@ inline constexpr double kSameTarget_m = 3.0;  ///< largest distance between two 
 
 /// Another interceptor, by its newest report. Local frame.
 struct ChasePeer {
-  ChaseReport::Word word = ChaseReport::Word::kIdle;
+  ChaseReport::Status status = ChaseReport::Status::kIdle;
   TimeNs t = 0;  ///< time of the report
   double arrival_s = 0.0;
   PathAhead path;                         ///< from the report's time on
@@ -29,8 +29,8 @@ struct ChasePeer {
   Vector3 at(TimeNs now) const { return path.at(to_seconds(now - t)); }
   PointState target_at(TimeNs now) const;
   /// Sees a target and chases it.
-  bool chases() const { return word == ChaseReport::Word::kLeads || word == ChaseReport::Word::kYields; }
-  bool has_target() const { return chases() || word == ChaseReport::Word::kSearches; }
+  bool chases() const { return status == ChaseReport::Status::kLeads || status == ChaseReport::Status::kYields; }
+  bool has_target() const { return chases() || status == ChaseReport::Status::kSearches; }
 };
 
 /// Team of interceptors after one target: the one with the earliest arrival leads, and the others keep clear of it
@@ -58,8 +58,8 @@ class ChaseTeam {
   bool yields() const { return leader_ != kNoVehicle && leader_ != self_; }
   /// Appends all interceptors, to be kept clear of. A leader keeps half the clearance from those that yield to it, and
   /// these plan with more.
-  void append_bystanders(TimeNs now, double clearance_m, double yield_clearance_m,
-                         std::vector<Bystander>& bystanders) const;
+  void append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
+                               std::vector<MovingObstacle>& moving_obstacles) const;
   /// Has another interceptor caught the own target?
   bool has_caught() const;
   /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.
@@ -67,7 +67,7 @@ class ChaseTeam {
 
   bool is_report_due(TimeNs now) const { return !peers_.empty() && now >= next_report_; }
   /// @param path  predicted path of the vehicle from now on. Local frame, like the target.
-  void report(ChaseReport::Word word, TimeNs now, double arrival_s, const PointState& target, const PathAhead& path,
+  void report(ChaseReport::Status status, TimeNs now, double arrival_s, const PointState& target, const PathAhead& path,
               const FrameChange& to_world, Outbox& outbox);
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCheckStep_s = 0.01;      // step of the simulated motion that is checked before it is flown
 constexpr double kLook_s = 0.2;            // period of updates of a search
-constexpr double kThink_s = 1.0;           // period of new goals of a search
+constexpr double kReplan_s = 1.0;          // period of new goals of a search
 constexpr double kGreatestBias_m = 0.5;    // limit by axis of the difference between estimate and reference
 constexpr double kShortestToFace_m = 1.0;  // shorter displacements give no heading
 constexpr double kSameTarget_mps = 3.0;    // growth of the gate kSameTarget_m with the time without a track
@@ -57,7 +57,7 @@ class Intercept : public Guidance {
     sure_net_.radius_m *= config.sure_share;
     sure_net_.height_m *= config.sure_share;
     surroundings_.clearance_m = config.clearance_m;
-    surroundings_.bystanders.reserve(64);
+    surroundings_.moving_obstacles.reserve(64);
     surroundings_.cells_local_m.reserve(4096);
     if (!config.target.empty()) target_id_ = id_of(config.target, setup.agent.vehicle_names);
   }
@@ -100,7 +100,7 @@ class Intercept : public Guidance {
   }
 
  private:
-  enum class Mode { kWaiting, kChasing, kLeaving, kSearching, kGaveUp, kDone };
+  enum class Mode { kWaiting, kChasing, kLeaving, kSearching, kAborted, kDone };
 
   static std::uint32_t id_of(const std::string& name, const std::vector<std::string>& names) {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -130,7 +130,7 @@ class Intercept : public Guidance {
     bias_local_m_ = bias_m.cwiseMax(-kGreatestBias_m).cwiseMin(kGreatestBias_m);
   }
 
-  /// Finds the target's track and its prediction; all other tracks become bystanders. True if there is a track.
+  /// Finds the target's track and its prediction; all other tracks become moving obstacles. True if there is a track.
   bool find_target(const GuidanceInput& input) {
     const Track* best = nullptr;
     double least_m = std::numeric_limits<double>::infinity();
@@ -170,28 +170,29 @@ class Intercept : public Guidance {
       const double gone_s = to_seconds(now_ - seen_);
       team_.compare_targets(expected_m(gone_s), now_, kSameTarget_m + kSameTarget_mps * gone_s);
     }
-    meet_bystanders(input, best);
+    update_moving_obstacles(input, best);
     return best != nullptr;
   }
 
   Vector3 expected_m(double gone_s) const { return target_.at(gone_s).p_m; }
 
-  void meet_bystanders(const GuidanceInput& input, const Track* target) {
-    surroundings_.bystanders.clear();
+  void update_moving_obstacles(const GuidanceInput& input, const Track* target) {
+    surroundings_.moving_obstacles.clear();
     for (const Track& track : input.tracks) {
       if (&track == target || team_.is_peer(track.id)) continue;
-      if (surroundings_.bystanders.size() == surroundings_.bystanders.capacity()) break;
+      if (surroundings_.moving_obstacles.size() == surroundings_.moving_obstacles.capacity()) break;
       if (target != nullptr && config_.target.empty() &&
           (track.position_m - target->position_m).norm() < kSecondTrack_m)
         continue;
       const double age_s = to_seconds(now_ - track.t);
-      surroundings_.bystanders.push_back(
+      surroundings_.moving_obstacles.push_back(
           {track.position_m + age_s * track.velocity_mps, track.velocity_mps, config_.bystander_clearance_m});
     }
-    team_.append_bystanders(now_, config_.bystander_clearance_m, config_.yield_clearance_m, surroundings_.bystanders);
+    team_.append_moving_obstacles(now_, config_.bystander_clearance_m, config_.yield_clearance_m,
+                                  surroundings_.moving_obstacles);
     if (target == nullptr || config_.target_clearance_m <= 0.0) return;
     const PointState now = target_.at(0.0);
-    surroundings_.bystanders.push_back(
+    surroundings_.moving_obstacles.push_back(
         {now.p_m, now.v_mps, config_.target_clearance_m, config_.net.offset_m.z() < 0.0});
   }
 
@@ -248,13 +249,13 @@ class Intercept : public Guidance {
         else if (outside_s_ > config_.fence.patience_s)
           give_up("gave up: the target left the fence");
         break;
-      case Mode::kGaveUp:
-        output.note = why_;
+      case Mode::kAborted:
+        output.note = reason_;
         break;
       case Mode::kDone:
         break;
     }
-    if (captured_now_ && mode_ != Mode::kGaveUp && mode_ != Mode::kDone) {
+    if (captured_now_ && mode_ != Mode::kAborted && mode_ != Mode::kDone) {
       captured_now_ = false;
       output.note = "captured";
       const bool enough = config_.captures > 0 && captures_ >= config_.captures;
@@ -263,13 +264,13 @@ class Intercept : public Guidance {
       else if (config_.method == InterceptConfig::Method::kMpc)
         enter(Mode::kLeaving);
     }
-    if (config_.captures > 0 && team_.has_caught() && mode_ != Mode::kGaveUp && mode_ != Mode::kDone) {
+    if (config_.captures > 0 && team_.has_caught() && mode_ != Mode::kAborted && mode_ != Mode::kDone) {
       output.note = "another one has captured it";
       enter(Mode::kDone);
     }
-    output.mission = mode_ == Mode::kDone     ? MissionStatus::kDone
-                     : mode_ == Mode::kGaveUp ? MissionStatus::kFailed
-                                              : MissionStatus::kRunning;
+    output.mission = mode_ == Mode::kDone      ? MissionStatus::kDone
+                     : mode_ == Mode::kAborted ? MissionStatus::kFailed
+                                               : MissionStatus::kRunning;
   }
 
   void enter(Mode mode) {
@@ -284,7 +285,7 @@ class Intercept : public Guidance {
     // Last known state of the target and its uncertainty.
     last_net_m_.reset();
     search_.begin(target_.at(0.0), std::max(0.5, target_.sigma_m(0.0)), 1.0);
-    since_look_s_ = since_think_s_ = 0.0;
+    since_look_s_ = since_replan_s_ = 0.0;
     goal_local_m_ = target_.at(config_.track_timeout_s).p_m;
     highest_m_ = search_.highest_near_m(p_local_m_);
     enter(Mode::kSearching);
@@ -297,9 +298,9 @@ class Intercept : public Guidance {
     if (mode_ == Mode::kChasing || mode_ == Mode::kLeaving || mode_ == Mode::kSearching) enter(Mode::kWaiting);
   }
 
-  void give_up(const char* why) {
-    why_ = why;
-    enter(Mode::kGaveUp);
+  void give_up(const char* reason) {
+    reason_ = reason;
+    enter(Mode::kAborted);
   }
 
   /// An interceptor that sees a target. With `target` set, only that vehicle's track counts.
@@ -314,7 +315,7 @@ class Intercept : public Guidance {
     goal_local_m_ = reported.p_m;
     highest_m_ = search_.highest_near_m(p_local_m_);
     if (mode_ == Mode::kWaiting) {
-      since_look_s_ = since_think_s_ = 0.0;
+      since_look_s_ = since_replan_s_ = 0.0;
       enter(Mode::kSearching);
     }
     in_mode_s_ = 0.0;
@@ -322,15 +323,15 @@ class Intercept : public Guidance {
 
   void search(double dt_s) {
     since_look_s_ += dt_s;
-    since_think_s_ += dt_s;
+    since_replan_s_ += dt_s;
     if (since_look_s_ < kLook_s) return;
     if (const ChasePeer* peer = peer_with_target()) go_to_reported_target(*peer);
     search_.advance(since_look_s_, surroundings_.fence);
     search_.look(p_local_m_, since_look_s_, surroundings_.map);
     since_look_s_ = 0.0;
     highest_m_ = search_.highest_near_m(p_local_m_);
-    if (since_think_s_ < kThink_s) return;
-    since_think_s_ = 0.0;
+    if (since_replan_s_ < kReplan_s) return;
+    since_replan_s_ = 0.0;
     goal_local_m_ = search_.most_probable();
   }
 
@@ -354,12 +355,13 @@ class Intercept : public Guidance {
 
   void report(const StateEstimate& estimate, Outbox& outbox) {
     const bool caught = mode_ == Mode::kDone && captures_ >= config_.captures;
-    const ChaseReport::Word word = chases() ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
-                                   : caught ? ChaseReport::Word::kCaught
-                                   : mode_ == Mode::kSearching ? ChaseReport::Word::kSearches
-                                                               : ChaseReport::Word::kIdle;
+    const ChaseReport::Status status = chases()
+                                           ? team_.leads() ? ChaseReport::Status::kLeads : ChaseReport::Status::kYields
+                                       : caught                    ? ChaseReport::Status::kCaught
+                                       : mode_ == Mode::kSearching ? ChaseReport::Status::kSearches
+                                                                   : ChaseReport::Status::kIdle;
     const PointState target = chases() ? target_.at(0.0) : PointState{goal_local_m_, Vector3::Zero(), Vector3::Zero()};
-    team_.report(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
+    team_.report(status, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
   }
 
   /// Predicted path of the vehicle from its present plan.
@@ -420,8 +422,8 @@ class Intercept : public Guidance {
     return kBesideBy * clear_m * side.normalized();
   }
 
-  /// Moves the reference by one step of the present motion, `since_s` after it was decided. Bystanders are known as of
-  /// `ahead_s` ago: simulations look ahead, the flight does not.
+  /// Moves the reference by one step of the present motion, `since_s` after it was decided. Moving obstacles are known
+  /// as of `ahead_s` ago: simulations look ahead, the flight does not.
   void fly(ReferenceGovernor& governor, double since_s, double ahead_s, double dt_s) {
     if (brakes_) {
       governor.accelerate(braking_mps2(governor.state(), surroundings_, ahead_s, limits_), yaw_rad_, dt_s);
@@ -501,8 +503,8 @@ class Intercept : public Guidance {
   Vector3 bias_local_m_ = Vector3::Zero();  // difference between estimate and reference
   double yaw_rad_;
   Mode mode_ = Mode::kWaiting;
-  const char* why_ = "";
-  double in_mode_s_ = 0.0, outside_s_ = 0.0, since_check_s_ = 0.0, since_look_s_ = 0.0, since_think_s_ = 0.0;
+  const char* reason_ = "";
+  double in_mode_s_ = 0.0, outside_s_ = 0.0, since_check_s_ = 0.0, since_look_s_ = 0.0, since_replan_s_ = 0.0;
   double side_ = 1.0;
   bool started_ = false, brakes_ = false;
   std::optional<Vector3> last_net_m_;  // last position of the target relative to the net

@@ -10,11 +10,11 @@ namespace swiftlet {
 namespace {
 
 constexpr double kWallReach_m = 3.0;  // walls farther from a position are ignored there
-// A bystander is flown over above this many radii, and within this horizontal distance beyond its radius.
+// A moving obstacle is flown over above this many radii, and within this horizontal distance beyond its radius.
 constexpr double kAbove = 0.5, kOverReach_m = 0.5;
 constexpr double kBrakeStep_s = 0.02, kBrakeLook_s = 0.1, kLongestBrake_s = 6.0;
 constexpr double kBrakeGain_per_s = 6.0;
-constexpr double kEvade_s = 1.5, kEvadeRoom_m = 0.3;  // bystanders that come nearer within this time are evaded
+constexpr double kEvade_s = 1.5, kEvadeRoom_m = 0.3;  // moving obstacles nearer than this within this time are evaded
 constexpr double kNoDirection_m = 0.1;
 constexpr double kAtRest_mps = 0.05;
 constexpr double kRoom_m = 1.0;  // largest room that is reported
@@ -24,8 +24,8 @@ constexpr double kRoom_m = 1.0;  // largest room that is reported
 double Surroundings::intrusion_m(const Vector3& p_local_m, double ahead_s) const {
   double worst_m = std::max(-kRoom_m, fence.excess_m(p_local_m));
   if (map != nullptr) worst_m = std::max(worst_m, clearance_m - map->distance_m(p_local_m, clearance_m + kRoom_m));
-  for (const Bystander& bystander : bystanders)
-    worst_m = std::max(worst_m, bystander.radius_m - (p_local_m - bystander.at(ahead_s)).norm());
+  for (const MovingObstacle& obstacle : moving_obstacles)
+    worst_m = std::max(worst_m, obstacle.radius_m - (p_local_m - obstacle.at(ahead_s)).norm());
   return worst_m;
 }
 
@@ -50,12 +50,12 @@ void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim
     if (nearest != cells_local_m.end())
       keep_from(*nearest, clearance_m + 0.87 * map->edge_m());  // half the diagonal of a cell
   }
-  for (const Bystander& bystander : bystanders) {
-    const Vector3 center_m = bystander.at(ahead_s), above = p_local_m - center_m;
-    if (!bystander.flown_over || above.z() < kAbove * bystander.radius_m)
-      keep_from(center_m, bystander.radius_m + bystander.plan_room_m);
-    else if (above.head<2>().norm() < bystander.radius_m + kOverReach_m)
-      add({-Vector3::UnitZ(), -(center_m.z() + bystander.radius_m)});
+  for (const MovingObstacle& obstacle : moving_obstacles) {
+    const Vector3 center_m = obstacle.at(ahead_s), above = p_local_m - center_m;
+    if (!obstacle.flown_over || above.z() < kAbove * obstacle.radius_m)
+      keep_from(center_m, obstacle.radius_m + obstacle.plan_room_m);
+    else if (above.head<2>().norm() < obstacle.radius_m + kOverReach_m)
+      add({-Vector3::UnitZ(), -(center_m.z() + obstacle.radius_m)});
   }
   for (const Wall& side : fence.sides()) {
     if (side.excess_m(p_local_m) > -kWallReach_m) add(side);
@@ -65,13 +65,13 @@ void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim
 Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
                      const MotionLimits& limits) {
   Vector3 a_mps2 = -kBrakeGain_per_s * state.velocity_mps;
-  for (const Bystander& bystander : surroundings.bystanders) {
-    const Vector3 p_m = state.position_m - bystander.at(ahead_s),
-                  v_mps = state.velocity_mps - bystander.velocity_mps(ahead_s);
+  for (const MovingObstacle& obstacle : surroundings.moving_obstacles) {
+    const Vector3 p_m = state.position_m - obstacle.at(ahead_s),
+                  v_mps = state.velocity_mps - obstacle.velocity_mps(ahead_s);
     // Closest approach, if both fly straight on.
     const double nearest_s = std::clamp(-p_m.dot(v_mps) / std::max(v_mps.squaredNorm(), 1e-6), 0.0, kEvade_s);
     const Vector3 then_m = p_m + nearest_s * v_mps;
-    if (then_m.norm() > bystander.radius_m + kEvadeRoom_m) continue;
+    if (then_m.norm() > obstacle.radius_m + kEvadeRoom_m) continue;
     const Vector3 away = then_m.norm() > kNoDirection_m ? Vector3(then_m.normalized()) : Vector3(Vector3::UnitZ());
     a_mps2 += 2.0 * limits.horizontal_acceleration_mps2 * away;
   }

@@ -12,7 +12,7 @@
 namespace swiftlet {
 
 /// A flying object from which a distance is kept. Local frame.
-struct Bystander {
+struct MovingObstacle {
   Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
   double radius_m = 0.0;
   bool flown_over = false;          ///< a vehicle above it stays above
@@ -34,18 +34,18 @@ struct Surroundings {
   Geofence fence;
   const OccupancyView* map = nullptr;  ///< null: no obstacles are known
   double clearance_m = 1.0;            ///< from the vehicle's center to occupied cells
-  std::vector<Bystander> bystanders;
+  std::vector<MovingObstacle> moving_obstacles;
 
   /// Largest violation of a distance to keep, at a position some time ahead; negative: the room left, at most 1 m.
   double intrusion_m(const Vector3& p_local_m, double ahead_s) const;
-  /// Sets the half-spaces to keep to near a position, at most ChaseAim::kMaxWalls: obstacles, bystanders, then the
-  /// fence.
+  /// Sets the half-spaces to keep to near a position, at most ChaseAim::kMaxWalls: those of the map, of
+  /// moving obstacles, then of the fence.
   void walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim) const;
 
   mutable std::vector<Vector3> cells_local_m = {};  ///< reused memory of a query
 };
 
-/// Acceleration that brakes as hard as the limits allow and evades bystanders that come too near.
+/// Acceleration that brakes as hard as the limits allow and evades moving obstacles that come too near.
 Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
                      const MotionLimits& limits);
 

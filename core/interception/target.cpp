@@ -18,7 +18,7 @@ namespace {
 constexpr double kSlowestTarget_mps = 0.5;  // slower velocities give no heading
 constexpr double kReached_m = 3.0;          // distance at which an evasive target reaches its goal
 constexpr double kTurnGain_per_s = 2.5;     // gain from the velocity error to acceleration
-constexpr double kShy_m = 5.0;              // distance from the box's sides at which an evasive target turns away
+constexpr double kBoundaryMargin_m = 5.0;   // distance from the box's sides at which an evasive target turns away
 constexpr double kJinkPeriod_s = 1.2;       // period of random changes of the evasion side
 constexpr double kJink = 0.7;   // lateral part of the evasion velocity, relative to the part away from the pursuer
 constexpr double kOld_s = 0.7;  // older tracks are ignored
@@ -186,9 +186,9 @@ class TargetFlight : public Guidance {
     // Turns along the sides of the box instead of into them.
     for (int i = 0; i < 3; ++i) {
       const double to_min_m = p_m[i] - config_.area_min_m[i], to_max_m = config_.area_max_m[i] - p_m[i];
-      const double shy_m = std::min(kShy_m, 0.3 * (config_.area_max_m[i] - config_.area_min_m[i]));
-      if (to_min_m < shy_m) v_mps[i] = std::max(v_mps[i], config_.speed_mps * (1.0 - 2.0 * to_min_m / shy_m));
-      if (to_max_m < shy_m) v_mps[i] = std::min(v_mps[i], -config_.speed_mps * (1.0 - 2.0 * to_max_m / shy_m));
+      const double margin_m = std::min(kBoundaryMargin_m, 0.3 * (config_.area_max_m[i] - config_.area_min_m[i]));
+      if (to_min_m < margin_m) v_mps[i] = std::max(v_mps[i], config_.speed_mps * (1.0 - 2.0 * to_min_m / margin_m));
+      if (to_max_m < margin_m) v_mps[i] = std::min(v_mps[i], -config_.speed_mps * (1.0 - 2.0 * to_max_m / margin_m));
     }
     if (v_mps.norm() > config_.speed_mps) v_mps *= config_.speed_mps / v_mps.norm();
     const double a_max = std::min(config_.acceleration_mps2, limits_.horizontal_acceleration_mps2);

@@ -13,8 +13,8 @@ namespace {
 constexpr double kNear_m = 4.0;        // radius of particles that count as one position
 constexpr double kPossible = 0.1;      // weight below which a position counts as excluded, relative to the initial one
 constexpr double kLeastWeight = 1e-6;  // lower bound, so that a position may become possible again
-constexpr double kChangeOfMind_per_s = 0.7;  // rate at which a particle's acceleration changes
-constexpr double kLongestStep_s = 1.0;       // upper limit of a step
+constexpr double kManeuver_per_s = 0.7;  // rate at which a particle's acceleration changes
+constexpr double kLongestStep_s = 1.0;   // upper limit of a step
 
 }  // namespace
 
@@ -57,7 +57,7 @@ Vector3 TargetSearch::draw(std::uint32_t particle) {
 void TargetSearch::advance(double dt_s, const Geofence& fence) {
   ++draws_;
   dt_s = std::min(dt_s, kLongestStep_s);
-  const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kChangeOfMind_per_s);
+  const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kManeuver_per_s);
   for (std::uint32_t i = 0; i < kParticles; ++i) {
     Particle& particle = particles_[i];
     particle.v_local_mps += spread_mps * draw(i);

@@ -50,7 +50,7 @@ class InsEstimator : public StateEstimator {
     estimate_.v_local_mps = now.v_mps;
     estimate_.omega_body_radps = now.omega_body_radps;
     fill_covariance();
-    judge(ahead_s);
+    check_validity(ahead_s);
     return estimate_;
   }
 
@@ -109,7 +109,7 @@ class InsEstimator : public StateEstimator {
     estimate_.covariance.bottomRightCorner<3, 3>() = P.block<3, 3>(InsFilter::kTheta, InsFilter::kTheta);
   }
 
-  void judge(double ahead_s) {
+  void check_validity(double ahead_s) {
     const double sigma_p_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
     if (!filter_.is_sound())

@@ -178,7 +178,7 @@ const std::optional<FrameAlignment>& RelativeAlignment::fit(const OtherMotion& a
   const Matrix5 C = covariance(*guess, anchor);
   found.covariance = C.topLeftCorner<4, 4>();
   found.clock_sigma_s = std::sqrt(std::max(0.0, C(4, 4)));
-  fault_ = judge(found, *guess);
+  fault_ = fault_of(found, *guess);
   if (fault_ == AlignmentFault::kNone) result_ = found;
   return result_;
 }
@@ -390,12 +390,12 @@ double RelativeAlignment::residual_sigma(const Guess& guess) const {
   return std::sqrt(sum / (3.0 * num_inliers_));
 }
 
-AlignmentFault RelativeAlignment::judge(const FrameAlignment& found, const Guess& guess) const {
+AlignmentFault RelativeAlignment::fault_of(const FrameAlignment& found, const Guess& guess) const {
   if (num_inliers_ < config_.min_pairs || inlier_share() < config_.min_inlier_share) return AlignmentFault::kFewInliers;
   if (residual_sigma(guess) > config_.residual_sigma_max) return AlignmentFault::kFewInliers;
   if (spread_m() < config_.min_spread_m) return AlignmentFault::kNoSpread;
   const double sigma_max_rad = config_.heading_sigma_max_deg * kRadPerDeg;
-  if (!(found.covariance(3, 3) <= sigma_max_rad * sigma_max_rad)) return AlignmentFault::kHeadingUnsure;
+  if (!(found.covariance(3, 3) <= sigma_max_rad * sigma_max_rad)) return AlignmentFault::kUncertainHeading;
   return AlignmentFault::kNone;
 }
 

@@ -29,31 +29,32 @@ class SlidingWindow : public RelativeLocalizer {
   SlidingWindow(const SlidingWindowConfig& config, const AgentSetup& setup)
       : config_(config), markers_(config.marker_reflectivity, config.body_radius_m, config.marker_sigma_m) {
     const std::vector<VehicleId> ids = vehicles_named(config.other, config.others, setup, "relative_localization");
-    mates_.reserve(ids.size());
-    for (const VehicleId id : ids) mates_.emplace_back(id, config);
-    heard_.resize(mates_.size());
+    teammates_.reserve(ids.size());
+    for (const VehicleId id : ids) teammates_.emplace_back(id, config);
+    has_report_.resize(teammates_.size());
   }
 
   bool needs_clouds() const override { return config_.source == SlidingWindowConfig::Source::kMarkers; }
 
   void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox&) override {
-    for (std::size_t i = 0; i < mates_.size(); ++i) heard_[i] = mates_[i].hear(input.observation.messages);
+    for (std::size_t i = 0; i < teammates_.size(); ++i)
+      has_report_[i] = teammates_[i].receive(input.observation.messages);
     see(input);
     share_out();
     find_missing(input.observation.t);
-    for (std::size_t i = 0; i < mates_.size(); ++i) mates_[i].update(heard_[i]);
-    for (Teammate& mate : mates_) {
+    for (std::size_t i = 0; i < teammates_.size(); ++i) teammates_[i].update(has_report_[i]);
+    for (Teammate& mate : teammates_) {
       if (const auto estimate = mate.estimate(input.observation.t)) relatives.push_back(*estimate);
     }
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    for (const Teammate& mate : mates_) mate.append_overlays(overlays);
+    for (const Teammate& mate : teammates_) mate.append_overlays(overlays);
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
     std::uint64_t num_reports = 0, num_late = 0, num_starts = 0, num_lost = 0;
-    for (const Teammate& mate : mates_) {
+    for (const Teammate& mate : teammates_) {
       num_reports += mate.num_reports();
       num_late += mate.num_late();
       num_starts += mate.num_starts();
@@ -120,14 +121,14 @@ class SlidingWindow : public RelativeLocalizer {
   void share_out() {
     left_.clear();
     num_missing_ = static_cast<std::size_t>(
-        std::count_if(mates_.begin(), mates_.end(), [](const Teammate& mate) { return !mate.known(); }));
-    if (num_missing_ == mates_.size()) {
+        std::count_if(teammates_.begin(), teammates_.end(), [](const Teammate& mate) { return !mate.known(); }));
+    if (num_missing_ == teammates_.size()) {
       left_ = seen_;
       return;
     }
     choose_owners();
-    for (std::size_t m = 0; m < mates_.size(); ++m) {
-      if (mates_[m].known()) take_nearest(m);
+    for (std::size_t m = 0; m < teammates_.size(); ++m) {
+      if (teammates_[m].known()) take_nearest(m);
     }
     for (std::size_t s = 0; s < seen_.size(); ++s) {
       if (owners_[s] != kTaken && num_missing_ == 0) ++num_rejected_;
@@ -139,9 +140,9 @@ class SlidingWindow : public RelativeLocalizer {
     owners_.assign(seen_.size(), kTaken);
     for (std::size_t s = 0; s < seen_.size(); ++s) {
       double least = std::numeric_limits<double>::infinity();
-      for (std::size_t m = 0; m < mates_.size(); ++m) {
-        if (!mates_[m].known()) continue;
-        const double unlikely = mates_[m].unlikelihood(seen_[s]);
+      for (std::size_t m = 0; m < teammates_.size(); ++m) {
+        if (!teammates_[m].known()) continue;
+        const double unlikely = teammates_[m].unlikelihood(seen_[s]);
         if (owners_[s] != kTaken && unlikely >= least) continue;
         owners_[s] = m;
         least = unlikely;
@@ -154,21 +155,22 @@ class SlidingWindow : public RelativeLocalizer {
     double least = 0.0;
     for (std::size_t s = 0; s < seen_.size(); ++s) {
       if (owners_[s] != m) continue;
-      const double squared = mates_[m].squared_sigmas(seen_[s]);
+      const double squared = teammates_[m].squared_sigmas(seen_[s]);
       if (nearest && squared >= least) continue;
       nearest = s;
       least = squared;
     }
     if (!nearest) return;
-    if (mates_[m].take(seen_[*nearest])) {
+    if (teammates_[m].take(seen_[*nearest])) {
       owners_[*nearest] = kTaken;
     } else if (num_missing_ == 0) {
-      mates_[m].mark_ambiguous(seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
+      teammates_[m].mark_ambiguous(
+          seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
     }
   }
 
   bool is_known_body(const Sighting& sighting) const {
-    return std::ranges::any_of(mates_, [&](const Teammate& mate) {
+    return std::ranges::any_of(teammates_, [&](const Teammate& mate) {
       return mate.known() && (mate.place_local_m() - sighting.p_local_m).norm() < kBody_m;
     });
   }
@@ -176,13 +178,13 @@ class SlidingWindow : public RelativeLocalizer {
   // ---- unlocalized teammates
   void find_missing(TimeNs now) {
     const bool much_else_shines = config_.source == SlidingWindowConfig::Source::kMarkers;
-    if (mates_.size() == 1 && !much_else_shines) {
-      for (const Sighting& sighting : left_) mates_.front().wait(sighting);
+    if (teammates_.size() == 1 && !much_else_shines) {
+      for (const Sighting& sighting : left_) teammates_.front().wait(sighting);
       return;
     }
     for (const Sighting& sighting : left_) chains_.push(sighting);
     chains_.forget_before(now - from_seconds(kChainGap_s));
-    if (std::ranges::none_of(heard_, [](char heard) { return heard != 0; })) return;
+    if (std::ranges::none_of(has_report_, [](char has_report) { return has_report != 0; })) return;
     for (const SightingChains::Chain& chain : chains_.chains()) {
       if (Teammate* mate = explained_by(chain.sightings)) mate->wait_for_new_of(chain.sightings);
     }
@@ -192,7 +194,7 @@ class SlidingWindow : public RelativeLocalizer {
   /// well. Teammates without odometry for these seconds are skipped.
   Teammate* explained_by(std::span<const Sighting> chain) {
     Teammate* found = nullptr;
-    for (Teammate& mate : mates_) {
+    for (Teammate& mate : teammates_) {
       if (mate.known()) continue;
       const MotionMatch match = mate.match(chain);
       if (2 * match.count < kLeastMatched || match.residual_sigma > kRefuted_sigma) continue;
@@ -207,8 +209,8 @@ class SlidingWindow : public RelativeLocalizer {
   static constexpr std::size_t kTaken = std::numeric_limits<std::size_t>::max();
 
   SlidingWindowConfig config_;
-  std::vector<Teammate> mates_;
-  std::vector<char> heard_;  // reports received in this tick, per teammate
+  std::vector<Teammate> teammates_;
+  std::vector<char> has_report_;  // reports received in this tick, per teammate
   MarkerSightings markers_;
   std::vector<MarkedTrack> marked_;
   std::vector<Sighting> bright_, seen_, left_;  // in this tick

@@ -43,22 +43,22 @@ OtherMotion motion_of(const OdometryReport& report) {
 bool OtherClock::take(TimeNs& stamp, TimeNs received) {
   if (one_way_ && count_ == 0) epoch_ = received - stamp;
   stamp += epoch_;
-  const TimeNs took = received - stamp;
-  if (count_ > 0 && std::abs(took - last_) > kClockJump) {
+  const TimeNs delay = received - stamp;
+  if (count_ > 0 && std::abs(delay - last_) > kClockJump) {
     count_ = 0;
     epoch_ = 0;
     return false;
   }
-  last_ = took;
-  took_s_[next_] = to_seconds(took);
-  next_ = (next_ + 1) % kRemembered;
-  count_ = std::min(count_ + 1, kRemembered);
+  last_ = delay;
+  delays_s_[next_] = to_seconds(delay);
+  next_ = (next_ + 1) % kNumDelays;
+  count_ = std::min(count_ + 1, kNumDelays);
   return true;
 }
 
 ClockPrior OtherClock::prior() const {
   if (!one_way_ || count_ == 0) return {0.0, sigma_s_};
-  return {*std::min_element(took_s_.begin(), took_s_.begin() + count_) - least_delay_s_, sigma_s_};
+  return {*std::min_element(delays_s_.begin(), delays_s_.begin() + count_) - least_delay_s_, sigma_s_};
 }
 
 Teammate::Teammate(VehicleId id, const SlidingWindowConfig& config)
@@ -69,8 +69,8 @@ Teammate::Teammate(VehicleId id, const SlidingWindowConfig& config)
       alignment_(config.alignment, config.drift),
       filter_(config.filter, config.drift) {}
 
-bool Teammate::hear(std::span<const Message> messages) {
-  bool heard = false;
+bool Teammate::receive(std::span<const Message> messages) {
+  bool has_report = false;
   for (const Message& message : messages) {
     OdometryReport report;
     if (message.from != id_ || read_message(message, report) != Reading::kDone) continue;
@@ -81,10 +81,10 @@ bool Teammate::hear(std::span<const Message> messages) {
       continue;
     }
     if (!odometry_.push(motion)) continue;
-    heard = true;
+    has_report = true;
     if (filter_.started()) num_late_ += !filter_.push(in_own_time(odometry_.newest()));
   }
-  return heard;
+  return has_report;
 }
 
 void Teammate::start_over() {
@@ -129,9 +129,9 @@ MotionMatch Teammate::match(std::span<const Sighting> chain) const {
   return match_motion(chain, odometry_, drift_, clock_s(), config_.odometry_gap_max_s);
 }
 
-void Teammate::update(bool heard) {
+void Teammate::update(bool has_report) {
   pair();
-  if (heard) align();
+  if (has_report) align();
 }
 
 /// Pairs waiting sightings that the odometry has reached.

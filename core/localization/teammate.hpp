@@ -28,11 +28,11 @@ class OtherClock {
   ClockPrior prior() const;
 
  private:
-  static constexpr int kRemembered = 64;  // half a minute: drift is small in that time
+  static constexpr int kNumDelays = 64;  // half a minute: drift is small in that time
   bool one_way_;
   double sigma_s_, least_delay_s_;
   TimeNs epoch_ = 0, last_ = 0;
-  std::array<double, kRemembered> took_s_{};
+  std::array<double, kNumDelays> delays_s_{};
   int next_ = 0, count_ = 0;
 };
 
@@ -47,7 +47,7 @@ class Teammate {
   bool known() const { return filter_.started(); }
 
   /// Returns true when the messages contain new odometry.
-  bool hear(std::span<const Message> messages);
+  bool receive(std::span<const Message> messages);
   /// Squared distance from the predicted position, in standard deviations; the vehicle must be known.
   double squared_sigmas(const Sighting& sighting) const { return filter_.squared_sigmas(sighting); }
   /// -2 log likelihood but for a constant: a wide estimate does not claim sightings that a narrow one explains.
@@ -64,7 +64,7 @@ class Teammate {
   void wait_for_new_of(std::span<const Sighting> chain);
   MotionMatch match(std::span<const Sighting> chain) const;
   /// Pairs queued sightings; fits the window when new odometry was received.
-  void update(bool heard);
+  void update(bool has_report);
   /// Present estimate, if it is certain enough.
   std::optional<RelativeEstimate> estimate(TimeNs t);
 

@@ -157,12 +157,14 @@ void OccupancyMap::insert(std::span<const Ray> rays, TimeNs now) {
   }
   rays_.begin(origins_local_m.cast<double>(), config_.range_max_m + config_.edge_m);
   for (const Ray& ray : rays) {
-    const Eigen::Vector3f way = ray.end_local_m - ray.origin_local_m;
-    const double length_m = std::sqrt(static_cast<double>(way.x() * way.x() + way.y() * way.y() + way.z() * way.z()));
+    const Eigen::Vector3f displacement = ray.end_local_m - ray.origin_local_m;
+    const double length_m =
+        std::sqrt(static_cast<double>(displacement.x() * displacement.x() + displacement.y() * displacement.y() +
+                                      displacement.z() * displacement.z()));
     if (length_m <= config_.range_max_m) {
       rays_.add(ray.origin_local_m, ray.end_local_m, ray.hit);
     } else {
-      const Eigen::Vector3f direction = way / static_cast<float>(length_m);
+      const Eigen::Vector3f direction = displacement / static_cast<float>(length_m);
       rays_.add(ray.origin_local_m, ray.origin_local_m + direction * static_cast<float>(config_.range_max_m), false);
     }
   }
@@ -380,7 +382,7 @@ std::optional<SegmentHit> OccupancyMap::first_hit(const Vector3& from_local_m, c
 
 bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
-  if (!forgotten_.knows_since(revision)) return false;
+  if (!forgotten_.covers(revision)) return false;
   const auto add = [&](const Cell& at) { boxes.push_back({config_.edge_m, at * kSide, Cell::Constant(kSide)}); };
   for (const About& about : blocks_) {
     if (about.used && about.changed > revision) add(about.at);
@@ -401,7 +403,7 @@ bool OccupancyMap::look_at(const Cell& at, CellBlock& states) const {
   return true;
 }
 
-std::vector<CellBlock> OccupancyMap::blocks_surer_than(double p) const {
+std::vector<CellBlock> OccupancyMap::blocks_above(double p) const {
   const float least = log_odds_of(p);
   std::vector<CellBlock> blocks;
   for (const About& about : blocks_) {

@@ -11,17 +11,17 @@ namespace {
 struct Inside {
   double first = 0.0, last = 1.0;
   bool empty() const { return first > last; }
-  void cut_by_slab(double at, double way, double half) {
-    if (way == 0.0) {
+  void cut_by_slab(double at, double displacement, double half) {
+    if (displacement == 0.0) {
       if (std::abs(at) > half) last = -1.0;
       return;
     }
-    const double a = (-half - at) / way, b = (half - at) / way;
+    const double a = (-half - at) / displacement, b = (half - at) / displacement;
     first = std::max(first, std::min(a, b));
     last = std::min(last, std::max(a, b));
   }
-  void cut_by_circle(const Eigen::Vector2d& at, const Eigen::Vector2d& way, double radius) {
-    const double a = way.squaredNorm(), b = at.dot(way), c = at.squaredNorm() - radius * radius;
+  void cut_by_circle(const Eigen::Vector2d& at, const Eigen::Vector2d& displacement, double radius) {
+    const double a = displacement.squaredNorm(), b = at.dot(displacement), c = at.squaredNorm() - radius * radius;
     if (a == 0.0) {
       if (c > 0.0) last = -1.0;
       return;
@@ -48,17 +48,17 @@ double KeepOut::distance_m(const Vector3& p_local_m) const {
 }
 
 std::optional<double> KeepOut::entered_after_m(const Vector3& from_local_m, const Vector3& to_local_m) const {
-  const Vector3 at = from_local_m - center_local_m, way = to_local_m - from_local_m;
+  const Vector3 at = from_local_m - center_local_m, displacement = to_local_m - from_local_m;
   Inside inside;
-  inside.cut_by_slab(at.z(), way.z(), 0.5 * size_m.z());
+  inside.cut_by_slab(at.z(), displacement.z(), 0.5 * size_m.z());
   if (shape == Shape::kBox) {
-    inside.cut_by_slab(at.x(), way.x(), 0.5 * size_m.x());
-    inside.cut_by_slab(at.y(), way.y(), 0.5 * size_m.y());
+    inside.cut_by_slab(at.x(), displacement.x(), 0.5 * size_m.x());
+    inside.cut_by_slab(at.y(), displacement.y(), 0.5 * size_m.y());
   } else {
-    inside.cut_by_circle(at.head<2>(), way.head<2>(), 0.5 * size_m.x());
+    inside.cut_by_circle(at.head<2>(), displacement.head<2>(), 0.5 * size_m.x());
   }
   if (inside.empty()) return std::nullopt;
-  return inside.first * way.norm();
+  return inside.first * displacement.norm();
 }
 
 CellState OverlaidOccupancy::state(const Vector3& p_local_m) const {

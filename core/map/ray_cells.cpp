@@ -76,12 +76,13 @@ void RayCells::add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& end_m
   low_ = low_.cwiseMin((first.cwiseMin(last).array() - 1).matrix());
   high_ = high_.cwiseMax((first.cwiseMax(last).array() + 1).matrix());
 
-  const Eigen::Vector3f way = end_m - origin_m;
-  const float squared = way.x() * way.x() + way.y() * way.y() + way.z() * way.z();
+  const Eigen::Vector3f displacement = end_m - origin_m;
+  const float squared =
+      displacement.x() * displacement.x() + displacement.y() * displacement.y() + displacement.z() * displacement.z();
   const float length = static_cast<float>(std::sqrt(static_cast<double>(squared)));
   const auto lane = static_cast<unsigned>(std::countr_one(busy_));
   for (int axis = 0; axis < 3; ++axis) {
-    const float direction = way[axis] / length;
+    const float direction = displacement[axis] / length;
     const int step = direction > 0.0F ? 1 : direction < 0.0F ? -1 : 0;
     lanes_.place[axis][lane] = spread(axis, first[axis]) | ~fields_[axis];
     lanes_.step[axis][lane] = step > 0 ? std::int64_t{1} << 3 * axis : step < 0 ? fields_[axis] : 0;

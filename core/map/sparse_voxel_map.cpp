@@ -111,7 +111,7 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
     Voxel& voxel = block.voxels[i];
     if (voxel.sweep == sweep_) continue;
     const bool was_occupied = voxel.log_odds >= threshold_;
-    if (!block.knows(i)) block.changed = revision_;
+    if (!block.is_known(i)) block.changed = revision_;
     block.known[static_cast<std::size_t>(i) >> 6U] |= std::uint64_t{1} << (i & 63);
     voxel.log_odds =
         std::min(voxel.log_odds + static_cast<float>(config_.hit_log_odds), static_cast<float>(config_.max_log_odds));
@@ -126,10 +126,10 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
 // Lowers voxels from the origin to the end or to the clearing range; only stored voxels can lose.
 void SparseVoxelMap::pass(const Ray& ray) {
   const Vector3 origin = ray.origin_local_m.cast<double>() * cells_per_m_;
-  const Vector3 way = (ray.end_local_m - ray.origin_local_m).cast<double>();
-  const double length_m = way.norm();
+  const Vector3 displacement = (ray.end_local_m - ray.origin_local_m).cast<double>();
+  const double length_m = displacement.norm();
   if (!(length_m > 0.0)) return;
-  const Vector3 direction = way / length_m;
+  const Vector3 direction = displacement / length_m;
   // Returns scatter about a surface by up to half a voxel: that part is not cleared.
   const double end =
       (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
@@ -162,7 +162,7 @@ void SparseVoxelMap::pass(const Ray& ray) {
     do {
       const int i = index_in_block(cell);
       Voxel& voxel = block->voxels[i];
-      if (block->knows(i) && voxel.sweep != sweep_ && voxel.passed != sweep_) {
+      if (block->is_known(i) && voxel.sweep != sweep_ && voxel.passed != sweep_) {
         voxel.passed = sweep_;
         const bool was_occupied = voxel.log_odds >= threshold_;
         voxel.log_odds = std::max(voxel.log_odds - loss, least);
@@ -258,7 +258,7 @@ std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_local_m,
 bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
   if (config_.memory_s > 0.0) return false;
-  if (!forgotten_.knows_since(revision)) return false;
+  if (!forgotten_.covers(revision)) return false;
   const auto add = [&](const Cell& block) { boxes.push_back({config_.edge_m, block * kSide, Cell::Constant(kSide)}); };
   for (const Block& block : blocks_) {
     if (block.used && block.changed > revision) add(block.at);
@@ -274,7 +274,7 @@ void SparseVoxelMap::append_voxels(MapVoxels& copy) const {
   for (const Block& block : blocks_) {
     if (!block.used) continue;
     for (int i = 0; i < kVoxels; ++i) {
-      if (!block.knows(i)) continue;
+      if (!block.is_known(i)) continue;
       const Cell at = kSide * block.at + Cell(i & 7, (i >> 3) & 7, i >> 6);
       copy.add(center_of(at), occupied(block.voxels[i]) ? 1 : 0, block.voxels[i].log_odds);
     }
@@ -286,7 +286,7 @@ CellState SparseVoxelMap::state(const Vector3& p_local_m) const { return state_o
 CellState SparseVoxelMap::state_of(const Cell& cell) const {
   const Block* block = block_at(block_of(cell));
   const int i = index_in_block(cell);
-  if (block == nullptr || !block->knows(i)) return CellState::kUnknown;
+  if (block == nullptr || !block->is_known(i)) return CellState::kUnknown;
   return occupied(block->voxels[i]) ? CellState::kOccupied : CellState::kFree;
 }
 

@@ -85,7 +85,7 @@ class OccupancyMapper : public Mapper {
       message_.rays.push_back({to_world.point(ray.origin_local_m.cast<double>()).cast<float>(),
                                to_world.point(ray.end_local_m.cast<double>()).cast<float>(), ray.hit});
     }
-    write_message(message_, outbox.say(receiver_));
+    write_message(message_, outbox.add(receiver_));
   }
 
   OccupancyMapperConfig config_;

@@ -17,9 +17,9 @@ namespace {
 constexpr double kSubmapsShown_m = 15.0;  // radius around the vehicle of the cells in the overlay mapping.cells
 // depth below the vehicle to which cells are shown; lower ones are mostly ground
 constexpr double kSubmapsShownBelow_m = 1.0;
-constexpr double kBesideWay_m = 2.0;  // margin for the offset of the LiDARs and the flight between two scans
-constexpr int kLookEvery = 32;        // stride of the blocks sampled to estimate how much of a piece is covered
-constexpr int kNewest = 2;            // newest pieces, which are never thinned
+constexpr double kPathMargin_m = 2.0;  // margin for the offset of the LiDARs and the flight between two scans
+constexpr int kLookEvery = 32;         // stride of the blocks sampled to estimate how much of a piece is covered
+constexpr int kNewest = 2;             // newest pieces, which are never thinned
 // Most pieces of one submap; more are merged into one. Larger values keep more votes on cells that changed, and take
 // more memory.
 constexpr std::size_t kMostOfSubmap = 4;
@@ -200,7 +200,7 @@ class SubmapMapper : public Mapper {
   /// The growing piece in its finished form.
   MapPiece finished() const {
     return {growing_submap_, T_submap_growing_,
-            std::make_shared<const SubmapCells>(config_.edge_m, growing_->blocks_surer_than(config_.p_occupied))};
+            std::make_shared<const SubmapCells>(config_.edge_m, growing_->blocks_above(config_.p_occupied))};
   }
 
   void finish() {
@@ -245,7 +245,7 @@ class SubmapMapper : public Mapper {
     std::vector<CellBlock> blocks;
     alone.append_blocks(blocks);
     const Pose T_local_cells = map_.T_local_cells(oldest.in_map);
-    for (CellBlock& block : blocks) leave_out_outvoted(T_local_cells, block);
+    for (CellBlock& block : blocks) clear_outvoted(T_local_cells, block);
     std::erase_if(pieces_, [&](const Kept& kept) {
       if (!hangs_on_it(kept)) return false;
       map_.remove(kept.in_map);
@@ -256,7 +256,7 @@ class SubmapMapper : public Mapper {
   }
 
   /// Removes cells that other pieces outvoted. In a merged piece they would count as the newest.
-  void leave_out_outvoted(const Pose& T_local_cells, CellBlock& block) const {
+  void clear_outvoted(const Pose& T_local_cells, CellBlock& block) const {
     constexpr int kSide = RayCells::kSide;
     for (int z = 0; z < kSide; ++z) {
       const auto word = static_cast<std::size_t>(z);
@@ -347,7 +347,7 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true});
   v.check(p_occupied < p_max, "p_occupied", "less than p_max");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
-  v.check(range_max_m + piece_m + kBesideWay_m <= 480.0 * edge_m, "range_max_m",
+  v.check(range_max_m + piece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
           "with piece_m and 2 m at most 480 times edge_m");
   v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
@@ -360,7 +360,7 @@ OccupancyMapConfig SubmapMapperConfig::growing() const {
   config.p_min = p_min;
   config.p_max = p_max;
   config.range_max_m = range_max_m;
-  config.keep_radius_m = range_max_m + piece_m + kBesideWay_m;
+  config.keep_radius_m = range_max_m + piece_m + kPathMargin_m;
   config.distance_max_m = edge_m;  // distances are not queried
   return config;
 }

@@ -24,7 +24,7 @@ std::size_t VehiclesAround::cell_of(double x_m, double y_m) {
 
 void VehiclesAround::update(const MapperInput& input) {
   if (radius_m_ <= 0.0) return;
-  hear(input);
+  receive(input);
   if (input.clouds.empty()) return;
   vehicles_.clear();
   marked_.reset();
@@ -45,16 +45,17 @@ void VehiclesAround::update(const MapperInput& input) {
   }
 }
 
-void VehiclesAround::hear(const MapperInput& input) {
-  for (const NeighborSample& said : input.neighbors) {
-    const Pose T_local_body = input.poses != nullptr ? input.poses->at(said.t) : input.estimate.T_local_body;
+void VehiclesAround::receive(const MapperInput& input) {
+  for (const NeighborSample& neighbor : input.neighbors) {
+    const Pose T_local_body = input.poses != nullptr ? input.poses->at(neighbor.t) : input.estimate.T_local_body;
     const Matrix3& R = T_local_body.linear();
-    const Sample sample{said.id, said.t, T_local_body * said.p_body_m, R * said.covariance_body * R.transpose()};
-    const auto at = std::lower_bound(samples_.begin(), samples_.end(), said.id,
+    const Sample sample{neighbor.id, neighbor.t, T_local_body * neighbor.p_body_m,
+                        R * neighbor.covariance_body * R.transpose()};
+    const auto at = std::lower_bound(samples_.begin(), samples_.end(), neighbor.id,
                                      [](const Sample& s, VehicleId id) { return s.id < id; });
-    if (at == samples_.end() || at->id != said.id || said.id == kNoVehicle) {
+    if (at == samples_.end() || at->id != neighbor.id || neighbor.id == kNoVehicle) {
       samples_.insert(at, sample);
-    } else if (at->t <= said.t) {
+    } else if (at->t <= neighbor.t) {
       *at = sample;
     }
   }

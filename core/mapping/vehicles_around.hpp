@@ -41,7 +41,7 @@ class VehiclesAround {
   static constexpr std::size_t kSide = 64;
 
   static std::size_t cell_of(double x_m, double y_m);
-  void hear(const MapperInput& input);
+  void receive(const MapperInput& input);
   void add(const Vehicle& vehicle, TimeNs now, double reach_m);
   bool is_one(const Vector3& p_local_m, TimeNs t) const;
 

@@ -31,8 +31,8 @@ Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
 }
 
 /// Length of the shortest path on an empty grid, in cells.
-double rest_of(const Cell& way) {
-  std::array<int, 3> d = {std::abs(way.x()), std::abs(way.y()), std::abs(way.z())};
+double rest_of(const Cell& offset) {
+  std::array<int, 3> d = {std::abs(offset.x()), std::abs(offset.y()), std::abs(offset.z())};
   std::sort(d.begin(), d.end());
   constexpr double kSqrt2 = 1.4142135623730951, kSqrt3 = 1.7320508075688772;
   return (kSqrt3 - kSqrt2) * d[0] + (kSqrt2 - 1.0) * d[1] + d[2];
@@ -40,8 +40,8 @@ double rest_of(const Cell& way) {
 
 class ClearSearch {
  public:
-  ClearSearch(const ClearSpace& space, double edge_m, const Cell& start, const Cell& goal, double greed)
-      : space_(space), edge_m_(edge_m), goal_(goal), greed_(greed) {
+  ClearSearch(const ClearSpace& space, double edge_m, const Cell& start, const Cell& goal, double heuristic_weight)
+      : space_(space), edge_m_(edge_m), goal_(goal), heuristic_weight_(heuristic_weight) {
     start_ = meet(start);
     met_[start_].clear = true;  // the start counts as clear
     met_[start_].cost = 0.0;
@@ -75,7 +75,7 @@ class ClearSearch {
   int meet(const Cell& cell) {
     return met_.meet(cell, [&](const Cell& fresh) { return space_.is_clear(center_of(fresh, edge_m_)); });
   }
-  double rest(int node) const { return greed_ * rest_of(met_[node].cell - goal_); }
+  double rest(int node) const { return heuristic_weight_ * rest_of(met_[node].cell - goal_); }
 
   void expand(int from) {
     ++expansions_;
@@ -100,7 +100,7 @@ class ClearSearch {
   const ClearSpace& space_;
   double edge_m_;
   Cell goal_;
-  double greed_;
+  double heuristic_weight_;
   MetCells met_;
   std::priority_queue<OpenCell> open_;
   int start_ = -1, end_ = -1;
@@ -196,7 +196,7 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
   const ClearPathStatus refused = why_refused(view, space, config, start_local_m, goal_local_m);
   if (refused != ClearPathStatus::kFound) return {refused, {}, 0};
   const Cell start = cell_at(start_local_m, edge_m), goal = cell_at(goal_local_m, edge_m);
-  ClearSearch search(space, edge_m, start, goal, config.greed);
+  ClearSearch search(space, edge_m, start, goal, config.heuristic_weight);
   const ClearPathStatus status = search.run(config.max_expansions);
   if (status != ClearPathStatus::kFound) return {status, {}, search.expansions()};
   const std::vector<Cell> cells = search.cells();

@@ -51,7 +51,7 @@ class ViewSearch {
       open_.pop();
       if (met_[next].closed) continue;
       const double path_length_m = met_[next].cost * config_.step_m;
-      if (worth(1.0, path_length_m) <= best_) break;  // no view farther away is better
+      if (value(1.0, path_length_m) <= best_) break;  // no view farther away is better
       if (static_cast<int>(expansions_) == config_.max_expansions) {
         if (end_ < 0) found.status = NextViewStatus::kBudgetSpent;
         break;
@@ -71,8 +71,8 @@ class ViewSearch {
   }
 
  private:
-  double worth(double share, double path_length_m) const {
-    return share * elementary::exp(-config_.way_weight_per_m * path_length_m);
+  double value(double share, double path_length_m) const {
+    return share * elementary::exp(-config_.path_decay_per_m * path_length_m);
   }
   Vector3 place_of(const Cell& cell) const { return start_local_m_ + config_.step_m * cell.cast<double>(); }
 
@@ -82,8 +82,8 @@ class ViewSearch {
     if (((cell.x() | cell.y() | cell.z()) & 1) != 0 || node == 0) return;
     unknown_in_sight(view_, config_, box_, given_up_, place_of(cell), config_.num_rays, in_sight_local_m_);
     const double share = static_cast<double>(in_sight_local_m_.size()) / config_.num_rays;
-    if (share < config_.share_min || worth(share, path_length_m) <= best_) return;
-    best_ = worth(share, path_length_m);
+    if (share < config_.share_min || value(share, path_length_m) <= best_) return;
+    best_ = value(share, path_length_m);
     share_ = share;
     end_ = node;
   }

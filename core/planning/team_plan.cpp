@@ -73,9 +73,9 @@ std::vector<Vector3> places_of(std::span<const PlannedPose> path) {
   return places_local_m;
 }
 
-TeamPlan& fail(TeamPlan& plan, const char* who, const char* why) {
+TeamPlan& fail(TeamPlan& plan, const char* vehicle, const char* reason) {
   plan.next = TeamPlan::Next::kFail;
-  plan.reason = std::string(who) + ": " + why;
+  plan.reason = std::string(vehicle) + ": " + reason;
   return plan;
 }
 
@@ -98,9 +98,9 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   // The goal, and lines 4 to 8: the secondary's path.
   std::vector<KeepOut> hovering;
   append_columns(traffic.hovering_local_m, config.secondary_width_m, config.secondary_height_m, hovering);
-  std::vector<KeepOut> in_its_way = hovering;
-  append_columns({&primary_local_m, 1}, config.primary_width_m, config.primary_height_m, in_its_way);
-  const OverlaidOccupancy map_secondary(map, std::move(in_its_way));
+  std::vector<KeepOut> keep_outs_secondary = hovering;
+  append_columns({&primary_local_m, 1}, config.primary_width_m, config.primary_height_m, keep_outs_secondary);
+  const OverlaidOccupancy map_secondary(map, std::move(keep_outs_secondary));
   const ClearSpace space(map_secondary, config.secondary, secondary.p_local_m);
   if (const auto place = clear_place_near(space, goal.p_local_m, edge_m, config.goal_search_m)) {
     plan.goal_local_m = *place;
@@ -131,10 +131,10 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
 
   // Lines 13 to 20: the primary's path to the viewpoint; without one, the next viewpoint is tried.
   begin(PlanningStage::kPrimaryPath);
-  std::vector<KeepOut> in_the_guides_way = std::move(hovering);
+  std::vector<KeepOut> keep_outs_primary = std::move(hovering);
   append_columns(columns_of(plan, traffic.flying), config.secondary_width_m, config.secondary_height_m,
-                 in_the_guides_way);
-  const OverlaidOccupancy map_primary(map, std::move(in_the_guides_way));
+                 keep_outs_primary);
+  const OverlaidOccupancy map_primary(map, std::move(keep_outs_primary));
   ClearPath path_primary;
   for (GuidingViewpoint& viewpoint : viewpoints.best_first) {
     plan.viewpoint = std::move(viewpoint);

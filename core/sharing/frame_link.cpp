@@ -169,11 +169,11 @@ std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& ancho
   });
   const bool is_unambiguous = best->duration_s >= config_.alone_s && best->bends >= config_.alone_sigmas;
   if (best->pairs.size() == 1 && !is_unambiguous) return std::nullopt;
-  const bool in_doubt = std::any_of(matches.begin(), matches.end(), [&](const Match& m) {
+  const bool is_ambiguous = std::any_of(matches.begin(), matches.end(), [&](const Match& m) {
     return m.pairs.size() >= best->pairs.size() &&
            squared_sigmas_between(m.alignment, best->alignment) > kDisagreement_sigma_sq;
   });
-  if (in_doubt) return std::nullopt;
+  if (is_ambiguous) return std::nullopt;
 
   std::vector<AlignmentPair> pairs;
   for (const auto& [a, b] : best->pairs) append_pairs(a, b, best->alignment.yaw_rad, pairs);

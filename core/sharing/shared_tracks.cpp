@@ -61,19 +61,19 @@ class SharedTracks : public Tracker {
 
   bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) override {
     remember_self(input.observation.t, input.estimate);
-    for (const Message& message : input.observation.messages) hear(message);
+    for (const Message& message : input.observation.messages) receive(message);
     if (!own_->step(input, own_tracks_, outbox)) return false;
     find_existences(input);
     remember_own(input);
-    const TimeNs forgotten = input.observation.t - from_seconds(config_.frame.window_s);
-    own_history_.forget_before(forgotten);
+    const TimeNs oldest = input.observation.t - from_seconds(config_.frame.window_s);
+    own_history_.forget_before(oldest);
     for (Peer& peer : peers_) {
-      peer.history.forget_before(forgotten);
+      peer.history.forget_before(oldest);
       peer.link.update(own_history_, peer.history);
     }
     fuse(input.observation.t);
     report(tracks);
-    say(input, outbox);
+    send(input, outbox);
     return true;
   }
 
@@ -90,8 +90,8 @@ class SharedTracks : public Tracker {
       num_starts += peer.link.num_starts();
       num_lost += peer.link.num_lost();
     }
-    counters.push_back({"messages of tracks that came after a newer one", num_overtaken_, num_heard_, "rate_hz"});
-    counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_heard_, "rate_hz"});
+    counters.push_back({"messages of tracks that came after a newer one", num_outdated_, num_received_, "rate_hz"});
+    counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_received_, "rate_hz"});
     counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_told"});
     counters.push_back(
         {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
@@ -126,11 +126,11 @@ class SharedTracks : public Tracker {
     own_history_.complete_until(until);
   }
 
-  void hear(const Message& message) {
+  void receive(const Message& message) {
     TrackReport received;
     const Reading reading = read_message(message, received);
     if (reading == Reading::kOtherKind || message.from == self_ || message.from == kNoVehicle) return;
-    ++num_heard_;
+    ++num_received_;
     if (reading != Reading::kDone || received.t > message.received + kAhead) {
       ++num_unreadable_;
       return;
@@ -138,7 +138,7 @@ class SharedTracks : public Tracker {
     Peer& peer = peer_of(message.from);
     if (peer.newest >= 0 && received.t + kRestart < peer.newest) start_over(peer);
     if (received.t <= peer.newest) {
-      ++num_overtaken_;
+      ++num_outdated_;
       return;
     }
     take(peer, received);
@@ -243,8 +243,8 @@ class SharedTracks : public Tracker {
   /// Removes tracks that are observers. A track that moves like an observer is marked as that observer for as long as
   /// it does.
   void leave_out_observers(TimeNs t, TimeNs now) {
-    const TimeNs forgotten = t - from_seconds(config_.fusion.remember_s);
-    std::erase_if(bodies_, [&](const Body& body) { return body.last < forgotten; });
+    const TimeNs oldest = t - from_seconds(config_.fusion.remember_s);
+    std::erase_if(bodies_, [&](const Body& body) { return body.last < oldest; });
     if (const auto own = own_history_.self().empty() ? std::nullopt : std::optional(own_place(t))) {
       mark(self_, *own, t);
     }
@@ -293,9 +293,9 @@ class SharedTracks : public Tracker {
       if (!is_last_of_observer || nearest == nullptr) continue;
       mark_body(*nearest, vehicle, t);
       // A second track at the same position belongs to the same body.
-      for (const ObservedTrack& twin : observed_) {
-        const bool is_near = (twin.estimate.p_m() - place.p_m()).norm() < config_.body_m;
-        if (twin.observer == o.observer && is_near) mark_body(twin, vehicle, t);
+      for (const ObservedTrack& duplicate : observed_) {
+        const bool is_near = (duplicate.estimate.p_m() - place.p_m()).norm() < config_.body_m;
+        if (duplicate.observer == o.observer && is_near) mark_body(duplicate, vehicle, t);
       }
       nearest = nullptr;
     }
@@ -341,7 +341,7 @@ class SharedTracks : public Tracker {
   }
 
   // ---- output
-  void say(const TrackerInput& input, Outbox& outbox) {
+  void send(const TrackerInput& input, Outbox& outbox) {
     const TimeNs t = input.observation.t;
     if (last_sent_ >= 0 && to_seconds(t - last_sent_) < (1.0 - 1e-6) / config_.rate_hz) return;
     last_sent_ = t;
@@ -374,13 +374,13 @@ class SharedTracks : public Tracker {
       out.v_local_mps = track.velocity_mps.cast<float>();
       out.covariance = track.covariance.topLeftCorner<6, 6>().cast<float>();
     }
-    write_message(sent, outbox.say());
+    write_message(sent, outbox.add());
   }
 
   std::optional<RelativeEstimate> place_of(const Peer& peer, TimeNs t) const {
     if (!counts(peer, t)) return std::nullopt;
     const FrameAlignment& alignment = *peer.link.alignment();
-    const MotionEstimate heard = in_own_frame(alignment, peer.self), now = at(heard, peer.newest, t);
+    const MotionEstimate at_report = in_own_frame(alignment, peer.self), now = at(at_report, peer.newest, t);
     RelativeEstimate out;
     out.t = t;
     out.other = peer.id;
@@ -393,7 +393,7 @@ class SharedTracks : public Tracker {
     out.covariance(6, 6) = alignment.covariance(3, 3) + kHeadingNoise_rad * kHeadingNoise_rad;
     out.seen = peer.link.measured();
     out.heard = out.heard_stamp = peer.newest;
-    out.heard_position_m = heard.p_m();
+    out.heard_position_m = at_report.p_m();
     out.heard_yaw_rad = std::remainder(alignment.yaw_rad + peer.yaw_rad, 2.0 * kPi);
     return out;
   }
@@ -411,7 +411,7 @@ class SharedTracks : public Tracker {
   TimeNs t_ = 0;                         // time of the newest fusion
   TimeNs last_sent_ = -1;
   std::vector<std::size_t> order_;
-  std::uint64_t num_heard_ = 0, num_overtaken_ = 0, num_unreadable_ = 0, num_own_ = 0, num_unsent_ = 0;
+  std::uint64_t num_received_ = 0, num_outdated_ = 0, num_unreadable_ = 0, num_own_ = 0, num_unsent_ = 0;
 };
 
 }  // namespace

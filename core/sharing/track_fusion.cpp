@@ -79,18 +79,18 @@ void TrackFusion::separate(std::span<const ObservedTrack> observed) {
 std::optional<std::size_t> TrackFusion::misfit(const Target& target, std::span<const ObservedTrack> observed) const {
   const auto observer = [&](std::size_t m) { return observed[target.members[m]].observer; };
   const std::size_t count = target.members.size();
-  const auto has_twin = [&](std::size_t m) {
+  const auto has_duplicate = [&](std::size_t m) {
     for (std::size_t n = 0; n < count; ++n) {
       if (n != m && observer(n) == observer(m)) return true;
     }
     return false;
   };
-  bool any_twins = false;
-  for (std::size_t m = 0; m < count; ++m) any_twins = any_twins || has_twin(m);
+  bool any_duplicates = false;
+  for (std::size_t m = 0; m < count; ++m) any_duplicates = any_duplicates || has_duplicate(m);
   std::optional<std::size_t> worst;
   double farthest = 0.0;
   for (std::size_t m = 0; m < count; ++m) {
-    if (any_twins && !has_twin(m)) continue;
+    if (any_duplicates && !has_duplicate(m)) continue;
     std::vector<MotionEstimate> others;
     for (std::size_t n = 0; n < count; ++n) {
       if (observer(n) != observer(m)) others.push_back(observed[target.members[n]].estimate);
@@ -103,7 +103,7 @@ std::optional<std::size_t> TrackFusion::misfit(const Target& target, std::span<c
     worst = m;
     farthest = off;
   }
-  if (!any_twins && farthest <= config_.break_sq) return std::nullopt;
+  if (!any_duplicates && farthest <= config_.break_sq) return std::nullopt;
   return worst;
 }
 
@@ -127,10 +127,10 @@ bool TrackFusion::disjoint(const Target& a, const Target& b, std::span<const Obs
   return true;
 }
 
-TrackFusion::Suspicion* TrackFusion::suspicion_of(const Target& a, const Target& b) {
-  const auto known = std::find_if(suspicions_.begin(), suspicions_.end(),
-                                  [&](const Suspicion& s) { return s.first == a.serial && s.second == b.serial; });
-  return known != suspicions_.end() ? &*known : nullptr;
+TrackFusion::Candidate* TrackFusion::candidate_of(const Target& a, const Target& b) {
+  const auto known = std::find_if(candidates_.begin(), candidates_.end(),
+                                  [&](const Candidate& s) { return s.first == a.serial && s.second == b.serial; });
+  return known != candidates_.end() ? &*known : nullptr;
 }
 
 void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) {
@@ -141,25 +141,25 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
       if (!disjoint(targets_[a], targets_[b], observed)) continue;
       const Disagreement found = disagreement(targets_[a].estimate, targets_[b].estimate);
       // Hysteresis: a suspected pair keeps the wider gate, since a turn of the target causes brief disagreement.
-      const double gate_sq = suspicion_of(targets_[a], targets_[b]) != nullptr ? config_.break_sq : config_.gate_sq;
+      const double gate_sq = candidate_of(targets_[a], targets_[b]) != nullptr ? config_.break_sq : config_.gate_sq;
       if (found.squared_sigmas <= gate_sq) pairs_.push_back({a, b, found, true});
     }
   }
-  for (Suspicion& suspicion : suspicions_) suspicion.now = false;
+  for (Candidate& candidate : candidates_) candidate.now = false;
   for (Pair& pair : pairs_) {
-    Suspicion* known = suspicion_of(targets_[pair.a], targets_[pair.b]);
+    Candidate* known = candidate_of(targets_[pair.a], targets_[pair.b]);
     if (known == nullptr) {
-      suspicions_.push_back({targets_[pair.a].serial, targets_[pair.b].serial, t, 0, true});
-      known = &suspicions_.back();
+      candidates_.push_back({targets_[pair.a].serial, targets_[pair.b].serial, t, 0, true});
+      known = &candidates_.back();
     }
     known->now = true;
     const bool agrees = pair.disagreement.squared_sigmas <= config_.merge_sq;
     const bool is_sure = agrees && pair.disagreement.position_sigma_m <= config_.sure_m && is_likeliest(pair);
     known->agreed = std::max(0, known->agreed + (is_sure ? 1 : -1));
     if (agrees) known->since = t;
-    pair.is_open = t - known->since <= from_seconds(config_.doubt_s);
+    pair.is_open = t - known->since <= from_seconds(config_.split_after_s);
   }
-  std::erase_if(suspicions_, [](const Suspicion& suspicion) { return !suspicion.now; });
+  std::erase_if(candidates_, [](const Candidate& candidate) { return !candidate.now; });
 }
 
 /// No rival pair of either target is nearly as likely.
@@ -193,8 +193,8 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
   std::vector<char> touched(targets_.size(), 0);
   for (const Pair& pair : pairs_) {
     if (touched[pair.a] || touched[pair.b]) continue;
-    const Suspicion* suspicion = suspicion_of(targets_[pair.a], targets_[pair.b]);
-    if (suspicion == nullptr || suspicion->agreed < config_.confirmations) continue;
+    const Candidate* candidate = candidate_of(targets_[pair.a], targets_[pair.b]);
+    if (candidate == nullptr || candidate->agreed < config_.confirmations) continue;
     touched[pair.a] = touched[pair.b] = 1;
     Target &kept = targets_[pair.a], &gone = targets_[pair.b];
     kept.keys.insert(kept.keys.end(), gone.keys.begin(), gone.keys.end());

@@ -249,15 +249,15 @@ double RotationalHistogram::similarity(const RotationalHistogram& other, double 
   const double shift = yaw_rad / kPi * kBuckets;
   const int whole = static_cast<int>(std::floor(shift));
   const double part = shift - whole;
-  double dot = 0.0, own = 0.0, theirs = 0.0;
+  double dot = 0.0, own = 0.0, others = 0.0;
   for (int i = 0; i < kBuckets; ++i) {
     const auto at = [&](int j) { return weight_[((j % kBuckets) + kBuckets) % kBuckets]; };
     const double turned_weight = (1.0 - part) * at(i - whole) + part * at(i - whole - 1);
     dot += turned_weight * other.weight_[i];
     own += turned_weight * turned_weight;
-    theirs += other.weight_[i] * other.weight_[i];
+    others += other.weight_[i] * other.weight_[i];
   }
-  return own > 0.0 && theirs > 0.0 ? dot / std::sqrt(own * theirs) : 1.0;
+  return own > 0.0 && others > 0.0 ? dot / std::sqrt(own * others) : 1.0;
 }
 
 }  // namespace swiftlet

@@ -43,7 +43,7 @@ constexpr double kMoves = 0.1;              // translation [m] per unit step; di
 constexpr double kTurnedOff_deg = 1.0;      // attitude error of a guess, one standard deviation
 constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // surface sigma of the first steps: wide and close
 constexpr double kApart_m = 0.1;                     // places farther from each other than this are different
-constexpr double kSlid_m = 0.15;                     // step along the least constrained direction
+constexpr double kShift_m = 0.15;                    // step along the least constrained direction
 // a fit with more than kHolds of the near points, shifted by kHolds_m or more, does not constrain the direction
 constexpr double kHolds_m = 0.3, kHolds = 0.95;
 constexpr int kRefinements = 8;
@@ -205,17 +205,17 @@ struct NewerCloud {
   std::vector<Eigen::Vector3f> fitted_m;
 };
 
-/// Poses of the newer submap when it slides along the direction that the surfaces constrain least.
-struct SlidePath {
-  PoseEvidence evidence;  // at the start of the slide
-  Vector6 step;           // direction of the slide
+/// Poses of the newer submap, shifted along the direction that the surfaces constrain least.
+struct ShiftedPoses {
+  PoseEvidence evidence;  // at the unshifted pose
+  Vector6 step;           // direction of the shifts
   std::vector<Pose> T_older_newer;
   std::vector<double> offset_m;
   std::vector<int> num_near;  // number of points on surfaces
 
-  /// Distance of another pose from the line of the slide. A pure rotation has no line: there it is the distance from
-  /// the start.
-  double off_it_m(const Pose& T) const {
+  /// Distance of another pose from the line of the shifted poses. A pure rotation has no line: there it is the distance
+  /// from the unshifted pose.
+  double off_line_m(const Pose& T) const {
     const Vector3 off_m = T.translation() - T_older_newer.front().translation();
     if (step.head<3>().norm() < kMoves) return off_m.norm();
     const Vector3 along = step.head<3>().normalized();
@@ -223,31 +223,32 @@ struct SlidePath {
   }
 };
 
-/// @param reach_m  length to either side; poses are sampled from the start outward
-SlidePath sample_slide(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
+/// @param reach_m  largest shift to either side; poses are sampled from the unshifted one outward
+ShiftedPoses sample_shifts(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer,
+                           double reach_m) {
   ENSURE(std::isfinite(reach_m), reach_m);
   ScanFitter fitter;
   const auto fit_at = [&](const Pose& T) {
     return fitter.fit(surfaces, newer.fitted_m, T, matching_of(kFinest_m, kOpenShare));
   };
   const ScanFit fit = fit_at(T_older_newer);
-  SlidePath slide{fit.evidence, Directions(fit.evidence).step(0), {T_older_newer}, {0.0}, {fit.num_near}};
-  const int num_steps = static_cast<int>(std::ceil(reach_m / kSlid_m));
+  ShiftedPoses shifts{fit.evidence, Directions(fit.evidence).step(0), {T_older_newer}, {0.0}, {fit.num_near}};
+  const int num_steps = static_cast<int>(std::ceil(reach_m / kShift_m));
   for (int i = 1; i <= num_steps; ++i) {
-    for (const double offset_m : {i * kSlid_m, -i * kSlid_m}) {
-      slide.T_older_newer.push_back(moved(T_older_newer, offset_m * slide.step));
-      slide.offset_m.push_back(offset_m);
-      slide.num_near.push_back(fit_at(slide.T_older_newer.back()).num_near);
+    for (const double offset_m : {i * kShift_m, -i * kShift_m}) {
+      shifts.T_older_newer.push_back(moved(T_older_newer, offset_m * shifts.step));
+      shifts.offset_m.push_back(offset_m);
+      shifts.num_near.push_back(fit_at(shifts.T_older_newer.back()).num_near);
     }
   }
-  return slide;
+  return shifts;
 }
 
-/// Does the submap fit about as well after it slides? Then the apparent constraint along that direction comes from
+/// Does the submap fit about as well after a shift? Then the apparent constraint along that direction comes from
 /// errors of normals, or from ledges that meet other ledges.
-bool fits_elsewhere(const SlidePath& slide) {
-  for (std::size_t i = 1; i < slide.offset_m.size(); ++i) {
-    if (std::abs(slide.offset_m[i]) >= kHolds_m && slide.num_near[i] > kHolds * slide.num_near.front()) return true;
+bool fits_elsewhere(const ShiftedPoses& shifts) {
+  for (std::size_t i = 1; i < shifts.offset_m.size(); ++i) {
+    if (std::abs(shifts.offset_m[i]) >= kHolds_m && shifts.num_near[i] > kHolds * shifts.num_near.front()) return true;
   }
   return false;
 }
@@ -333,22 +334,22 @@ ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& ne
   const bool wide_is_better = !is_closed(close) || (is_closed(wide) && quality_of(wide) > quality_of(close));
   ClosureResult result = wide_is_better ? wide : close;
   const ClosureResult& other = wide_is_better ? close : wide;
-  SlidePath slide = sample_slide(surfaces, newer, result.T_older_newer, reach_m);
+  ShiftedPoses shifts = sample_shifts(surfaces, newer, result.T_older_newer, reach_m);
   if (is_closed(other) && quality_of(other) >= kRivalFit * quality_of(result) &&
-      slide.off_it_m(other.T_older_newer) > kApart_m) {
+      shifts.off_line_m(other.T_older_newer) > kApart_m) {
     result.verdict = ClosureVerdict::kRival;
     return result;
   }
-  const auto best = std::max_element(slide.num_near.begin(), slide.num_near.end()) - slide.num_near.begin();
-  if (std::abs(slide.offset_m[best]) > kApart_m) {
-    const ClosureResult along = settled(slide.T_older_newer[best], kFine_m);
+  const auto best = std::max_element(shifts.num_near.begin(), shifts.num_near.end()) - shifts.num_near.begin();
+  if (std::abs(shifts.offset_m[best]) > kApart_m) {
+    const ClosureResult along = settled(shifts.T_older_newer[best], kFine_m);
     if (is_closed(along) && quality_of(along) > quality_of(result)) {
       result = along;
-      slide = sample_slide(surfaces, newer, result.T_older_newer, reach_m);
+      shifts = sample_shifts(surfaces, newer, result.T_older_newer, reach_m);
     }
   }
-  if (result.constrained.isIdentity() && fits_elsewhere(slide))
-    result.constrained = constrained_directions(slide.evidence, 1);
+  if (result.constrained.isIdentity() && fits_elsewhere(shifts))
+    result.constrained = constrained_directions(shifts.evidence, 1);
   return result;
 }
 
@@ -415,8 +416,8 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
                            const ClosureConfig& config, double guess_off_m) {
   ClosureResult result;
-  const auto refused = [&](ClosureVerdict why) {
-    result.verdict = why;
+  const auto refused = [&](ClosureVerdict reason) {
+    result.verdict = reason;
     return result;
   };
   const std::vector<Eigen::Vector3f> older_m = upright_points_m(points_older_m, config.cell_m, config.range_max_m);
@@ -463,8 +464,8 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
                      const ClosureConfig& config, const RotationalHistogram* directions) {
   MapMatch match;
   ClosureResult& result = match.result;
-  const auto refused = [&](ClosureVerdict why) {
-    result.verdict = why;
+  const auto refused = [&](ClosureVerdict reason) {
+    result.verdict = reason;
     return match;
   };
   std::vector<Eigen::Vector3f> cloud_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);

@@ -22,9 +22,9 @@ constexpr double kSigmasOff = 3.0;
 constexpr int kLooksFromOnePlace = 10;  // most searches of a given map from one place: further ones see nothing new
 constexpr double kInSubmap_m = 0.005;   // position sigma of a node relative to its own submap
 constexpr double kInSubmap_deg = 0.02;
-constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // sigma of a known start pose
-constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // sigma of an unknown start pose
-constexpr double kTilt_rad = 0.5 * kRadPerDeg;            // tilt sigma of an unknown start: gravity is known
+constexpr double kStartSigma_m = 0.01, kStartSigma_deg = 0.1;  // sigma of a known start pose
+constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;       // sigma of an unknown start pose
+constexpr double kTilt_rad = 0.5 * kRadPerDeg;                 // tilt sigma of an unknown start: gravity is known
 // Longest delay between a scan and a GNSS fix that arrives before it [s]. Scans that are later may lose their fix.
 constexpr double kScanLate_s = 2.0;
 // Most pairs of position and GNSS fix kept to fit an unknown start. Larger values average more fixes.
@@ -64,7 +64,7 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   Node node{t, 0, T_local_body, step_m};
   if (nodes_.empty()) {
     node.pose = graph_.add_pose(T_world_local * T_local_body);
-    Matrix6 information = pose_known_ ? information_of(kTold_m, kTold_deg * kRadPerDeg)
+    Matrix6 information = pose_known_ ? information_of(kStartSigma_m, kStartSigma_deg * kRadPerDeg)
                                       : information_of(kGuessed_m, kGuessed_deg * kRadPerDeg);
     if (!pose_known_) information.diagonal().segment<2>(3).setConstant(1.0 / (kTilt_rad * kTilt_rad));
     graph_.add(PriorFactor{node.pose, graph_.pose(node.pose), information});
@@ -308,11 +308,11 @@ void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closu
 
 /// Does a hovering vehicle search again? It turns meanwhile and sees more.
 bool GlobalSlam::is_search_due(TimeNs t, double path_length_m) const {
-  return num_given_poses_ > 0 && !located_ && !gave_up_looking() &&
-         path_length_m - hovers_at_m_ < config_.node_every_m && to_seconds(t - searched_at_) >= config_.locate_every_s;
+  return num_given_poses_ > 0 && !located_ && !search_failed() && path_length_m - hovers_at_m_ < config_.node_every_m &&
+         to_seconds(t - searched_at_) >= config_.locate_every_s;
 }
 
-bool GlobalSlam::gave_up_looking() const {
+bool GlobalSlam::search_failed() const {
   return num_given_poses_ > 0 && !located_ && num_searches_here_ >= kLooksFromOnePlace;
 }
 
@@ -466,13 +466,13 @@ void GlobalSlam::append_overlays(std::vector<Overlay>& overlays) const {
   const auto place_local_m = [&](int pose) {
     return Eigen::Vector3f((T_local_from_world * graph_.pose(pose).translation()).cast<float>());
   };
-  Overlay way, submaps, closures;
-  way.name = "slam.trajectory";
-  way.kind = Overlay::Kind::kPolyline;
-  way.size_m = 3.0F;
-  way.colors = {{0.10F, 0.55F, 0.85F, 1.0F}};
-  way.legend = {{"trajectory by the pose graph", way.colors.front()}};
-  for (const Node& node : nodes_) way.positions.push_back(place_local_m(node.pose));
+  Overlay trajectory, submaps, closures;
+  trajectory.name = "slam.trajectory";
+  trajectory.kind = Overlay::Kind::kPolyline;
+  trajectory.size_m = 3.0F;
+  trajectory.colors = {{0.10F, 0.55F, 0.85F, 1.0F}};
+  trajectory.legend = {{"trajectory by the pose graph", trajectory.colors.front()}};
+  for (const Node& node : nodes_) trajectory.positions.push_back(place_local_m(node.pose));
   submaps.name = "slam.submaps";
   submaps.kind = Overlay::Kind::kSpheres;
   submaps.size_m = 0.3F;
@@ -489,7 +489,7 @@ void GlobalSlam::append_overlays(std::vector<Overlay>& overlays) const {
     closures.positions.push_back(place_local_m(factor.from));
     closures.positions.push_back(place_local_m(factor.to));
   }
-  overlays.push_back(std::move(way));
+  overlays.push_back(std::move(trajectory));
   overlays.push_back(std::move(submaps));
   overlays.push_back(std::move(closures));
 }

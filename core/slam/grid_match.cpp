@@ -129,15 +129,15 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
     if (!step.allFinite()) break;
     const Pose T_next = changed_pose(match.T_local_body, step);
     const WholeCost next = problem.at(T_next);
-    const double foretold = -step.dot(2.0 * here.g + here.H * step), gain = here.cost - next.cost;
-    if (foretold < kSettledShare * here.cost) break;
+    const double predicted = -step.dot(2.0 * here.g + here.H * step), gain = here.cost - next.cost;
+    if (predicted < kSettledShare * here.cost) break;
     if (gain <= 0.0) {  // each further rejection raises the damping more (Nielsen 1999)
       damping *= harder;
       harder *= 2.0;
       continue;
     }
-    const double surprise = 2.0 * gain / foretold - 1.0;
-    damping *= std::max(kLeastEasing, 1.0 - surprise * surprise * surprise);
+    const double deviation = 2.0 * gain / predicted - 1.0;
+    damping *= std::max(kLeastEasing, 1.0 - deviation * deviation * deviation);
     harder = 2.0;
     match.T_local_body = T_next;
     here = next;

@@ -15,10 +15,10 @@ constexpr double kSurface = 0.5;        // least probability of a cell that coun
 constexpr double kTinyScatter = 1e-12;  // scatter in directions without evidence, as a share of the trace
 
 // Voxels of the points that build the planes for the test of open directions, and of the points tested against them.
-constexpr double kPlanesVoxel_m = 0.3, kJudgedVoxel_m = 0.5;
+constexpr double kPlanesVoxel_m = 0.3, kTestedVoxel_m = 0.5;
 // least number of points on free-standing structure; gaps between scan lines look like it
-constexpr int kJudgedStanding = 30;
-constexpr double kJudgedShare = 0.01;  // least share of the planes' information: normals are no better than the poses
+constexpr int kTestedStanding = 30;
+constexpr double kTestedShare = 0.01;  // least share of the planes' information: normals are no better than the poses
 
 constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans per map of planes, at most twice as many; fewest for a test
 
@@ -50,7 +50,7 @@ void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
   filter_.thin(dense_body_m_, config_.high, high_body_m_);
   filter_.thin(dense_body_m_, config_.low, low_body_m_);
   thinner_.thin_into(dense_body_m_, static_cast<float>(kPlanesVoxel_m), planes_body_m_);
-  thinner_.thin_into(planes_body_m_, static_cast<float>(kJudgedVoxel_m), judged_body_m_);
+  thinner_.thin_into(planes_body_m_, static_cast<float>(kTestedVoxel_m), tested_body_m_);
 }
 
 ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
@@ -86,9 +86,9 @@ int GridMatcher::count_open(const Pose& T_local_body, double range_sigma_m) {
   const Planes& planes = planes_[older_planes_];
   if (planes.num_scans < kPlanesLeast) return 0;
   ScanToMapConfig config;
-  config.standing_points = kJudgedStanding;
-  config.degenerate_share = kJudgedShare;
-  return fitter_.fit(planes.map, judged_body_m_, T_local_body, config, 0.0, range_sigma_m).num_degenerate;
+  config.standing_points = kTestedStanding;
+  config.degenerate_share = kTestedShare;
+  return fitter_.fit(planes.map, tested_body_m_, T_local_body, config, 0.0, range_sigma_m).num_degenerate;
 }
 
 void GridMatcher::count_known(ScanFit& fit, const Pose& T_local_body) const {

@@ -112,9 +112,9 @@ void HybridGrid::insert(std::span<const Vector3> points_m, const Vector3& origin
   const Eigen::Vector3i from = cell_at(origin_m);
   for (const Vector3& p_m : points_m) {
     // As many steps as cells along the longest axis.
-    const Eigen::Vector3i way = cell_at(p_m) - from;
-    const int steps = way.cwiseAbs().maxCoeff();
-    for (int step = std::max(0, steps - cells_missed); step < steps; ++step) change(from + way * step / steps, miss);
+    const Eigen::Vector3i offset = cell_at(p_m) - from;
+    const int steps = offset.cwiseAbs().maxCoeff();
+    for (int step = std::max(0, steps - cells_missed); step < steps; ++step) change(from + offset * step / steps, miss);
   }
   for (const Place& place : changed_) blocks_[place.block][place.cell] &= static_cast<std::uint16_t>(~kChanged);
 }

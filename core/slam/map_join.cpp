@@ -15,7 +15,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMostJudged = 64;   // most closures judged: one bit each
+constexpr std::size_t kMostTested = 64;   // most closures judged: one bit each
 constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
 // Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
 constexpr double kMinPathLength_m = 0.05;
@@ -26,9 +26,10 @@ struct JoinSigmas {
 };
 
 JoinSigmas odometry_of(double path_length_m, const MapJoinConfig& config) {
-  const double way = std::max(std::abs(path_length_m), kMinPathLength_m);
+  const double length_m = std::max(std::abs(path_length_m), kMinPathLength_m);
   const double attitude = config.odometry_attitude_deg_sqrt_m * kRadPerDeg;
-  return {config.odometry_position_m_sqrt_m * config.odometry_position_m_sqrt_m * way, attitude * attitude * way};
+  return {config.odometry_position_m_sqrt_m * config.odometry_position_m_sqrt_m * length_m,
+          attitude * attitude * length_m};
 }
 
 Matrix6 join_information(const JoinSigmas& variance) {
@@ -124,21 +125,21 @@ double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const Subma
 
 std::vector<int> agreeing_closures(std::span<const MapClosure> closures, std::span<const SubmapPlace> own,
                                    std::span<const SubmapPlace> others, const MapJoinConfig& config) {
-  const std::size_t num = std::min(closures.size(), kMostJudged);
+  const std::size_t num = std::min(closures.size(), kMostTested);
   std::vector<std::uint64_t> agrees_with(num, 0);
-  std::uint64_t judged = 0;
+  std::uint64_t tested = 0;
   for (std::size_t i = 0; i < num; ++i) {
     if (!is_known(own, closures[i].own) || !is_known(others, closures[i].other)) continue;
-    judged |= std::uint64_t{1} << i;
+    tested |= std::uint64_t{1} << i;
     for (std::size_t j = 0; j < i; ++j) {
-      if ((judged >> j & 1U) == 0 || closures[i].other == closures[j].other) continue;
+      if ((tested >> j & 1U) == 0 || closures[i].other == closures[j].other) continue;
       if (!(loop_chi2(closures[i], closures[j], own, others, config) <= config.chi2_max)) continue;
       agrees_with[i] |= std::uint64_t{1} << j;
       agrees_with[j] |= std::uint64_t{1} << i;
     }
   }
   LargestClique search(agrees_with);
-  const std::uint64_t best = search.among(judged), rival = search.among(judged & ~best);
+  const std::uint64_t best = search.among(tested), rival = search.among(tested & ~best);
   const int size = std::popcount(best);
   std::vector<int> agreeing;
   if (size < config.closures_min || 2 * std::popcount(rival) > size) return agreeing;

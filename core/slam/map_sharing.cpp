@@ -32,7 +32,7 @@ constexpr double kFarthestInSubmap_m = 200.0;
 constexpr double kMostTiltCosine = 0.9;  // cosine of the tilt of a submap
 
 constexpr std::size_t kMostWaiting = 2;           // received clouds not yet searched
-constexpr int kMostSaid = 8;                      // messages sent per step
+constexpr int kMostSent = 8;                      // messages sent per step
 constexpr double kLeastBetween_s = 1.0;           // shortest interval between reports of places, and between joins
 constexpr double kLargestMessage_bytes = 1200.0;  // all messages but chunks
 constexpr double kChunkHead_bytes = 100.0;
@@ -82,16 +82,16 @@ void MapSharing::step(TimeNs t, const SubmapProvider& own, std::span<const Messa
   update_places(own);
   for (const Message& message : messages) {
     if (!is_about_maps(message.topic)) continue;
-    ++num_heard_;
-    if (!hear(t, message)) ++num_refused_;
+    ++num_received_;
+    if (!receive(t, message)) ++num_refused_;
   }
   settle_search(t);
   search(t, own);
   join(t);
   for (std::size_t i = 0; i < peers_.size(); ++i) {
-    if (asks(static_cast<VehicleId>(i))) choose_cloud(t, peers_[i]);
+    if (searches_in(static_cast<VehicleId>(i))) choose_cloud(t, peers_[i]);
   }
-  speak(t, outbox);
+  send(t, outbox);
 }
 
 void MapSharing::look_at_own(const SubmapProvider& own) {
@@ -126,22 +126,22 @@ void MapSharing::update_places(const SubmapProvider& own) {
 
 // Received messages.
 
-bool MapSharing::hear(TimeNs t, const Message& message) {
+bool MapSharing::receive(TimeNs t, const Message& message) {
   if (message.from < 0 || static_cast<std::size_t>(message.from) >= peers_.size() || message.from == self_)
     return false;
   Peer& from = peers_[static_cast<std::size_t>(message.from)];
-  const bool heard = message.topic == SubmapPlaces::kTopic       ? hear_places(t, from, message)
-                     : message.topic == SubmapDescriptor::kTopic ? hear_descriptor(from, message)
-                     : message.topic == SubmapRequest::kTopic    ? hear_request(from, message)
-                     : message.topic == SubmapChunk::kTopic      ? hear_chunk(t, from, message)
-                                                                 : hear_closures(from, message);
-  if (!heard) return false;
-  from.heard = t;
-  from.was_heard = true;
+  const bool is_valid = message.topic == SubmapPlaces::kTopic       ? receive_places(t, from, message)
+                        : message.topic == SubmapDescriptor::kTopic ? receive_descriptor(from, message)
+                        : message.topic == SubmapRequest::kTopic    ? receive_request(from, message)
+                        : message.topic == SubmapChunk::kTopic      ? receive_chunk(t, from, message)
+                                                                    : receive_closures(from, message);
+  if (!is_valid) return false;
+  from.last_report = t;
+  from.has_reported = true;
   return true;
 }
 
-bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
+bool MapSharing::receive_places(TimeNs t, Peer& from, const Message& message) {
   SubmapPlaces received;
   if (read_message(message, received) != Reading::kDone) return false;
   const std::size_t end = received.first + received.places.size();
@@ -164,7 +164,7 @@ bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
   }
   if (received.num_finished > from.num_finished) {
     from.num_finished = received.num_finished;
-    from.asked_looks = t;  // their descriptors are in transit
+    from.descriptors_requested = t;  // their descriptors are in transit
   }
   return true;
 }
@@ -174,7 +174,7 @@ MapSharing::Their& MapSharing::submap_of(Peer& from, std::uint32_t number) {
   return from.submaps[number];
 }
 
-bool MapSharing::hear_descriptor(Peer& from, const Message& message) {
+bool MapSharing::receive_descriptor(Peer& from, const Message& message) {
   SubmapDescriptor received;
   if (read_message(message, received) != Reading::kDone) return false;
   if (received.submap >= kMostSubmaps || received.num_chunks > kMostChunks || received.num_points > kMostPoints)
@@ -190,25 +190,25 @@ bool MapSharing::hear_descriptor(Peer& from, const Message& message) {
   return true;
 }
 
-bool MapSharing::hear_request(Peer& from, const Message& message) {
-  SubmapRequest asked;
-  if (read_message(message, asked) != Reading::kDone || asked.submap >= own_.size()) return false;
-  if (asked.word == SubmapRequest::Word::kDescriptors) {
-    if (asked.missing.size() > (kMostSubmaps + 7) / 8) return false;
-    for (std::size_t i = 0; i < 8 * asked.missing.size() && asked.submap + i < own_.size(); ++i) {
-      if (bit_at(asked.missing, i)) own_[asked.submap + i].is_due = true;
+bool MapSharing::receive_request(Peer& from, const Message& message) {
+  SubmapRequest requested;
+  if (read_message(message, requested) != Reading::kDone || requested.submap >= own_.size()) return false;
+  if (requested.content == SubmapRequest::Content::kDescriptors) {
+    if (requested.missing.size() > (kMostSubmaps + 7) / 8) return false;
+    for (std::size_t i = 0; i < 8 * requested.missing.size() && requested.submap + i < own_.size(); ++i) {
+      if (bit_at(requested.missing, i)) own_[requested.submap + i].is_due = true;
     }
     return true;
   }
-  const std::size_t num_chunks = own_[asked.submap].chunks.size();
-  if (num_chunks == 0 || asked.missing.size() != (num_chunks + 7) / 8) return false;
-  from.wanted = static_cast<int>(asked.submap);
+  const std::size_t num_chunks = own_[requested.submap].chunks.size();
+  if (num_chunks == 0 || requested.missing.size() != (num_chunks + 7) / 8) return false;
+  from.wanted = static_cast<int>(requested.submap);
   from.wanted_chunks.assign(num_chunks, 0);
-  for (std::size_t i = 0; i < num_chunks; ++i) from.wanted_chunks[i] = bit_at(asked.missing, i) ? 1 : 0;
+  for (std::size_t i = 0; i < num_chunks; ++i) from.wanted_chunks[i] = bit_at(requested.missing, i) ? 1 : 0;
   return true;
 }
 
-bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
+bool MapSharing::receive_chunk(TimeNs t, Peer& from, const Message& message) {
   SubmapChunk received;
   if (read_message(message, received) != Reading::kDone || received.submap >= from.submaps.size()) return false;
   Their& their = from.submaps[received.submap];
@@ -222,17 +222,17 @@ bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
     return false;
   }
   their.has_chunk[received.chunk] = 1;
-  from.asked = t;  // the transfer continues
+  from.requested = t;  // the transfer continues
   their.complete =
       std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
   if (their.complete) from.fetching = -1;
-  if (received.chunk >= from.last_asked)
-    from.was_asked = false;  // chunks arrive in order: chunks missing now were lost
+  if (received.chunk >= from.last_requested)
+    from.is_requested = false;  // chunks arrive in order: chunks missing now were lost
   return true;
 }
 
-bool MapSharing::hear_closures(Peer& from, const Message& message) {
-  if (asks(message.from)) return false;  // the own vehicle is the one that seeks closures
+bool MapSharing::receive_closures(Peer& from, const Message& message) {
+  if (searches_in(message.from)) return false;  // the own vehicle is the one that seeks closures
   MapClosures received;
   if (read_message(message, received) != Reading::kDone || received.closures.size() > kMostClosures) return false;
   std::vector<MapClosure> closures;
@@ -253,7 +253,7 @@ bool MapSharing::hear_closures(Peer& from, const Message& message) {
 // Use of received data.
 
 bool MapSharing::is_about(TimeNs t, const Peer& other) const {
-  return other.was_heard && to_seconds(t - other.heard) <= 3.0 * config_.tell_every_s;
+  return other.has_reported && to_seconds(t - other.last_report) <= 3.0 * config_.report_interval_s;
 }
 
 bool MapSharing::is_enough(const Peer& other) const {
@@ -302,7 +302,7 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
   }
   if (chosen < 0 || waiting >= kMostWaiting) return;
   from.fetching = chosen;
-  from.was_asked = false;
+  from.is_requested = false;
 }
 
 /// Searches one cloud of one vehicle in all own submaps similar to it.
@@ -311,7 +311,7 @@ void MapSharing::search(TimeNs t, const SubmapProvider& own) {
   Their* chosen = nullptr;
   std::size_t of = 0, number = 0;
   for (std::size_t p = 0; p < peers_.size(); ++p) {
-    if (!asks(static_cast<VehicleId>(p)) || is_enough(peers_[p])) continue;
+    if (!searches_in(static_cast<VehicleId>(p)) || is_enough(peers_[p])) continue;
     for (std::size_t i = 0; i < peers_[p].submaps.size(); ++i) {
       Their& their = peers_[p].submaps[i];
       if (!their.complete || their.closed || their.num_searched >= static_cast<int>(own_.size())) continue;
@@ -370,9 +370,9 @@ void MapSharing::join(TimeNs t) {
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     Peer& other = peers_[i];
     const auto id = static_cast<VehicleId>(i);
-    if (!other.news || other.closures.empty() || to_seconds(t - other.judged) < kLeastBetween_s) continue;
+    if (!other.news || other.closures.empty() || to_seconds(t - other.tested) < kLeastBetween_s) continue;
     other.news = false;
-    other.judged = t;
+    other.tested = t;
     other.agreeing = agreeing_closures(other.closures, own_places_, other.places, config_.join);
     const auto place = std::find_if(joined_.begin(), joined_.end(), [id](const JoinedMap& j) { return j.other >= id; });
     const bool was_joined = place != joined_.end() && place->other == id;
@@ -393,69 +393,69 @@ void MapSharing::join(TimeNs t) {
 // Sent messages.
 
 /// Sends within the budget and a short burst, in order of priority; the rest waits.
-void MapSharing::speak(TimeNs t, Outbox& outbox) {
+void MapSharing::send(TimeNs t, Outbox& outbox) {
   const double rate_bytes_s = 1e3 / 8.0 * config_.budget_kbps;
   const double largest_bytes = std::max(kLargestMessage_bytes, config_.cloud.chunk_bytes + kChunkHead_bytes);
   if (started_) allowance_bytes_ += rate_bytes_s * to_seconds(t - last_step_);
   allowance_bytes_ = std::min(allowance_bytes_, largest_bytes + kBurst_s * rate_bytes_s);
   started_ = true;
   last_step_ = t;
-  for (int i = 0; i < kMostSaid && allowance_bytes_ >= largest_bytes; ++i) {
-    if (!say_next(t, outbox)) return;
+  for (int i = 0; i < kMostSent && allowance_bytes_ >= largest_bytes; ++i) {
+    if (!send_next(t, outbox)) return;
     allowance_bytes_ -= static_cast<double>(outbox.messages().back().size_bytes());
   }
 }
 
-bool MapSharing::say_next(TimeNs t, Outbox& outbox) {
+bool MapSharing::send_next(TimeNs t, Outbox& outbox) {
   const auto num = static_cast<VehicleId>(peers_.size());
   for (VehicleId i = 0; i < num; ++i) {
-    if (i != self_ && (say_request(t, i, outbox) || say_closures(t, i, outbox))) return true;
+    if (i != self_ && (send_request(t, i, outbox) || send_closures(t, i, outbox))) return true;
   }
-  if (say_places(t, outbox) || say_descriptor(outbox)) return true;
+  if (send_places(t, outbox) || send_descriptor(outbox)) return true;
   for (VehicleId i = 0; i < num; ++i) {  // round robin over vehicles
     const VehicleId to = (next_served_ + i) % num;
-    if (!say_chunk(to, outbox)) continue;
+    if (!send_chunk(to, outbox)) continue;
     next_served_ = (to + 1) % num;
     return true;
   }
   return false;
 }
 
-bool MapSharing::say_request(TimeNs t, VehicleId to, Outbox& outbox) {
+bool MapSharing::send_request(TimeNs t, VehicleId to, Outbox& outbox) {
   Peer& other = peers_[static_cast<std::size_t>(to)];
-  if (!asks(to) || !is_about(t, other)) return false;
+  if (!searches_in(to) || !is_about(t, other)) return false;
   SubmapRequest request;
-  if (other.fetching >= 0 && (!other.was_asked || to_seconds(t - other.asked) >= config_.ask_again_s)) {
+  if (other.fetching >= 0 && (!other.is_requested || to_seconds(t - other.requested) >= config_.retry_after_s)) {
     std::vector<std::uint8_t> missing = other.submaps[static_cast<std::size_t>(other.fetching)].has_chunk;
     for (std::uint8_t& flag : missing) flag = flag == 0 ? 1 : 0;
     request.submap = static_cast<std::uint32_t>(other.fetching);
     request.missing = bits_of(missing);
-    for (std::size_t i = 0; i < missing.size(); ++i) other.last_asked = missing[i] != 0 ? i : other.last_asked;
-    other.was_asked = true;
-    other.asked = t;
-    write_message(request, outbox.say(to));
+    for (std::size_t i = 0; i < missing.size(); ++i) other.last_requested = missing[i] != 0 ? i : other.last_requested;
+    other.is_requested = true;
+    other.requested = t;
+    write_message(request, outbox.add(to));
     return true;
   }
-  if (to_seconds(t - other.asked_looks) < config_.ask_again_s) return false;
+  if (to_seconds(t - other.descriptors_requested) < config_.retry_after_s) return false;
   std::vector<std::uint8_t> missing;
   for (std::uint32_t i = 0; i < other.num_finished; ++i) {
-    const bool lacks = i >= other.submaps.size() || !other.submaps[i].look;
-    if (!lacks && missing.empty()) continue;
+    const bool is_missing = i >= other.submaps.size() || !other.submaps[i].look;
+    if (!is_missing && missing.empty()) continue;
     if (missing.empty()) request.submap = i;
-    missing.push_back(lacks ? 1 : 0);
+    missing.push_back(is_missing ? 1 : 0);
   }
-  other.asked_looks = t;
+  other.descriptors_requested = t;
   if (missing.empty()) return false;
-  request.word = SubmapRequest::Word::kDescriptors;
+  request.content = SubmapRequest::Content::kDescriptors;
   request.missing = bits_of(missing);
-  write_message(request, outbox.say(to));
+  write_message(request, outbox.add(to));
   return true;
 }
 
-bool MapSharing::say_closures(TimeNs t, VehicleId to, Outbox& outbox) {
+bool MapSharing::send_closures(TimeNs t, VehicleId to, Outbox& outbox) {
   Peer& other = peers_[static_cast<std::size_t>(to)];
-  if (!asks(to) || other.closures.empty() || !is_about(t, other)) return false;
-  if (!other.closures_due && to_seconds(t - other.closures_sent) < config_.tell_every_s) return false;
+  if (!searches_in(to) || other.closures.empty() || !is_about(t, other)) return false;
+  if (!other.closures_due && to_seconds(t - other.closures_sent) < config_.report_interval_s) return false;
   other.closures_due = false;
   other.closures_sent = t;
   MapClosures sent;
@@ -463,13 +463,13 @@ bool MapSharing::say_closures(TimeNs t, VehicleId to, Outbox& outbox) {
     sent.closures.push_back({static_cast<std::uint32_t>(c.own), static_cast<std::uint32_t>(c.other),
                              c.T_own_other.translation().cast<float>(), turn_of(c.T_own_other)});
   }
-  write_message(sent, outbox.say(to));
+  write_message(sent, outbox.add(to));
   return true;
 }
 
-bool MapSharing::say_places(TimeNs t, Outbox& outbox) {
+bool MapSharing::send_places(TimeNs t, Outbox& outbox) {
   const double since_s = to_seconds(t - places_sent_);
-  if (own_places_.empty() || since_s < (places_due_ ? kLeastBetween_s : config_.tell_every_s)) return false;
+  if (own_places_.empty() || since_s < (places_due_ ? kLeastBetween_s : config_.report_interval_s)) return false;
   SubmapPlaces sent;
   sent.num_finished = static_cast<std::uint32_t>(own_.size());
   if (next_place_ >= own_places_.size()) next_place_ = 0;
@@ -481,11 +481,11 @@ bool MapSharing::say_places(TimeNs t, Outbox& outbox) {
   }
   if (next_place_ >= own_places_.size()) places_due_ = false;
   places_sent_ = t;
-  write_message(sent, outbox.say());
+  write_message(sent, outbox.add());
   return true;
 }
 
-bool MapSharing::say_descriptor(Outbox& outbox) {
+bool MapSharing::send_descriptor(Outbox& outbox) {
   const auto next = std::find_if(own_.begin(), own_.end(), [](const Own& own) { return own.is_due; });
   if (next == own_.end()) return false;
   next->is_due = false;
@@ -495,11 +495,11 @@ bool MapSharing::say_descriptor(Outbox& outbox) {
   sent.num_chunks = static_cast<std::uint16_t>(next->chunks.size());
   sent.directions = next->look.directions.quantized();
   sent.heights.assign(next->look.heights.begin(), next->look.heights.end());
-  write_message(sent, outbox.say());
+  write_message(sent, outbox.add());
   return true;
 }
 
-bool MapSharing::say_chunk(VehicleId to, Outbox& outbox) {
+bool MapSharing::send_chunk(VehicleId to, Outbox& outbox) {
   Peer& other = peers_[static_cast<std::size_t>(to)];
   if (other.wanted < 0) return false;
   const auto next = std::find(other.wanted_chunks.begin(), other.wanted_chunks.end(), 1);
@@ -517,7 +517,7 @@ bool MapSharing::say_chunk(VehicleId to, Outbox& outbox) {
   sent.bits = static_cast<std::uint16_t>(config_.cloud.bits);
   sent.voxel_m = static_cast<float>(config_.cloud.voxel_m);
   sent.data = chunk.data;
-  write_message(sent, outbox.say(to));
+  write_message(sent, outbox.add(to));
   return true;
 }
 
@@ -526,8 +526,8 @@ void MapSharing::append_overlays(const SubmapProvider& own, std::vector<Overlay>
   joined.name = "slam.joined";
   joined.kind = Overlay::Kind::kLines;
   joined.size_m = 3.0F;
-  const Eigen::Vector4f way(0.25F, 0.75F, 0.35F, 1.0F), closure(0.95F, 0.45F, 0.10F, 1.0F);
-  joined.legend = {{"submaps of another vehicle", way}, {"closures with it", closure}};
+  const Eigen::Vector4f path_color(0.25F, 0.75F, 0.35F, 1.0F), closure(0.95F, 0.45F, 0.10F, 1.0F);
+  joined.legend = {{"submaps of another vehicle", path_color}, {"closures with it", closure}};
   const auto add = [&](const Vector3& a_m, const Vector3& b_m, const Eigen::Vector4f& color) {
     for (const Vector3& p_m : {a_m, b_m}) {
       joined.positions.push_back(p_m.cast<float>());
@@ -537,7 +537,8 @@ void MapSharing::append_overlays(const SubmapProvider& own, std::vector<Overlay>
   for (const Peer& other : peers_) {
     const std::vector<Pose>& T = other.T_local_other;
     for (std::size_t i = 0; i + 1 < T.size(); ++i) {
-      if (other.places[i].known && other.places[i + 1].known) add(T[i].translation(), T[i + 1].translation(), way);
+      if (other.places[i].known && other.places[i + 1].known)
+        add(T[i].translation(), T[i + 1].translation(), path_color);
     }
     for (const int i : other.agreeing) {
       const MapClosure& c = other.closures[static_cast<std::size_t>(i)];
@@ -548,7 +549,7 @@ void MapSharing::append_overlays(const SubmapProvider& own, std::vector<Overlay>
 }
 
 void MapSharing::append_counters(std::vector<Counter>& counters) const {
-  counters.push_back({"messages about maps that cannot be so", num_refused_, num_heard_, "global.share.enabled"});
+  counters.push_back({"messages about maps that cannot be so", num_refused_, num_received_, "global.share.enabled"});
 }
 
 void CompactCloudConfig::visit(ConfigVisitor& v) {

@@ -62,13 +62,13 @@ class MapSharing {
     std::vector<SubmapPlace> places;
     std::vector<Their> submaps;  // finished submaps that were reported
     std::uint32_t num_finished = 0;
-    TimeNs heard = 0;
-    bool was_heard = false;
+    TimeNs last_report = 0;
+    bool has_reported = false;
     // Requests to it.
     int fetching = -1;
-    TimeNs asked = 0, asked_looks = 0;
-    std::size_t last_asked = 0;  // number of the chunk
-    bool was_asked = false;
+    TimeNs requested = 0, descriptors_requested = 0;
+    std::size_t last_requested = 0;  // number of the chunk
+    bool is_requested = false;
     // Requests from it.
     int wanted = -1;
     std::vector<std::uint8_t> wanted_chunks;
@@ -77,7 +77,7 @@ class MapSharing {
     bool closures_due = false;
     TimeNs closures_sent = 0;
     bool news = false;  // new closures since the last test of consistency
-    TimeNs judged = 0;
+    TimeNs tested = 0;
     std::vector<int> agreeing;
     std::vector<Pose> T_local_other;
   };
@@ -87,16 +87,16 @@ class MapSharing {
   };
 
   const Peer& peer(VehicleId other) const { return peers_[static_cast<std::size_t>(other)]; }
-  bool asks(VehicleId other) const { return self_ < other; }
+  bool searches_in(VehicleId other) const { return self_ < other; }
   void look_at_own(const SubmapProvider& own);
   void update_places(const SubmapProvider& own);
 
-  bool hear(TimeNs t, const Message& message);
-  bool hear_places(TimeNs t, Peer& from, const Message& message);
-  bool hear_descriptor(Peer& from, const Message& message);
-  bool hear_request(Peer& from, const Message& message);
-  bool hear_chunk(TimeNs t, Peer& from, const Message& message);
-  bool hear_closures(Peer& from, const Message& message);
+  bool receive(TimeNs t, const Message& message);
+  bool receive_places(TimeNs t, Peer& from, const Message& message);
+  bool receive_descriptor(Peer& from, const Message& message);
+  bool receive_request(Peer& from, const Message& message);
+  bool receive_chunk(TimeNs t, Peer& from, const Message& message);
+  bool receive_closures(Peer& from, const Message& message);
   Their& submap_of(Peer& from, std::uint32_t number);
 
   void search(TimeNs t, const SubmapProvider& own);
@@ -108,13 +108,13 @@ class MapSharing {
   bool is_about(TimeNs t, const Peer& other) const;
   void choose_cloud(TimeNs t, Peer& from);
 
-  void speak(TimeNs t, Outbox& outbox);
-  bool say_next(TimeNs t, Outbox& outbox);
-  bool say_request(TimeNs t, VehicleId to, Outbox& outbox);
-  bool say_closures(TimeNs t, VehicleId to, Outbox& outbox);
-  bool say_places(TimeNs t, Outbox& outbox);
-  bool say_descriptor(Outbox& outbox);
-  bool say_chunk(VehicleId to, Outbox& outbox);
+  void send(TimeNs t, Outbox& outbox);
+  bool send_next(TimeNs t, Outbox& outbox);
+  bool send_request(TimeNs t, VehicleId to, Outbox& outbox);
+  bool send_closures(TimeNs t, VehicleId to, Outbox& outbox);
+  bool send_places(TimeNs t, Outbox& outbox);
+  bool send_descriptor(Outbox& outbox);
+  bool send_chunk(VehicleId to, Outbox& outbox);
 
   MapSharingConfig config_;
   VehicleId self_;
@@ -127,7 +127,7 @@ class MapSharing {
   Worker worker_;
   Found found_;
   int num_searches_ = 0;
-  std::uint64_t num_refused_ = 0, num_heard_ = 0;
+  std::uint64_t num_refused_ = 0, num_received_ = 0;
 
   // Sending.
   double allowance_bytes_ = 0.0;

@@ -49,14 +49,14 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
       if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
     }
     for (const auto& scan : observation.scans) {
-      if (listens_to(*scan)) slam_.add(observation.t, scan, others_);
+      if (uses(*scan)) slam_.add(observation.t, scan, others_);
     }
     while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
     update_estimate(observation.t);
     learn_world(observation);
     if (global_) correct(observation);
     if (sharing_) sharing_->step(observation.t, *global_, observation.messages, outbox);
-    judge(observation.t);
+    check_validity(observation.t);
     return estimate_;
   }
 
@@ -74,13 +74,13 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   const char* warning() const override { return warning_; }
   Search search() const override { return search_; }
   void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"scans of which too little lay where the map has surfaces", num_strange_, num_scans_,
+    counters.push_back({"scans of which too little lay where the map has surfaces", num_mismatched_, num_scans_,
                         "local.known_share_min"});
     if (sharing_) sharing_->append_counters(counters);
   }
 
  private:
-  bool listens_to(const Scan& scan) const {
+  bool uses(const Scan& scan) const {
     return config_.lidars.empty() ||
            std::find(config_.lidars.begin(), config_.lidars.end(), scan.sensor) != config_.lidars.end();
   }
@@ -90,7 +90,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   void take(const SlamToNow::Matched& matched) {
     const ScanOutcome& outcome = matched.outcome;
     ++num_scans_;
-    num_strange_ += outcome.num_iterations > 0 && !outcome.used;
+    num_mismatched_ += outcome.num_iterations > 0 && !outcome.used;
     if (!outcome.used) return;
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
@@ -134,7 +134,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   void correct(const Observation& observation) {
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
-    if (search_ != Search::kNone && global_->gave_up_looking()) {
+    if (search_ != Search::kNone && global_->search_failed()) {
       search_ = is_placed() ? Search::kNone : Search::kInVain;  // continues with compass and GNSS
     }
     if (blend_.is_done() && !learned) return;
@@ -150,7 +150,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     if (learned || blend_.is_done()) ++estimate_.correction_revision;
   }
 
-  void judge(TimeNs t) {
+  void check_validity(TimeNs t) {
     const TimeNs due = t - latency_;  // later scans cannot be matched yet
     const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
@@ -182,7 +182,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   std::vector<SeenVehicle> others_;  // from the last step
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
-  std::uint64_t num_scans_ = 0, num_strange_ = 0;
+  std::uint64_t num_scans_ = 0, num_mismatched_ = 0;
   StateEstimate estimate_;
   const char* fault_ = "";
   const char* warning_ = "";

@@ -79,12 +79,12 @@ class CaptureMetric final : public Metric {
       if (j == i || tick.states[j].crashed) continue;
       const Vector3 p_net_m = tick.states[j].p_world_m - net_m;
       const Vector3 before_m = target.known ? target.p_net_m : p_net_m;
-      const bool new_way = target.known;
+      const bool has_previous = target.known;
       target.known = true;
       target.p_net_m = p_net_m;
       vehicle.least_m = std::min(vehicle.least_m, p_net_m.norm());
       if (p_net_m.norm() > vehicle.net->rearm_m) target.armed = true;
-      if (!new_way || !target.armed) continue;
+      if (!has_previous || !target.armed) continue;
       const std::optional<double> miss_m = vehicle.net->met_m(before_m, p_net_m);
       if (!miss_m) continue;
       target.armed = false;

@@ -291,10 +291,10 @@ Table table_of(const Lent& lent, std::span<const Row> Lent::*rows) {
 
 std::vector<HeldScan> scans_of(const Lent& lent) { return {lent.sensed().scans.begin(), lent.sensed().scans.end()}; }
 
-void say(Lent& lent, const std::string& topic, const py::bytes& payload, VehicleId to) {
+void send(Lent& lent, const std::string& topic, const py::bytes& payload, VehicleId to) {
   (void)lent.sensed();
   const std::string_view bytes = payload;
-  Message& message = lent.outbox->say(to);
+  Message& message = lent.outbox->add(to);
   message.topic = topic;
   message.version = 1;
   message.sent = lent.observation->t;
@@ -376,7 +376,7 @@ void bind_input(py::module_& module) {
       .def(
           "samples", [](const Lent& l, const std::string& kind) { return samples_named(l.sensed(), kind); },
           py::arg("kind"), "Samples of this tick: imu, gnss, altimeter, compass, pose ...")
-      .def("say", &say, py::arg("topic"), py::arg("payload"), py::arg("to") = kNoVehicle,
+      .def("send", &send, py::arg("topic"), py::arg("payload"), py::arg("to") = kNoVehicle,
            "Hands a message to the radio; `to` is a number of a vehicle, -1: to all.")
       .def(
           "map_distance_m",

@@ -10,7 +10,7 @@ namespace {
 // A vehicle whose distance exceeds the least one by this remains farther until a vehicle has moved by a quarter of it,
 // since both distances change by at most twice the displacement.
 constexpr double kSlack_m = 2.0;
-constexpr double kWay_m = 0.2499 * kSlack_m;
+constexpr double kMaxDisplacement_m = 0.2499 * kSlack_m;
 
 constexpr std::size_t kUsualNeighbors = 64;
 
@@ -24,7 +24,7 @@ Neighborhood::Neighborhood(std::vector<double> radii_m)
 
 void Neighborhood::update(std::span<const VehicleState> states) {
   for (std::size_t i = 0; i < from_world_m_.size(); ++i) {
-    if ((states[i].p_world_m - from_world_m_[i]).squaredNorm() <= kWay_m * kWay_m) continue;
+    if ((states[i].p_world_m - from_world_m_[i]).squaredNorm() <= kMaxDisplacement_m * kMaxDisplacement_m) continue;
     search(states);
     return;
   }

@@ -27,23 +27,23 @@ class Maze {
 
   /// Digs from the first cell to random unvisited neighbors, with backtracking.
   void dig(Dice& dice) {
-    std::vector<std::pair<int, int>> way = {{0, 0}};
+    std::vector<std::pair<int, int>> path = {{0, 0}};
     visited_[0] = true;
-    while (!way.empty()) {
-      const auto [column, row] = way.back();
+    while (!path.empty()) {
+      const auto [column, row] = path.back();
       std::vector<std::pair<int, int>> fresh;
       for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}, std::pair{-1, 0}, std::pair{0, -1}}) {
         const int x = column + dx, y = row + dy;
         if (x >= 0 && y >= 0 && x < columns_ && y < rows_ && !visited_[at(x, y)]) fresh.emplace_back(x, y);
       }
       if (fresh.empty()) {
-        way.pop_back();
+        path.pop_back();
         continue;
       }
       const auto next = fresh[static_cast<std::size_t>(dice.pick(static_cast<int>(fresh.size())))];
-      wall_between(way.back(), next) = false;
+      wall_between(path.back(), next) = false;
       visited_[at(next.first, next.second)] = true;
-      way.push_back(next);
+      path.push_back(next);
     }
   }
   void open(double share, Dice& dice) {

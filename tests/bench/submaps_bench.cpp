@@ -41,8 +41,7 @@ const std::vector<Seen>& lap() {
       last_m = p_m;
       if (growing == nullptr || way_m > kSubmap_m) {
         if (growing != nullptr) {
-          made.push_back(
-              {std::make_shared<const SubmapCells>(config.edge_m, growing->blocks_surer_than(0.7)), begun_m});
+          made.push_back({std::make_shared<const SubmapCells>(config.edge_m, growing->blocks_above(0.7)), begun_m});
         }
         growing = std::make_unique<OccupancyMap>(config.growing());
         begun_m = p_m;

@@ -61,7 +61,7 @@ class SquareGuide : public Guidance {
         path.waypoints.push_back({p_body_m.cast<float>(), static_cast<float>(-other.heard_yaw_rad)});
       }
     }
-    write_message(path, outbox.say(1));
+    write_message(path, outbox.add(1));
   }
 
  private:

@@ -39,7 +39,7 @@ class FailsLate:
 @swiftlet.guidance("talks")
 class Talks:
     def step(self, now):
-        now.say("hello", f"{now.id}".encode())
+        now.send("hello", f"{now.id}".encode())
         HEARD.extend((now.id, bytes(b)) for b in now.messages.payload_bytes)
 
 

@@ -43,7 +43,7 @@ class Outbox {
   explicit Outbox(VehicleId self = kNoVehicle) : self_(self) {}
 
   /// A new message, to be filled by the caller (core/messages). @param to  kNoVehicle: broadcast
-  Message& say(VehicleId to = kNoVehicle) {
+  Message& add(VehicleId to = kNoVehicle) {
     Message& message = messages_.emplace_back();
     if (!spare_.empty()) {
       message.payload = std::move(spare_.back());

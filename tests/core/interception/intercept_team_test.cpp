@@ -40,13 +40,13 @@ class Pair {
             if (radio) hunt.hears(air.front());
           }
         });
-        std::vector<Message> said;
-        hunts[i].outbox.empty_into(said);
-        for (Message& message : said) {
+        std::vector<Message> sent;
+        hunts[i].outbox.empty_into(sent);
+        for (Message& message : sent) {
           message.from = i;
           message.sent = hunts[i].now();
           ChaseReport report;
-          if (read_message(message, report) == Reading::kDone) words[i] = report.word;
+          if (read_message(message, report) == Reading::kDone) statuses[i] = report.status;
           air_[i].push_back(std::move(message));
         }
       }
@@ -63,7 +63,7 @@ class Pair {
 
  public:
   Hunt hunts[2];
-  ChaseReport::Word words[2] = {};
+  ChaseReport::Status statuses[2] = {};
   double least_m = 1e9;
   bool radio = true, sees_other = true;
 };
@@ -112,10 +112,10 @@ TEST(InterceptTeam, ExcludesTeammateHeardByRadio) {
   EXPECT_GT(pair.least_m, 19.0);
   pair.radio = false;
   pair.run(3.0, [](int, Hunt&) {});
-  EXPECT_EQ(pair.hunts[0].notes.back(), "chasing") << "without a radio nobody can tell";
+  EXPECT_EQ(pair.hunts[0].notes.back(), "chasing") << "without radio the teammate is a target";
 }
 
-TEST(InterceptTeam, OfTwoTargetsEachTakesOne) {
+TEST(InterceptTeam, AssignsEachVehicleItsOwnTarget) {
   // Both are nearer to the first one.
   Pair pair({}, {-14.0, 0.0, 14.0}, {-14.0, 12.0, 14.0});
   pair.run(8.0, [](int, Hunt& hunt) {
@@ -137,22 +137,22 @@ TEST(InterceptTeam, BlindVehicleFollowsTeammateSighting) {
   EXPECT_TRUE(pair.noted(1, "going where another one sees the target"));
   EXPECT_GT(pair.hunts[1].p_m().x(), -22.0);
   EXPECT_GT(pair.least_m, 2.9);
-  EXPECT_EQ(pair.words[1], ChaseReport::Word::kSearches);
+  EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kSearches);
   // Received target positions are not forwarded: once the source is gone, both search.
   pair.run(3.0, [](int, Hunt&) {});
-  EXPECT_EQ(pair.words[0], ChaseReport::Word::kSearches);
-  EXPECT_EQ(pair.words[1], ChaseReport::Word::kSearches);
+  EXPECT_EQ(pair.statuses[0], ChaseReport::Status::kSearches);
+  EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kSearches);
 }
 
 TEST(InterceptTeam, TakesOverFromSilentLeader) {
   Pair pair(for_ever(), {6.0, 0.0, 14.0}, {-14.0, 0.0, 14.0});
   const auto far_away = [](int, Hunt& hunt) { hunt.sees({40.0, 0.0, 12.0}, Vector3::Zero()); };
   pair.run(0.5, far_away);
-  EXPECT_EQ(pair.words[0], ChaseReport::Word::kLeads);
-  EXPECT_EQ(pair.words[1], ChaseReport::Word::kYields);
+  EXPECT_EQ(pair.statuses[0], ChaseReport::Status::kLeads);
+  EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kYields);
   pair.radio = false;
   pair.run(1.3, far_away);
-  EXPECT_EQ(pair.words[1], ChaseReport::Word::kLeads);
+  EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kLeads);
 }
 
 /// Two of which the first has a wall of its fence between itself and the target.

@@ -205,7 +205,7 @@ TEST(ClearPath, BoundsGreedyLengthByItsFactor) {
   config.max_shortenings = 0;
   const Vector3 start(0.55, 0.55, 1.05), behind(3.45, 0.55, 1.05);
   const ClearPath best = find_clear_path(map, config, start, behind);
-  config.greed = 1.5;
+  config.heuristic_weight = 1.5;
   const ClearPath greedy = find_clear_path(map, config, start, behind);
   ASSERT_EQ(greedy.status, ClearPathStatus::kFound);
   EXPECT_LT(greedy.expansions, best.expansions);

@@ -97,7 +97,7 @@ double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector
     if (std::get<0>(key) % 2 != 0 || std::get<1>(key) % 2 != 0 || std::get<2>(key) % 2 != 0 || cost_m == 0.0) continue;
     const auto seen = seen_from(map, config, GivenUp(0.4), place(key), config.num_rays).size();
     const double share = static_cast<double>(seen) / config.num_rays;
-    if (share >= config.share_min) best = std::max(best, share * std::exp(-config.way_weight_per_m * cost_m));
+    if (share >= config.share_min) best = std::max(best, share * std::exp(-config.path_decay_per_m * cost_m));
   }
   return best;
 }
@@ -111,15 +111,15 @@ TEST(NextView, IsBestOfAllReachableViews) {
       fill(map, {x_m, y_m, kEdge_m}, {x_m + 0.75, y_m + 1.0, 2.75}, i < 4 ? CellState::kOccupied : CellState::kUnknown);
     }
     NextViewConfig config = rules();
-    config.way_weight_per_m = 0.3;
+    config.path_decay_per_m = 0.3;
     const Vector3 start_m(1.1, 3.1, 1.5);
     const NextView found = find_next_view(map, config, {}, GivenUp(0.4), start_m);
     const double best = best_of_all(map, config, start_m);
     ASSERT_EQ(found.status, best > 0.0 ? NextViewStatus::kFound : NextViewStatus::kNothingLeft) << trial;
     // The path is shorter than that along the lattice: its value is not less than the one of the search.
     if (best > 0.0) {
-      const double worth = found.share * std::exp(-config.way_weight_per_m * length_m(found.corners_local_m));
-      EXPECT_GE(worth, best - 1e-9) << trial;
+      const double value = found.share * std::exp(-config.path_decay_per_m * length_m(found.corners_local_m));
+      EXPECT_GE(value, best - 1e-9) << trial;
       const ClearSpace space(map, config.path, start_m);
       for (std::size_t i = 1; i < found.corners_local_m.size(); ++i) {
         EXPECT_TRUE(space.is_clear_segment(found.corners_local_m[i - 1], found.corners_local_m[i])) << trial;

@@ -23,7 +23,7 @@ namespace swiftlet {
 namespace {
 
 using testing::level_at;
-using testing::WayThroughYard;
+using testing::YardFlight;
 
 constexpr TimeNs kStep = 50'000'000;
 const Pose kT_local_world[] = {level_at(3, 4, 0, 0.5).inverse(), level_at(30, -2, 1, -2.0).inverse()};
@@ -32,8 +32,8 @@ MapSharingConfig quick_config() {
   MapSharingConfig config;
   config.enabled = true;
   config.latency_s = 0.1;
-  config.tell_every_s = 2.0;
-  config.ask_again_s = 0.5;
+  config.report_interval_s = 2.0;
+  config.retry_after_s = 0.5;
   config.cloud.range_max_m = config.search.range_max_m = 14.0;
   config.search.window_xy_m = 4.0;
   config.search.window_z_m = 1.5;
@@ -45,11 +45,11 @@ struct Pair {
   explicit Pair(const MapSharingConfig& config) : sharing{MapSharing(config, 0, 2), MapSharing(config, 1, 2)} {}
 
   MapSharing sharing[2];
-  std::vector<WayThroughYard> ways;
+  std::vector<YardFlight> flights;
   std::vector<Message> inbox[2];
   TimeNs t = 0;
   std::function<bool(const Message&)> drops = [](const Message&) { return false; };
-  std::map<std::string, int> said;
+  std::map<std::string, int> sent_by_topic;
   std::vector<std::pair<TimeNs, std::size_t>> sizes[2];
 
   void step() {
@@ -57,13 +57,13 @@ struct Pair {
     std::vector<Message> out[2];
     for (int i = 0; i < 2; ++i) {
       Outbox outbox(i);
-      sharing[i].step(t, ways[static_cast<std::size_t>(i)], inbox[i], outbox);
+      sharing[i].step(t, flights[static_cast<std::size_t>(i)], inbox[i], outbox);
       outbox.empty_into(out[i]);
     }
     for (int i = 0; i < 2; ++i) {
       inbox[1 - i].clear();
       for (const Message& message : out[i]) {
-        ++said[message.topic];
+        ++sent_by_topic[message.topic];
         sizes[i].emplace_back(t, message.size_bytes());
         if (!drops(message)) inbox[1 - i].push_back(message);
       }
@@ -82,10 +82,10 @@ struct Pair {
 Pair two_in_the_yard(const MapSharingConfig& config) {
   Pair pair(config);
   const std::vector<Vector3> world_m = testing::shared_yard_m();
-  for (const Pose& T_local_world : kT_local_world) pair.ways.emplace_back(world_m, T_local_world);
+  for (const Pose& T_local_world : kT_local_world) pair.flights.emplace_back(world_m, T_local_world);
   for (int i = 0; i < 6; ++i) {
-    pair.ways[0].begin_submap(level_at(8.0 * i, 0.5, 2.0, 0.1 * i));
-    pair.ways[1].begin_submap(level_at(41.0 - 8.0 * i, -0.5, 2.4, 3.0 - 0.1 * i));
+    pair.flights[0].begin_submap(level_at(8.0 * i, 0.5, 2.0, 0.1 * i));
+    pair.flights[1].begin_submap(level_at(41.0 - 8.0 * i, -0.5, 2.4, 3.0 - 0.1 * i));
   }
   return pair;
 }
@@ -94,7 +94,7 @@ Pair two_in_the_yard(const MapSharingConfig& config) {
 double error_m(const Pair& pair, int self) {
   const JoinedMap& joined = pair.sharing[self].joined_maps().front();
   const Pose T_true = kT_local_world[self] * kT_local_world[1 - self].inverse();
-  const Vector3 p_m = pair.ways[static_cast<std::size_t>(1 - self)].T_local_submap(5).translation();
+  const Vector3 p_m = pair.flights[static_cast<std::size_t>(1 - self)].T_local_submap(5).translation();
   return (joined.T_local_otherlocal * p_m - T_true * p_m).norm();
 }
 
@@ -107,9 +107,9 @@ TEST(MapSharing, AlignsFramesWithoutPriorKnowledge) {
     EXPECT_GE(pair.sharing[self].joined_maps().front().num_closures, 2);
     EXPECT_EQ(pair.sharing[self].joined_maps().front().other, 1 - self);
   }
-  EXPECT_EQ(pair.said[SubmapDescriptor::kTopic], 10) << "each finished submap once";
+  EXPECT_EQ(pair.sent_by_topic[SubmapDescriptor::kTopic], 10) << "each finished submap once";
   std::vector<Overlay> overlays;
-  pair.sharing[0].append_overlays(pair.ways[0], overlays);
+  pair.sharing[0].append_overlays(pair.flights[0], overlays);
   ASSERT_EQ(overlays.size(), 1U);
   EXPECT_EQ(overlays[0].name, "slam.joined");
   EXPECT_GT(overlays[0].positions.size(), 4U);
@@ -120,16 +120,16 @@ TEST(MapSharing, FollowsCorrectionsOfTheOtherGraph) {
   pair.run_until_joined(30.0);
   ASSERT_TRUE(pair.joined());
   const Vector3 by_m(0.4, 0.2, 0.0);
-  for (int i = 0; i < 6; ++i) pair.ways[1].move(i, by_m);
+  for (int i = 0; i < 6; ++i) pair.flights[1].move(i, by_m);
   pair.run(6.0);
   ASSERT_TRUE(pair.joined());
   const JoinedMap& joined = pair.sharing[0].joined_maps().front();
   const Pose T_true = kT_local_world[0] * kT_local_world[1].inverse();
-  const Vector3 p_m = pair.ways[1].T_local_submap(5).translation();
+  const Vector3 p_m = pair.flights[1].T_local_submap(5).translation();
   EXPECT_LT((joined.T_local_otherlocal * p_m - T_true * (p_m - by_m)).norm(), 0.1);
 }
 
-TEST(MapSharing, LostMessagesAreSaidAgain) {
+TEST(MapSharing, ResendsLostMessages) {
   Pair pair = two_in_the_yard(quick_config());
   std::map<std::string, int> count;
   pair.drops = [&](const Message& message) {
@@ -164,7 +164,7 @@ TEST(MapSharing, RequestsOnlyLostChunks) {
   }
 }
 
-TEST(MapSharing, TheBudgetIsKept) {
+TEST(MapSharing, KeepsItsBudget) {
   MapSharingConfig config = quick_config();
   for (const double kbps : {10.0, 40.0}) {
     config.budget_kbps = kbps;
@@ -200,16 +200,16 @@ TEST(MapSharing, ReachesSameResultOverSlowLink) {
   EXPECT_GT(joined_s[1], 2.0 * joined_s[0]);
 }
 
-TEST(MapSharing, InDifferentPlacesNothingIsJoined) {
+TEST(MapSharing, JoinsNothingInDifferentPlaces) {
   Pair pair(quick_config());
   std::vector<Vector3> elsewhere_m = testing::shared_yard_m();
   for (Vector3& p : elsewhere_m) {  // fences in other directions, around huts
     if (p.z() > 0.1) p = {20.0 + 0.5 * p.y() + 0.2 * p.x(), 9.0 * std::sin(0.35 * p.x()), 0.5 * p.z()};
   }
-  pair.ways.emplace_back(testing::shared_yard_m(), kT_local_world[0]);
-  pair.ways.emplace_back(elsewhere_m, kT_local_world[1]);
+  pair.flights.emplace_back(testing::shared_yard_m(), kT_local_world[0]);
+  pair.flights.emplace_back(elsewhere_m, kT_local_world[1]);
   for (int i = 0; i < 6; ++i) {
-    for (WayThroughYard& way : pair.ways) way.begin_submap(level_at(8.0 * i, 0.5, 2.0, 0.0));
+    for (YardFlight& flight : pair.flights) flight.begin_submap(level_at(8.0 * i, 0.5, 2.0, 0.0));
   }
   pair.run(30.0);
   EXPECT_TRUE(pair.sharing[0].joined_maps().empty());
@@ -235,22 +235,22 @@ std::vector<Vector3> aisles_m() {
   return points_m;
 }
 
-TEST(MapSharing, InEqualAislesNothingIsJoined) {
+TEST(MapSharing, JoinsNothingInEqualAisles) {
   MapSharingConfig config = quick_config();
   config.search.window_xy_m = 8.0;
   Pair pair(config);
-  for (const Pose& T_local_world : kT_local_world) pair.ways.emplace_back(aisles_m(), T_local_world, 10.0);
+  for (const Pose& T_local_world : kT_local_world) pair.flights.emplace_back(aisles_m(), T_local_world, 10.0);
   for (int i = 0; i < 4; ++i) {
-    pair.ways[0].begin_submap(level_at(8.0 * i, -3.0, 2.0, 0.0));
-    pair.ways[1].begin_submap(level_at(30.0 - 8.0 * i, 3.0, 2.0, 3.1));
+    pair.flights[0].begin_submap(level_at(8.0 * i, -3.0, 2.0, 0.0));
+    pair.flights[1].begin_submap(level_at(30.0 - 8.0 * i, 3.0, 2.0, 3.1));
   }
   pair.run(15.0);
-  EXPECT_GT(pair.sharing[0].num_searches(), 0) << "else the test says nothing";
+  EXPECT_GT(pair.sharing[0].num_searches(), 0) << "candidates were examined";
   EXPECT_TRUE(pair.sharing[0].joined_maps().empty());
   EXPECT_TRUE(pair.sharing[1].joined_maps().empty());
 }
 
-TEST(MapSharing, SaysTheSameEveryTime) {
+TEST(MapSharing, GivesTheSameBitsTwice) {
   std::vector<std::pair<TimeNs, std::size_t>> sizes[2];
   double x_m[2] = {};
   for (int i = 0; i < 2; ++i) {
@@ -265,13 +265,13 @@ TEST(MapSharing, SaysTheSameEveryTime) {
 }
 
 /// A vehicle that receives invalid messages.
-struct Hearer {
+struct Receiver {
   MapSharing sharing{quick_config(), 0, 3};
-  WayThroughYard way{testing::shared_yard_m(), Pose::Identity()};
+  YardFlight flight{testing::shared_yard_m(), Pose::Identity()};
   TimeNs t = 0;
 
-  Hearer() {
-    for (int i = 0; i < 3; ++i) way.begin_submap(level_at(8.0 * i, 0, 2, 0));
+  Receiver() {
+    for (int i = 0; i < 3; ++i) flight.begin_submap(level_at(8.0 * i, 0, 2, 0));
   }
   std::uint64_t refused() const {
     std::vector<Counter> counters;
@@ -288,100 +288,100 @@ struct Hearer {
   bool refuses_message(const Message& message) {
     const std::uint64_t before = refused();
     Outbox outbox(0);
-    sharing.step(t += kStep, way, {&message, 1}, outbox);
+    sharing.step(t += kStep, flight, {&message, 1}, outbox);
     return refused() > before;
   }
 };
 
 SubmapDescriptor descriptor(std::uint32_t submap) {
-  SubmapDescriptor told;
-  told.submap = submap;
-  told.num_points = 100;
-  told.num_chunks = 2;
-  told.directions.assign(120, 9);
-  told.heights.assign(16, 200);
-  return told;
+  SubmapDescriptor report;
+  report.submap = submap;
+  report.num_points = 100;
+  report.num_chunks = 2;
+  report.directions.assign(120, 9);
+  report.heights.assign(16, 200);
+  return report;
 }
 
-TEST(MapSharing, WhatCannotBeIsRefused) {
-  Hearer hearer;
-  EXPECT_FALSE(hearer.refuses(descriptor(3)));
-  EXPECT_TRUE(hearer.refuses(descriptor(4096)));
-  EXPECT_TRUE(hearer.refuses(descriptor(1), 3)) << "there is no such vehicle";
-  EXPECT_TRUE(hearer.refuses(descriptor(1), 0)) << "that is itself";
+TEST(MapSharing, RefusesImpossibleReports) {
+  Receiver receiver;
+  EXPECT_FALSE(receiver.refuses(descriptor(3)));
+  EXPECT_TRUE(receiver.refuses(descriptor(4096)));
+  EXPECT_TRUE(receiver.refuses(descriptor(1), 3)) << "no such vehicle";
+  EXPECT_TRUE(receiver.refuses(descriptor(1), 0)) << "its own number";
   SubmapDescriptor wrong = descriptor(1);
   wrong.directions.resize(119);
-  EXPECT_TRUE(hearer.refuses(wrong));
+  EXPECT_TRUE(receiver.refuses(wrong));
   wrong = descriptor(1);
   wrong.num_chunks = 60000;
-  EXPECT_TRUE(hearer.refuses(wrong));
+  EXPECT_TRUE(receiver.refuses(wrong));
   wrong = descriptor(1);
   wrong.num_points = 4000000000U;
-  EXPECT_TRUE(hearer.refuses(wrong));
+  EXPECT_TRUE(receiver.refuses(wrong));
 
   SubmapPlaces places{
       2, 0, {{{1, 2, 3}, {0, 0, 1}, 0.0F}, {{9, 2, 3}, {0, 0, 1}, 8.0F}, {{17, 2, 3}, {0, 0, 1}, 16.0F}}};
-  EXPECT_FALSE(hearer.refuses(places));
+  EXPECT_FALSE(receiver.refuses(places));
   SubmapPlaces strange = places;
   strange.first = 1;
-  EXPECT_TRUE(hearer.refuses(strange)) << "more than there are";
+  EXPECT_TRUE(receiver.refuses(strange)) << "more than there are";
   strange = places;
   strange.first = 0xffffffffU;
-  EXPECT_TRUE(hearer.refuses(strange));
+  EXPECT_TRUE(receiver.refuses(strange));
   strange = places;
   strange.num_finished = 0xffffffffU;
-  EXPECT_TRUE(hearer.refuses(strange));
+  EXPECT_TRUE(receiver.refuses(strange));
   for (const float x_m : {1e9F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     strange = places;
     strange.places[1].p_local_m.x() = x_m;
-    EXPECT_TRUE(hearer.refuses(strange)) << x_m;
+    EXPECT_TRUE(receiver.refuses(strange)) << x_m;
   }
   strange = places;
   strange.places[1].turn_local_rad = {2, 0, 0};
-  EXPECT_TRUE(hearer.refuses(strange)) << "its z axis does not point up";
+  EXPECT_TRUE(receiver.refuses(strange)) << "its z axis does not point up";
   strange = places;
   strange.places[1].path_length_m = -1.0F;
-  EXPECT_TRUE(hearer.refuses(strange));
+  EXPECT_TRUE(receiver.refuses(strange));
 
-  EXPECT_TRUE(hearer.refuses(SubmapChunk{0, 0, 5, 5, 0.5F, {1, 2, 3}})) << "nobody asked for it";
-  EXPECT_FALSE(hearer.refuses(SubmapRequest{SubmapRequest::Word::kDescriptors, 0, {3}}));
-  EXPECT_TRUE(hearer.refuses(SubmapRequest{SubmapRequest::Word::kDescriptors, 2, {1}})) << "it is not finished";
-  EXPECT_TRUE(hearer.refuses(SubmapRequest{SubmapRequest::Word::kCloud, 0, std::vector<std::uint8_t>(60, 255)}));
-  EXPECT_TRUE(hearer.refuses(MapClosures{})) << "the one with the lower number seeks them";
+  EXPECT_TRUE(receiver.refuses(SubmapChunk{0, 0, 5, 5, 0.5F, {1, 2, 3}})) << "not requested";
+  EXPECT_FALSE(receiver.refuses(SubmapRequest{SubmapRequest::Content::kDescriptors, 0, {3}}));
+  EXPECT_TRUE(receiver.refuses(SubmapRequest{SubmapRequest::Content::kDescriptors, 2, {1}})) << "not finished";
+  EXPECT_TRUE(receiver.refuses(SubmapRequest{SubmapRequest::Content::kCloud, 0, std::vector<std::uint8_t>(60, 255)}));
+  EXPECT_TRUE(receiver.refuses(MapClosures{})) << "the vehicle with the lower number searches";
 }
 
-TEST(MapSharing, ClosuresThatCannotBeAreRefused) {
+TEST(MapSharing, RefusesImpossibleClosures) {
   MapSharing sharing(quick_config(), 1, 2);
-  WayThroughYard way(testing::shared_yard_m(), Pose::Identity());
-  for (int i = 0; i < 3; ++i) way.begin_submap(level_at(8.0 * i, 0, 2, 0));
+  YardFlight flight(testing::shared_yard_m(), Pose::Identity());
+  for (int i = 0; i < 3; ++i) flight.begin_submap(level_at(8.0 * i, 0, 2, 0));
   TimeNs t = 0;
-  const auto hears = [&](const MapClosures::Closure& closure, std::size_t times = 1) {
+  const auto accepts = [&](const MapClosures::Closure& closure, std::size_t times = 1) {
     Message message;
     message.from = 0;
     write_message(MapClosures{std::vector<MapClosures::Closure>(times, closure)}, message);
     std::vector<Counter> before, after;
     sharing.append_counters(before);
     Outbox outbox(1);
-    sharing.step(t += kStep, way, {&message, 1}, outbox);
+    sharing.step(t += kStep, flight, {&message, 1}, outbox);
     sharing.append_counters(after);
     return after.front().count == before.front().count;
   };
-  EXPECT_TRUE(hears({5, 1, {1, 2, 0}, {0, 0, 1}}));
+  EXPECT_TRUE(accepts({5, 1, {1, 2, 0}, {0, 0, 1}}));
   EXPECT_EQ(sharing.num_closures(0), 1);
-  EXPECT_FALSE(hears({5, 2, {1, 2, 0}, {0, 0, 1}})) << "the own submap grows";
-  EXPECT_FALSE(hears({5000, 1, {1, 2, 0}, {0, 0, 1}}));
-  EXPECT_FALSE(hears({5, 1, {1000, 2, 0}, {0, 0, 1}}));
-  EXPECT_FALSE(hears({5, 1, {1, 2, 0}, {0, 0, 4}}));
-  EXPECT_FALSE(hears({5, 1, {1, 2, 0}, {0, 0, 1}}, 33));
+  EXPECT_FALSE(accepts({5, 2, {1, 2, 0}, {0, 0, 1}})) << "the own submap grows";
+  EXPECT_FALSE(accepts({5000, 1, {1, 2, 0}, {0, 0, 1}}));
+  EXPECT_FALSE(accepts({5, 1, {1000, 2, 0}, {0, 0, 1}}));
+  EXPECT_FALSE(accepts({5, 1, {1, 2, 0}, {0, 0, 4}}));
+  EXPECT_FALSE(accepts({5, 1, {1, 2, 0}, {0, 0, 1}}, 33));
   EXPECT_EQ(sharing.num_closures(0), 1);
 }
 
-TEST(MapSharing, WhateverBytesComeItGoesOn) {
-  Hearer hearer;
+TEST(MapSharing, SurvivesArbitraryBytes) {
+  Receiver receiver;
   std::vector<Message> valid(5);
   write_message(descriptor(1), valid[0]);
   write_message(SubmapPlaces{1, 0, {{{1, 2, 3}, {0, 0, 1}, 0.0F}, {{9, 2, 3}, {0, 0, 1}, 8.0F}}}, valid[1]);
-  write_message(SubmapRequest{SubmapRequest::Word::kCloud, 0, {255}}, valid[2]);
+  write_message(SubmapRequest{SubmapRequest::Content::kCloud, 0, {255}}, valid[2]);
   write_message(SubmapChunk{1, 0, 50, 5, 0.5F, std::vector<std::uint8_t>(100, 3)}, valid[3]);
   write_message(MapClosures{{{0, 1, {1, 2, 0}, {0, 0, 1}}}}, valid[4]);
   std::mt19937 random(1);
@@ -392,10 +392,10 @@ TEST(MapSharing, WhateverBytesComeItGoesOn) {
       message.payload[random() % message.payload.size()] = static_cast<std::byte>(random());
     }
     if (i % 5 == 0) message.payload.resize(random() % (message.payload.size() + 1));
-    hearer.refuses_message(message);
+    receiver.refuses_message(message);
   }
-  EXPECT_TRUE(hearer.sharing.joined_maps().empty());
-  EXPECT_GT(hearer.refused(), 500U);
+  EXPECT_TRUE(receiver.sharing.joined_maps().empty());
+  EXPECT_GT(receiver.refused(), 500U);
 }
 
 TEST(MapSharing, IsOffByDefault) { EXPECT_FALSE(GlobalSlamConfig{}.share.enabled); }

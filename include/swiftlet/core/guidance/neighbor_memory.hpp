@@ -79,7 +79,7 @@ class NeighborMemory {
 
   void measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance,
                const Vector3& own_local_m);
-  void hear(const Message& message, const GuidanceInput& input);
+  void receive(const Message& message, const GuidanceInput& input);
   void predict(Filter& filter, TimeNs t) const;
 
   Neighbor now_of(const Filter& filter) const;

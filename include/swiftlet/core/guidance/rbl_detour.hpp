@@ -28,7 +28,7 @@ struct RblDetourConfig {
   RblDetourConfig() {
     planner.clearance_m = 0.75;
     planner.unknown_is_free = true;
-    planner.greed = 1.5;
+    planner.heuristic_weight = 1.5;
     planner.max_expansions = 200'000;
   }
   void visit(ConfigVisitor& v);
@@ -62,13 +62,13 @@ class RblDetour {
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
   /// The path ends at a viewpoint of the goal, which may be free although the map shows it occupied.
-  bool is_looking() const { return beside_ && !gave_up(); }
+  bool is_looking() const { return beside_ && !has_failed(); }
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
   /// Why there is no path, or that there is one; empty while the goal itself is the target.
   const char* note() const { return note_; }
   /// The number of consecutive failed plans exceeds the retries.
-  bool gave_up() const { return failures_ > config_.retries; }
+  bool has_failed() const { return failures_ > config_.retries; }
 
   std::uint64_t num_plans() const { return num_plans_; }
   std::uint64_t num_given_up() const { return num_given_up_; }

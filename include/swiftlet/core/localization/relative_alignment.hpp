@@ -71,7 +71,7 @@ struct ClockPrior {
 };
 
 /// Reason why there is no alignment yet.
-enum class AlignmentFault { kNone, kFewPairs, kFewInliers, kNoSpread, kHeadingUnsure };
+enum class AlignmentFault { kNone, kFewPairs, kFewInliers, kNoSpread, kUncertainHeading };
 constexpr const char* reason_of(AlignmentFault fault) {
   constexpr const char* kReasons[] = {"", "too few sightings", "sightings that do not fit what it told",
                                       "it has not moved enough", "its heading is not sure enough"};
@@ -121,7 +121,7 @@ class RelativeAlignment {
   double spread_m() const;
   double residual_sigma(const Guess& guess) const;
   Matrix5 covariance(const Guess& guess, const OtherMotion& now) const;
-  AlignmentFault judge(const FrameAlignment& found, const Guess& guess) const;
+  AlignmentFault fault_of(const FrameAlignment& found, const Guess& guess) const;
 
   RelativeAlignmentConfig config_;
   OdometryDrift drift_;

@@ -19,9 +19,7 @@ class BlockLog {
     entries_[count_++ % kMost] = {revision, block};
   }
   /// True when the log contains all blocks dropped after this revision.
-  bool knows_since(std::uint64_t revision) const {
-    return count_ <= kMost || entries_[count_ % kMost].revision <= revision;
-  }
+  bool covers(std::uint64_t revision) const { return count_ <= kMost || entries_[count_ % kMost].revision <= revision; }
   template <class Fn>
   void for_each_since(std::uint64_t revision, Fn&& fn) const {
     for (std::size_t i = 0; i < std::min(count_, kMost); ++i) {

@@ -75,7 +75,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   bool look_at(const Cell& block, CellBlock& states) const;
   /// All blocks. Cells count as occupied above this probability, and as free below p_occupied; those between are
   /// omitted.
-  std::vector<CellBlock> blocks_surer_than(double p) const;
+  std::vector<CellBlock> blocks_above(double p) const;
 
   /// Log-odds of the cell with these coordinates; 0 when it is unknown.
   float log_odds(const Cell& cell) const;

@@ -88,7 +88,7 @@ class SparseVoxelMap : public OccupancyView {
     std::uint64_t changed = 0;               // revision of the last change of a voxel's state
     std::array<std::uint64_t, kSide> known;  // voxels that were ever hit: a word for each layer
     std::array<Voxel, kVoxels> voxels;
-    bool knows(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
+    bool is_known(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
   };
 
   Cell cell_of(const Vector3& p_local_m) const { return (p_local_m.array() * cells_per_m_).floor().cast<int>(); }

@@ -16,8 +16,8 @@ struct ChaseReport {
 
   /// kLeads: the teammates give way. kYields: a teammate intercepts earlier. kSearches: the target is lost. kCaught:
   /// the target is in the net.
-  enum class Word { kIdle, kLeads, kYields, kSearches, kCaught };
-  static constexpr std::array<const char*, 5> kWords = {"idle", "leads", "yields", "searches", "caught"};
+  enum class Status { kIdle, kLeads, kYields, kSearches, kCaught };
+  static constexpr std::array<const char*, 5> kStatuses = {"idle", "leads", "yields", "searches", "caught"};
 
   struct Place {
     Eigen::Vector3f p_world_m = Eigen::Vector3f::Zero();
@@ -25,7 +25,7 @@ struct ChaseReport {
   };
 
   TimeNs t = 0;
-  Word word = Word::kIdle;
+  Status status = Status::kIdle;
   double arrival_s = 0.0;
   Vector3 target_world_m = Vector3::Zero();
   Vector3 target_world_mps = Vector3::Zero();
@@ -34,7 +34,7 @@ struct ChaseReport {
 
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] time of the first place");
-    v.choice("word", m.word, kWords,
+    v.choice("word", m.status, kStatuses,
              "[-] leads: intercepts first; yields: gives way; searches: target lost; caught: target in the net");
     v.field("arrival_s", m.arrival_s, "[s] from now to the earliest interception");
     v.field("target_*_m", m.target_world_m, "[m] position of its target, in the sender's world frame");

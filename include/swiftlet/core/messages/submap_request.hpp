@@ -14,15 +14,15 @@ struct SubmapRequest {
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "request for missing data of the receiver's submaps";
 
-  enum class Word { kDescriptors, kCloud };
-  static constexpr std::array<const char*, 2> kWords = {"descriptors", "cloud"};
+  enum class Content { kDescriptors, kCloud };
+  static constexpr std::array<const char*, 2> kContents = {"descriptors", "cloud"};
 
-  Word word = Word::kCloud;
+  Content content = Content::kCloud;
   std::uint32_t submap = 0;
   std::vector<std::uint8_t> missing;
 
   static void visit(auto& m, auto& v) {
-    v.choice("word", m.word, kWords, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
+    v.choice("word", m.content, kContents, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
     v.field("submap", m.submap, "[-] the submap, or the first of them");
     v.field("missing", m.missing, "[-] a bit for each chunk, or for each submap from that one on, lowest bit first");
   }

@@ -18,7 +18,7 @@ struct ClearPathConfig {
   double z_min_m = -1e5;
   double z_max_m = 1e5;
   /// [-] weight of the remaining distance; above 1 the search is faster and the path longer by at most that factor
-  double greed = 1.0;
+  double heuristic_weight = 1.0;
   int max_expansions = 300'000;
   int max_shortenings = 5;  ///< [-] largest number of passes that cut corners
 

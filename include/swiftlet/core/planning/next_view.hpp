@@ -20,7 +20,7 @@ struct NextViewConfig {
   double down_deg = 45.0;
   int num_rays = 200;  ///< [-] number of rays that evaluate a view
   double share_min = 0.1;
-  double way_weight_per_m = 0.1;  ///< [1/m] lambda: decay of a view's worth with the length of its path
+  double path_decay_per_m = 0.1;  ///< [1/m] lambda: decay of a view's worth with the length of its path
   double step_m = 0.5;
   double grain_m = 0.5;
   int max_expansions = 200'000;

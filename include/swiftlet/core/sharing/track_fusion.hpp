@@ -29,10 +29,10 @@ struct TrackFusionConfig {
   double merge_sq = 12.6;  ///< [-] squared Mahalanobis distance up to which they agree on one target
   double break_sq = 33.0;  ///< [-] squared Mahalanobis distance beyond which they are separated
   double margin = 9.2;
-  double sure_m = 1.0;       ///< [m] largest standard deviation of the distance of two tracks for a confirmation
-  int confirmations = 3;     ///< [-] agreements less disagreements after which two tracks are joined
-  double doubt_s = 2.0;      ///< [s] time without agreement after which possibly equal targets are reported as two
-  double remember_s = 10.0;  ///< [s] time for which the identity of an unreported target is kept
+  double sure_m = 1.0;         ///< [m] largest standard deviation of the distance of two tracks for a confirmation
+  int confirmations = 3;       ///< [-] agreements less disagreements after which two tracks are joined
+  double split_after_s = 2.0;  ///< [s] time without agreement after which possibly equal targets are reported as two
+  double remember_s = 10.0;    ///< [s] time for which the identity of an unreported target is kept
 
   void visit(ConfigVisitor& v);
 };
@@ -51,7 +51,7 @@ struct FusedTrack {
 /// observers are joined when position and velocity agree within `merge_sq`, each is the other's likeliest partner by
 /// `margin`, and their distance is known to `sure_m`, more often than not (`confirmations`). Otherwise they stay
 /// separate. Until the decision, of a group of candidates (`gate_sq`) only the tracks of one observer are reported: the
-/// one with the most of them. Tracks that disagree for `doubt_s` are separated. Tracks of one observer are never
+/// one with the most of them. Tracks that disagree for `split_after_s` are separated. Tracks of one observer are never
 /// joined, because it observed two targets.
 ///
 /// Estimates are fused by covariance intersection rather than by summing the information of decorrelated tracklets
@@ -88,7 +88,7 @@ class TrackFusion {
     bool held_back = false, was_reported = false;  // was_told: reported in the previous update
   };
   /// Two targets that may be the same.
-  struct Suspicion {
+  struct Candidate {
     std::uint32_t first = 0, second = 0;  // serials
     TimeNs since = 0;
     int agreed = 0;  // number of agreements minus disagreements
@@ -108,7 +108,7 @@ class TrackFusion {
   void hold_back(std::span<const ObservedTrack> observed);
   void report();
   Target& begin(const Key& key);
-  Suspicion* suspicion_of(const Target& a, const Target& b);  // null: none
+  Candidate* candidate_of(const Target& a, const Target& b);  // null: none
   bool disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const;
   std::optional<std::size_t> misfit(const Target& target, std::span<const ObservedTrack> observed) const;
   bool is_likeliest(const Pair& pair) const;
@@ -116,7 +116,7 @@ class TrackFusion {
 
   TrackFusionConfig config_;
   std::vector<Target> targets_;  // sorted by serial
-  std::vector<Suspicion> suspicions_;
+  std::vector<Candidate> candidates_;
   std::vector<Pair> pairs_;  // pairs of this update
   std::vector<FusedTrack> reported_;
   std::uint32_t next_serial_ = 1, next_id_ = 1;

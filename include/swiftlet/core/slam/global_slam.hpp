@@ -102,7 +102,7 @@ class GlobalSlam : public SubmapProvider {
   /// True when the pose of this flight in its prior map is known.
   bool located() const { return located_; }
   /// Relocalization has reached its limit of attempts from one place; it resumes when the vehicle moves on.
-  bool gave_up_looking() const;
+  bool search_failed() const;
   const PoseGraph& graph() const { return graph_; }
 
  private:

@@ -60,7 +60,7 @@ class GridMatcher : public ScanMatcher {
   AdaptiveVoxelFilter filter_;
   // Scratch of one scan.
   std::vector<Eigen::Vector3f> in_range_body_m_, dense_body_m_, high_body_m_, low_body_m_;
-  std::vector<Eigen::Vector3f> planes_body_m_, judged_body_m_;
+  std::vector<Eigen::Vector3f> planes_body_m_, tested_body_m_;
   std::vector<Vector3> points_local_m_;
   // Planes of the last inserted scans, in two overlapping maps that alternate like submaps.
   struct Planes {
