@@ -53,7 +53,7 @@ struct PilotConfig : ModuleConfigOf<PilotConfig> {
 
 inline std::span<const ModuleType> pilot_types() {
   static const ModuleType kTypes[] = {{"pilot", "a person", make_module_config<PilotConfig>},
-                                      {"sail", "nobody", make_module_config<SailConfig>}};
+                                      {"sail", "a sail of its own", make_module_config<SailConfig>}};
   return kTypes;
 }
 

@@ -93,14 +93,10 @@ TEST(LidarNoiseFit, MatchesLeastSquaresForOs1) {
   const double ours_by_makers = std::exp(p[4]);
   for (const Stated& s : kRecordedOs1) {
     const auto snr = static_cast<double>(os1.snr(static_cast<float>(s.place), kTypicalBrightness));
-    std::printf("%3.0f m, signal %6.1f: stated %5.1f mm, fit %5.1f mm, preset %5.1f mm\n", s.place, snr, s.sigma_mm,
-                sigma_mm(best, snr), sigma_mm(lidar.noise, snr));
     EXPECT_NEAR(sigma_mm(lidar.noise, snr), s.sigma_mm, s.tolerance_mm) << s.place;
   }
   for (const Stated& s : kDataSheetOs1) {
     const double snr = s.place / ours_by_makers;
-    std::printf("maker's signal %3.0f, here %4.1f: stated %5.1f mm, fit %5.1f mm, preset %5.1f mm\n", s.place, snr,
-                s.sigma_mm, sigma_mm(best, snr), sigma_mm(lidar.noise, snr));
     EXPECT_NEAR(sigma_mm(lidar.noise, snr), s.sigma_mm, 1.5 * s.tolerance_mm) << s.place;
   }
   EXPECT_NEAR(lidar.noise.floor_m / best.floor_m, 1.0, 0.02);
@@ -160,7 +156,6 @@ TEST(LidarNoiseFit, MatchesRecordedScatterOfTypicalWalls) {
   constexpr double kHalfDigit_mm = 0.5;
   const auto in_band = [&](const char* name, double range_m, double least_mm, double most_mm) {
     const double measured_mm = scatter_mm(name, range_m);
-    std::printf("%s at %4.1f m: %.1f mm\n", name, range_m, measured_mm);
     EXPECT_GE(measured_mm, least_mm - kHalfDigit_mm) << name << " " << range_m;
     EXPECT_LE(measured_mm, most_mm + kHalfDigit_mm) << name << " " << range_m;
   };
