@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -32,7 +31,7 @@ Results results_of(const std::vector<Job>& list, const std::function<std::string
   Results results;
   WorkerPoolEvents events;
   events.finished = [&](JobResult result) {
-    EXPECT_FALSE(results.contains(result.id)) << "told twice";
+    EXPECT_FALSE(results.contains(result.id)) << "reported twice";
     results[result.id] = std::move(result);
   };
   EXPECT_TRUE(run_jobs(list, work, options, events));
@@ -104,20 +103,6 @@ TEST(WorkerPool, ReportsCrashAndContinuesOtherJobs) {
       EXPECT_EQ(result.bytes, "fine");
     }
   }
-}
-
-TEST(WorkerPool, EndsJobsThatTakeTooLong) {
-  WorkerPoolOptions options = workers(2);
-  options.timeout_s = 0.3;
-  const auto work = [](std::uint64_t job) -> std::string {
-    while (job == 1) ::pause();
-    return "fine";
-  };
-  const Results results = results_of(jobs(4), work, options);
-  EXPECT_EQ(results.at(1).status, JobStatus::kTimedOut);
-  EXPECT_GE(results.at(1).wall_s, 0.3);
-  EXPECT_EQ(results.at(0).status, JobStatus::kDone);
-  EXPECT_EQ(results.at(3).status, JobStatus::kDone);
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -253,12 +238,11 @@ TEST(WorkerPool, LimitsWorkersToRequestAndJobs) {
 
 TEST(WorkerPool, ReportsStartedJobsAndRunningCount) {
   std::vector<std::uint64_t> started, finished;
-  int most = 0, asked = 0;
+  int most = 0;
   WorkerPoolEvents events;
   events.started = [&](std::uint64_t job) { started.push_back(job); };
   events.finished = [&](const JobResult& result) { finished.push_back(result.id); };
   events.idle = [&](int running) {
-    ++asked;
     most = std::max(most, running);
     EXPECT_GE(running, 1);
     EXPECT_LE(running, 2);
@@ -267,41 +251,28 @@ TEST(WorkerPool, ReportsStartedJobsAndRunningCount) {
     ::usleep(250'000);
     return std::string();
   };
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_TRUE(run_jobs(jobs(3), work, workers(2), events));
-  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(started, (std::vector<std::uint64_t>{0, 1, 2})) << "in the given order";
   EXPECT_EQ(finished.size(), 3U);
   EXPECT_GE(most, 1);
-  EXPECT_GE(asked, 1);
-  EXPECT_LE(asked, elapsed_s / 0.1 + 1.0) << "ten times a second at most";
-}
-
-TEST(WorkerPool, DoesNothingWithoutJobs) {
-  EXPECT_TRUE(run_jobs({}, [](std::uint64_t) { return std::string(); }, workers(2), {}));
 }
 
 TEST(WorkerPool, ShortensTheLastLineOfWorkers) {
-  const auto last_words = [](const std::string& text) {
-    const auto work = [&](std::uint64_t) -> std::string {
+  const std::pair<std::string, std::string> cases[] = {
+      {"", ""},
+      {"\n \n", ""},
+      {"first\nlast \n\n", ": last"},
+      {"a\tb\x1F c ~", ": a b  c ~"},
+      {std::string(301, 'x'), ": " + std::string(300, 'x')},
+      {std::string(2000, 'y') + "\nshort", ": short"},
+  };
+  for (const auto& [text, reported] : cases) {
+    const auto work = [&text = text](std::uint64_t) -> std::string {
       (void)!::write(STDERR_FILENO, text.data(), text.size());
       ::_exit(9);
     };
-    const std::string message = results_of(jobs(1), work, workers(1)).at(0).message;
-    const std::string head = "the worker ended with status 9";
-    EXPECT_EQ(message.substr(0, head.size()), head);
-    return message.substr(head.size());
-  };
-  EXPECT_EQ(last_words(""), "");
-  EXPECT_EQ(last_words("\n \n"), "");
-  EXPECT_EQ(last_words("word"), ": word");
-  EXPECT_EQ(last_words("first\nlast \n\n"), ": last");
-  EXPECT_EQ(last_words("a\tb\x1F"
-                       "c ~"),
-            ": a b c ~");
-  EXPECT_EQ(last_words(std::string(300, 'x')), ": " + std::string(300, 'x'));
-  EXPECT_EQ(last_words(std::string(301, 'x')), ": " + std::string(300, 'x'));
-  EXPECT_EQ(last_words(std::string(2000, 'y') + "\n" + std::string(299, 'x')), ": " + std::string(299, 'x'));
+    EXPECT_EQ(results_of(jobs(1), work, workers(1)).at(0).message, "the worker ended with status 9" + reported);
+  }
 }
 
 TEST(WorkerPool, ExplainsTheUsualCauseOfKills) {
@@ -311,7 +282,7 @@ TEST(WorkerPool, ExplainsTheUsualCauseOfKills) {
   };
   const JobResult result = results_of(jobs(1), work, workers(1)).at(0);
   EXPECT_EQ(result.status, JobStatus::kCrashed);
-  EXPECT_EQ(result.message, "killed by signal 9 (Killed), by the kernel for want of memory or by somebody");
+  EXPECT_EQ(result.message, "killed by signal 9 (Killed), for lack of memory or by another process");
 }
 
 TEST(WorkerPool, RecognizesMemoryExhaustionInAnyWording) {
@@ -329,22 +300,17 @@ TEST(WorkerPool, RecognizesMemoryExhaustionInAnyWording) {
 
 TEST(WorkerPool, ReportsTimeoutsAndReplacesTheWorker) {
   WorkerPoolOptions options = workers(1);
-  options.timeout_s = 0.75;
+  options.timeout_s = 0.3;
   const auto work = [](std::uint64_t job) -> std::string {
     while (job == 0) ::pause();
     return std::to_string(::getpid());
   };
   const Results results = results_of(jobs(3), work, options);
-  EXPECT_EQ(results.at(0).message, "took longer than 0.75 s of wall time");
+  EXPECT_EQ(results.at(0).status, JobStatus::kTimedOut);
+  EXPECT_GE(results.at(0).wall_s, 0.3);
+  EXPECT_EQ(results.at(0).message, "took longer than 0.3 s of wall time");
+  EXPECT_EQ(results.at(1).status, JobStatus::kDone);
   EXPECT_EQ(results.at(1).bytes, results.at(2).bytes);
-}
-
-TEST(WorkerPool, NamesEveryJobStatus) {
-  EXPECT_STREQ(name_of(JobStatus::kDone), "done");
-  EXPECT_STREQ(name_of(JobStatus::kFailed), "failed");
-  EXPECT_STREQ(name_of(JobStatus::kCrashed), "crashed");
-  EXPECT_STREQ(name_of(JobStatus::kTimedOut), "timed_out");
-  EXPECT_STREQ(name_of(JobStatus::kOutOfMemory), "out_of_memory");
 }
 
 TEST(WorkerPool, EndsWorkersWhenACallbackThrows) {
