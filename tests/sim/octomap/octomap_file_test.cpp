@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/octomap/octomap_file.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <octomap/octomap.h>
 
-#include <fstream>
 #include <sstream>
 
 #include "swiftlet/core/map/occupancy_map.hpp"
-#include "swiftlet/sim/errors.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "tests/support/file_test.hpp"
 
 namespace swiftlet::sim {
 namespace {
+
+using testing::HasSubstr;
+using OctomapFiles = FileTest;
 
 MapVoxels some_map() {
   OccupancyMap map({});
@@ -44,26 +46,6 @@ TEST(OctomapFile, HoldsLogOddsOfEveryCell) {
   }
 }
 
-TEST(OctomapFile, IsReadBackAsCells) {
-  const MapVoxels map = some_map();
-  TemporaryDirectory directory;
-  for (const auto& [format, name] :
-       {std::pair{OctomapFormat::kOt, "map.ot"}, std::pair{OctomapFormat::kBt, "map.bt"}}) {
-    const auto file = directory.path() / name;
-    std::ofstream(file, std::ios::binary) << octomap_content(map, format, {});
-    EXPECT_TRUE(is_octomap_file(file));
-    const OctomapCells cells = read_octomap(file);
-    EXPECT_EQ(cells.edge_m, 0.1);
-    const auto occupied = static_cast<std::size_t>(std::count(map.state.begin(), map.state.end(), 1));
-    EXPECT_EQ(cells.occupied_m.size(), occupied) << name;
-    EXPECT_EQ(cells.free_m.size(), map.size() - occupied) << name;
-    for (const Eigen::Vector3f& p : cells.occupied_m) {
-      EXPECT_TRUE(std::any_of(map.centers_local_m.begin(), map.centers_local_m.end(),
-                              [&](const Eigen::Vector3f& q) { return (p - q).norm() < 1e-4F; }));
-    }
-  }
-}
-
 // A detector's map has other values and more states: what is neither free nor occupied is left out.
 TEST(OctomapFile, ExportsStatesOfOtherMapTypes) {
   MapVoxels map;
@@ -87,46 +69,45 @@ TEST(OctomapFile, ExportsStatesOfOtherMapTypes) {
   EXPECT_EQ(occupied(0.875), 1);
 }
 
-TEST(OctomapFile, RefusesInvalidFilesWithReason) {
-  const TemporaryDirectory directory;
-  const auto refusal = [&](const char* name, const std::string& content) -> std::string {
-    std::ofstream(directory.path() / name, std::ios::binary) << content;
-    try {
-      read_octomap(directory.path() / name);
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
-      return error.what();
-    }
-    return "";
+TEST_F(OctomapFiles, AreRefusedWithReasonWhenInvalid) {
+  const std::string whole = octomap_content(some_map(), OctomapFormat::kOt, {}),
+                    binary = octomap_content(some_map(), OctomapFormat::kBt, {});
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = whole;
+    return changed.replace(changed.find(from), from.size(), to);
   };
-  const std::string whole = octomap_content(some_map(), OctomapFormat::kOt, {});
-  EXPECT_NE(refusal("a.bt", whole).find("title"), std::string::npos) << "the other format";
-  EXPECT_NE(refusal("b.ot", "ply\n").find("title"), std::string::npos);
-  EXPECT_NE(refusal("c.ot", whole.substr(0, whole.size() - 40)).find("data"), std::string::npos) << "cut off";
-  EXPECT_NE(refusal("d.ot", whole.substr(0, whole.find("res"))).find("header"), std::string::npos);
-  std::string flat = whole;
-  flat.replace(flat.find("res 0.1"), 7, "res 0.0");
-  EXPECT_NE(refusal("e.ot", flat).find("resolution"), std::string::npos);
-  EXPECT_THROW(read_octomap(directory.path() / "missing.bt"), InputError);
-  // Each of these sends the library's reader into endless recursion.
-  const std::string head = whole.substr(0, whole.find("data\n") + 5);
-  EXPECT_NE(refusal("f.ot", head + std::string(100, '\xff')).find("deeper"), std::string::npos);
-  const std::string binary = octomap_content(some_map(), OctomapFormat::kBt, {});
-  EXPECT_NE(refusal("g.bt", binary.substr(0, binary.find("data\n") + 5) + std::string(100, '\xff')).find("deeper"),
-            std::string::npos);
-  for (std::size_t cut = 1; cut < 60; ++cut) {
-    EXPECT_NE(refusal("h.ot", whole.substr(0, whole.size() - cut)).find("data"), std::string::npos) << cut;
-    EXPECT_NE(refusal("i.bt", binary.substr(0, binary.size() - cut)).find("data"), std::string::npos) << cut;
+  const auto head = [](const std::string& content) { return content.substr(0, content.find("data\n") + 5); };
+  const std::tuple<const char*, std::string, const char*> files[] = {
+      {"a.bt", whole, "title"},
+      {"b.ot", "ply\n", "title"},
+      {"c.ot", whole.substr(0, whole.find("res")), "header"},
+      {"d.ot", whole.substr(0, whole.find("data")), "ends with the line 'data'"},
+      {"e.ot", with("id OcTree", "id ColorOcTree"), "header with the id OcTree"},
+      {"f.ot", with("res 0.1", "res 0.0"), "resolution above 0"},
+      {"g.ot", with("res 0.1", "res -0.1"), "resolution above 0"},
+      {"h.ot", with("res 0.1", "res wide"), "header with id, size and res"},
+      {"i.ot", with("size ", "size 1"), "as many nodes"},
+      // Each of these sends the library's reader into endless recursion.
+      {"j.ot", head(whole) + std::string(100, '\xff'), "deeper"},
+      {"k.bt", head(binary) + std::string(100, '\xff'), "deeper"}};
+  for (const auto& [name, content, reason] : files) {
+    const auto file = write(name, content);
+    EXPECT_THAT(refusal_of([&] { read_octomap(file); }), AllOf(HasSubstr(name), HasSubstr(reason)));
   }
+  for (std::size_t cut = 1; cut < 60; ++cut) {
+    for (const auto& file :
+         {write("l.ot", whole.substr(0, whole.size() - cut)), write("m.bt", binary.substr(0, binary.size() - cut))})
+      EXPECT_THAT(refusal_of([&] { read_octomap(file); }), HasSubstr("data")) << cut;
+  }
+  EXPECT_NO_THROW(read_octomap(write("n.ot", with("id OcTree", "\nid OcTree")))) << "empty lines do no harm";
+  EXPECT_THROW(read_octomap(folder_ / "missing.bt"), InputError);
 }
 
-TEST(OctomapFile, AsksBeforeItTakesMemory) {
-  TemporaryDirectory directory;
-  const auto file = directory.path() / "map.bt";
-  std::ofstream(file, std::ios::binary) << octomap_content(some_map(), OctomapFormat::kBt, {});
-  double asked = 0.0;
-  read_octomap(file, [&](double bytes) { asked = bytes; });
-  EXPECT_EQ(asked, static_cast<double>(some_map().size() * sizeof(Eigen::Vector3f)));
+TEST_F(OctomapFiles, AnnounceTheirMemoryBeforeReading) {
+  const auto file = write("map.bt", octomap_content(some_map(), OctomapFormat::kBt, {}));
+  double announced_bytes = 0.0;
+  read_octomap(file, [&](double bytes) { announced_bytes = bytes; });
+  EXPECT_EQ(announced_bytes, static_cast<double>(some_map().size() * sizeof(Eigen::Vector3f)));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -102,20 +101,6 @@ TEST(Plot, ConfinesClippingToEachFigure) {
   EXPECT_EQ(clip_of(400, 300), clip_of(400, 300));  // equal rectangles have equal names
 }
 
-TEST(Plot, ShowsEndMarkersWhole) {
-  Figure figure;
-  figure.set_panel_size(400, 300);
-  const std::vector<double> x{3.0, 4.0, 5.0}, y{1.0, 2.0, 1.5};
-  figure.add_panel().line("", x, y, {.marker = Marker::kCircle});
-  const std::string svg = figure.svg();
-  const std::size_t rect = svg.find("<rect x=\"", svg.find("<clipPath"));
-  double left = 0.0, top = 0.0, width = 0.0;
-  ASSERT_EQ(std::sscanf(svg.c_str() + rect, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\"", &left, &top, &width), 3);
-  const auto points = polyline_of(svg);
-  EXPECT_GT(points.front().first, left + 5.0);
-  EXPECT_LT(points.back().first, left + width - 5.0);
-}
-
 TEST(Plot, GivesLogarithmicDecadesEqualLength) {
   Figure figure;
   Panel& panel = figure.add_panel();
@@ -209,38 +194,6 @@ TEST(Plot, LegendShowsLabelsAndAvoidsData) {
   EXPECT_EQ(count_of(svg, "stroke=\"#ccc\""), 1);  // inside, framed
 }
 
-// Left edge of a text [px]; negative: it is not there.
-double left_of_text(const std::string& svg, const std::string& text) {
-  const std::size_t end = svg.find(">" + text + "</text>");
-  if (end == std::string::npos) return -1.0;
-  return std::stod(svg.substr(svg.find("x=\"", svg.rfind("<text", end)) + 3));
-}
-
-TEST(Plot, LegendAvoidsVerticalsAndBoxes) {
-  Figure marked;
-  marked.set_panel_size(500, 400);
-  Panel& panel = marked.add_panel();
-  panel.x.min = panel.y.min = 0.0;
-  panel.x.max = panel.y.max = 1.0;
-  panel.vertical("event", 0.95);
-  EXPECT_LT(left_of_text(marked.svg(), "event"), 250.0);
-  // Boxes from the bottom to the top at both sides leave no corner, so that the legend stands outside of the frame.
-  Figure boxes;
-  boxes.set_panel_size(500, 400);
-  Panel& boxed = boxes.add_panel();
-  boxed.x.categories = {"a", "b", "c"};
-  const Box tall = box_of(std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}),
-            low = box_of(std::vector<double>{4, 5, 6});
-  boxed.boxes("samples", {tall, low, tall});
-  EXPECT_EQ(count_of(boxes.svg(), "stroke=\"#ccc\""), 0);
-  Figure free;
-  free.set_panel_size(500, 400);
-  Panel& half = free.add_panel();
-  half.x.categories = {"a", "b", "c"};
-  half.boxes("samples", {low, low, tall});
-  EXPECT_EQ(count_of(free.svg(), "stroke=\"#ccc\""), 1);
-}
-
 TEST(Plot, ScalesEqualAxesAlike) {
   Figure figure;
   figure.set_panel_size(700, 300);
@@ -315,14 +268,6 @@ TEST(Plot, DrawsEveryKindOfMark) {
   }
   EXPECT_GE(count_of(svg, "<circle"), 4) << "three marks and the legend's";
   EXPECT_THAT(svg, HasSubstr("stroke-dasharray"));
-}
-
-TEST(Plot, SlantsLongCategoryNames) {
-  Figure figure;
-  Panel& panel = figure.add_panel();
-  panel.x.categories = {std::string(90, 'n'), "b", "c", "d"};
-  panel.bars("", std::vector<double>{1, 2, 3, 4});
-  EXPECT_THAT(figure.svg(), HasSubstr("rotate(-30"));
 }
 
 TEST(SvgWriter, WritesSizesInMillimetersWherePrinted) {

@@ -125,7 +125,7 @@ TEST(Radio, BroadcastReachesOthersAndUnicastOne) {
   EXPECT_EQ(network.inboxes[0].size(), 0U);
   EXPECT_EQ(network.inboxes[1].size(), 1U);
   EXPECT_EQ(network.inboxes[2].size(), 2U);
-  EXPECT_THROW(network.post(0, {message("nobody", 40, 3)}), std::invalid_argument);
+  EXPECT_THROW(network.post(0, {message("unknown", 40, 3)}), std::invalid_argument);
 }
 
 TEST(Radio, LosesMessagesIndependentlyAtStatedRate) {

@@ -63,39 +63,39 @@ void add_parallelogram(Mesh& mesh, const Vector3f& corner, const Vector3f& u, co
   add_triangle(mesh, corner, corner + u + v, corner + v);
 }
 
+/// A random point in a cube about the origin.
+Vector3f point_in_cube(const Random& random, std::uint32_t i, double half_m) {
+  return Vector3(random.uniform(-half_m, half_m, 0, i), random.uniform(-half_m, half_m, 1, i),
+                 random.uniform(-half_m, half_m, 2, i))
+      .cast<float>();
+}
+
 // Boxes on round numbers that touch and overlap in whole faces, leaves, needles, and triangles without area.
 Mesh hard_mesh() {
   Mesh mesh;
-  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) { add_triangle(mesh, a, b, c); };
-  const auto add_face = [&mesh](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
-    add_parallelogram(mesh, corner, u, v);
-  };
   for (int i = 0; i < 4; ++i) {
     const Vector3f low(static_cast<float>(2 * i - 4), 3.0F, -1.0F);  // next to each other, faces in common
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3f u = 2.0F * Vector3f::Unit((axis + 1) % 3), v = 2.0F * Vector3f::Unit((axis + 2) % 3);
-      add_face(low, u, v);
-      add_face(low + 2.0F * Vector3f::Unit(axis), u, v);
+      add_parallelogram(mesh, low, u, v);
+      add_parallelogram(mesh, low + 2.0F * Vector3f::Unit(axis), u, v);
     }
   }
-  add_face({-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // the ground, in the plane of the boxes' bottoms
-  add_face({-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // a duplicate
+  add_parallelogram(mesh, {-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // the ground, in the plane of the boxes' bottoms
+  add_parallelogram(mesh, {-30, -30, -1}, {60, 0, 0}, {0, 60, 0});  // a duplicate
   const Random random(3, "test.hard_mesh");
-  const auto point = [&](std::uint32_t i, double half_m) {
-    return Vector3f(static_cast<float>(random.uniform(-half_m, half_m, 0, i)),
-                    static_cast<float>(random.uniform(-half_m, half_m, 1, i)),
-                    static_cast<float>(random.uniform(-half_m, half_m, 2, i)));
-  };
+  const auto point = [&](std::uint32_t i, double half_m) { return point_in_cube(random, i, half_m); };
   for (std::uint32_t i = 0; i < 3000; ++i) {  // leaves, many through each other
     const Vector3f center = point(4 * i, 2.5) + Vector3f(0, -6, 3);
-    add(center + point(4 * i + 1, 0.06), center + point(4 * i + 2, 0.06), center + point(4 * i + 3, 0.06));
+    add_triangle(mesh, center + point(4 * i + 1, 0.06), center + point(4 * i + 2, 0.06),
+                 center + point(4 * i + 3, 0.06));
   }
   for (std::uint32_t i = 0; i < 300; ++i) {  // needles: 0.1 mm thick, 1 m long
     const Vector3f foot = point(20000 + i, 3.0) + Vector3f(8, 0, 3), tip = foot + point(21000 + i, 0.5);
-    add(foot, tip, 0.5F * (foot + tip) + point(22000 + i, 1e-4));
+    add_triangle(mesh, foot, tip, 0.5F * (foot + tip) + point(22000 + i, 1e-4));
   }
-  add({1, 1, 1}, {1, 1, 1}, {1, 1, 1});
-  add({1, 1, 1}, {2, 2, 2}, {3, 3, 3});
+  add_triangle(mesh, {1, 1, 1}, {1, 1, 1}, {1, 1, 1});
+  add_triangle(mesh, {1, 1, 1}, {2, 2, 2}, {3, 3, 3});
   return mesh;
 }
 
@@ -121,17 +121,17 @@ std::vector<Ray> hard_rays(const Mesh& mesh) {
   return rays;
 }
 
-enum class Way { kTogether, kScattered, kSingly };
-constexpr Way kWays[] = {Way::kTogether, Way::kScattered, Way::kSingly};
+enum class Batch { kTogether, kScattered, kSingly };
+constexpr Batch kBatches[] = {Batch::kTogether, Batch::kScattered, Batch::kSingly};
 
-std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays, Way way) {
+std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays, Batch batch) {
   std::vector<Met> out;
   for (std::size_t first = 0; first < rays.size(); first += kPacketSize) {
     ExactQuery query(scene);
     for (int i = 0; i < kPacketSize; ++i) query.set_ray(i, rays[first + i].origin, rays[first + i].direction, kRange_m);
-    if (way == Way::kTogether) query.trace_together();
-    if (way == Way::kScattered) query.trace_scattered();
-    if (way == Way::kSingly) query.trace_singly(kPacketSize);
+    if (batch == Batch::kTogether) query.trace_together();
+    if (batch == Batch::kScattered) query.trace_scattered();
+    if (batch == Batch::kSingly) query.trace_singly(kPacketSize);
     for (int i = 0; i < kPacketSize; ++i) {
       Met met;
       if (query.met(i)) met = {query.triangle(i), query.range_m(i), query.cos_incidence(i)};
@@ -172,15 +172,15 @@ void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) 
   const Scene description = scene_of(mesh);
   std::vector<Met> expected;
   for (const std::string& setting : kSettings) {
-    const EmbreeSetting as_told(setting);
+    const EmbreeSetting with_setting(setting);
     const StaticScene scene(description);
     scene.impl().expect_scattered_rays();
     const TriangleScene& triangles = scene.impl().world;
     if (expected.empty()) {
       for (const Ray& ray : rays) expected.push_back(searched(triangles, ray));
     }
-    for (const Way way : kWays) {
-      const std::vector<Met> met = traced(triangles, rays, way);
+    for (const Batch batch : kBatches) {
+      const std::vector<Met> met = traced(triangles, rays, batch);
       int different = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
         // Two roundings of the search may differ from the rule's in the last bit; the triangle may not.
@@ -188,9 +188,9 @@ void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) 
                           std::abs(met[i].range_m - expected[i].range_m) <= 1e-6F * expected[i].range_m;
         if (same) continue;
         if (++different <= 3) {
-          ADD_FAILURE() << setting << ", way " << static_cast<int>(way) << ": ray " << i << " met " << met[i].triangle
-                        << " at " << met[i].range_m << ", expected " << expected[i].triangle << " at "
-                        << expected[i].range_m;
+          ADD_FAILURE() << setting << ", batch " << static_cast<int>(batch) << ": ray " << i << " met "
+                        << met[i].triangle << " at " << met[i].range_m << ", expected " << expected[i].triangle
+                        << " at " << expected[i].range_m;
         }
       }
       EXPECT_EQ(different, 0) << "of " << rays.size();
@@ -206,37 +206,31 @@ TEST(ExactHits, MatchBruteForceDespiteEmbreeRounding) {
 // Surfaces that cross, touch or cover each other without a common edge, and folds so sharp that both sides are near.
 Mesh meeting_surfaces() {
   Mesh mesh;
-  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) { add_triangle(mesh, a, b, c); };
-  const auto add_face = [&mesh](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
-    add_parallelogram(mesh, corner, u, v);
-  };
-  add_face({-4, 0, 0}, {8, 0, 0}, {0, 0, 3});   // a wall,
-  add_face({-1, -2, 0}, {2, 4, 0}, {0, 0, 2});  // one through it, and one that ends on it
-  add_face({3, 0, 0}, {0.1F, 3, 0}, {0, 0, 2.5F});
-  add_face({-3, 0, 1}, {1, 0, 0}, {0, 0, 1});  // pictures in the plane of the wall, and in front of and behind it
-  add_face({-2.5F, 0, 0.5F}, {2, 0, 0}, {0, 0, 1.2F});
-  add_face({1.2F, -3e-4F, 0.5F}, {1, 0, 0}, {0, 0, 1});
-  add_face({1.7F, 1e-5F, 0.7F}, {1, 0, 0}, {0, 0, 1});
-  add({-6, -6, -0.2F}, {7, -5, 0.1F}, {0, 8, 0.3F});  // the ground, through the feet of all
-  add({0, 0, 3}, {4, 0, 3}, {0, 3, 4});  // a roof with a T junction: one long edge, two short ones along it
-  add({0, 0, 3}, {1.3F, 0, 3}, {0, -2, 3.5F});
-  add({1.3F, 0, 3}, {4, 0, 3}, {0, -2, 3.5F});
+  add_parallelogram(mesh, {-4, 0, 0}, {8, 0, 0}, {0, 0, 3});   // a wall,
+  add_parallelogram(mesh, {-1, -2, 0}, {2, 4, 0}, {0, 0, 2});  // one through it, and one that ends on it
+  add_parallelogram(mesh, {3, 0, 0}, {0.1F, 3, 0}, {0, 0, 2.5F});
+  // Pictures in the plane of the wall, and in front of and behind it.
+  add_parallelogram(mesh, {-3, 0, 1}, {1, 0, 0}, {0, 0, 1});
+  add_parallelogram(mesh, {-2.5F, 0, 0.5F}, {2, 0, 0}, {0, 0, 1.2F});
+  add_parallelogram(mesh, {1.2F, -3e-4F, 0.5F}, {1, 0, 0}, {0, 0, 1});
+  add_parallelogram(mesh, {1.7F, 1e-5F, 0.7F}, {1, 0, 0}, {0, 0, 1});
+  add_triangle(mesh, {-6, -6, -0.2F}, {7, -5, 0.1F}, {0, 8, 0.3F});  // the ground, through the feet of all
+  // A roof with a T junction: one long edge, two short ones along it.
+  add_triangle(mesh, {0, 0, 3}, {4, 0, 3}, {0, 3, 4});
+  add_triangle(mesh, {0, 0, 3}, {1.3F, 0, 3}, {0, -2, 3.5F});
+  add_triangle(mesh, {1.3F, 0, 3}, {4, 0, 3}, {0, -2, 3.5F});
   for (int i = 1; i <= 4; ++i) {  // folds of 6, 0.6, 0.06 and 0.006 degrees
     const auto gap_m = static_cast<float>(std::pow(0.1, i));
     const Vector3f foot(static_cast<float>(i) - 3.0F, 4, 0.5F), top = foot + Vector3f(0, 0, 1);
-    add(foot, top, foot + Vector3f(0.3F, 1, 0.5F));
-    add(foot, top, foot + Vector3f(0.3F + gap_m, 1, 0.5F));
+    add_triangle(mesh, foot, top, foot + Vector3f(0.3F, 1, 0.5F));
+    add_triangle(mesh, foot, top, foot + Vector3f(0.3F + gap_m, 1, 0.5F));
   }
   const Random random(11, "test.meeting_surfaces");
-  const auto point = [&](std::uint32_t i, double half_m) {
-    return Vector3f(static_cast<float>(random.uniform(-half_m, half_m, 0, i)),
-                    static_cast<float>(random.uniform(-half_m, half_m, 1, i)),
-                    static_cast<float>(random.uniform(-half_m, half_m, 2, i)));
-  };
+  const auto point = [&](std::uint32_t i, double half_m) { return point_in_cube(random, i, half_m); };
   for (std::uint32_t i = 0; i < 40; ++i) {  // needles through the wall, and leaves through all
     const Vector3f foot = Vector3f(0, 0, 1.5F) + point(3 * i, 1.5);
     const float width_m = i % 2 == 0 ? 1e-4F : 0.2F;
-    add(foot, foot + point(3 * i + 1, 1.0), foot + width_m * point(3 * i + 2, 1.0));
+    add_triangle(mesh, foot, foot + point(3 * i + 1, 1.0), foot + width_m * point(3 * i + 2, 1.0));
   }
   return mesh;
 }
@@ -325,7 +319,7 @@ TEST(ExactHits, MatchAcrossInstructionSetsWithinWall) {
   for (int i = 0; i < kPacketSize; ++i) firings[i].offset_s = 5e-4F * static_cast<float>(i);
   std::vector<PacketHits> expected;
   for (const std::string& setting : kSettings) {
-    const EmbreeSetting as_told(setting);
+    const EmbreeSetting with_setting(setting);
     SweepScene scene(std::make_shared<const StaticScene>(description), {shape, shape}, 0, Pose::Identity(), 100.0);
     scene.set_firings(firings);
     scene.begin(history, 0, 8'000'000);
@@ -372,13 +366,13 @@ TEST(ExactHits, MatchAcrossInstructionSetsInForest) {
   }
   std::vector<Met> expected;
   for (const std::string& setting : kSettings) {
-    const EmbreeSetting as_told(setting);
+    const EmbreeSetting with_setting(setting);
     const StaticScene scene(description);
     scene.impl().expect_scattered_rays();
-    for (const Way way : kWays) {
-      const std::vector<Met> met = traced(scene.impl().world, rays, way);
+    for (const Batch batch : kBatches) {
+      const std::vector<Met> met = traced(scene.impl().world, rays, batch);
       if (expected.empty()) expected = met;
-      EXPECT_TRUE(met == expected) << setting << ", way " << static_cast<int>(way);
+      EXPECT_TRUE(met == expected) << setting << ", batch " << static_cast<int>(batch);
     }
   }
   const auto hits = std::count_if(expected.begin(), expected.end(), [](const Met& m) { return m.range_m > 0.0F; });
@@ -419,8 +413,8 @@ TEST(ExactHits, LetNoRayThroughClosedSurfaces) {
     rays.push_back({origin, (aim - origin).normalized()});
   }
   scene.impl().expect_scattered_rays();
-  for (const Way way : kWays) {
-    for (const Met& met : traced(scene.impl().world, rays, way)) ASSERT_NEAR(met.range_m, 7.0F, 0.6F);
+  for (const Batch batch : kBatches) {
+    for (const Met& met : traced(scene.impl().world, rays, batch)) ASSERT_NEAR(met.range_m, 7.0F, 0.6F);
   }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <set>
 
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
@@ -100,26 +101,41 @@ TEST(StaticScene, MatchesBruteForceNearestSurface) {
   }
 }
 
-TEST(StaticScene, FindsEveryTriangleTouchingBox) {
-  const Scene soup = triangle_soup(500);
-  const StaticScene scene(soup);
-  const auto& mesh = soup.meshes[0];
-  const Eigen::AlignedBox3d box(Vector3(-3, -1, -2), Vector3(2, 4, 0.5));
-  std::set<int> found;
-  scene.triangles_near_box(box, [&](const Vector3& a, const Vector3&, const Vector3&, int index) {
-    found.insert(index);
-    EXPECT_EQ(a.cast<float>(), mesh.vertices_mesh_m[mesh.triangles[index][0]]);
-  });
-  int num_inside = 0;
-  for (int i = 0; i < static_cast<int>(mesh.triangles.size()); ++i) {
-    for (const auto corner : mesh.triangles[i]) {
-      if (!box.contains(mesh.vertices_mesh_m[corner].cast<double>())) continue;
-      ++num_inside;
-      EXPECT_TRUE(found.contains(i));
+// The boxes of triangles, with a hair of slack, and no others.
+TEST(StaticScene, SelectsTrianglesByTouchingBoundingBoxes) {
+  const Random random(2, "test.boxes");
+  TestScene builder;
+  std::vector<Eigen::AlignedBox3d> bounds;
+  for (std::uint32_t i = 0; i < 700; ++i) {
+    std::vector<Eigen::Vector3f> corners;
+    Eigen::AlignedBox3d box;
+    const auto middle = random.normal3(0, i);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto n = random.normal3(1 + k, i);
+      corners.emplace_back(3.0 * middle[0] + 0.4 * n[0], 3.0 * middle[1] + 0.4 * n[1], 3.0 * middle[2] + 0.4 * n[2]);
+      box.extend(corners.back().cast<double>());
+    }
+    builder.add_mesh(corners, {{0, 1, 2}}, SurfaceClass::kObject, 0, 0);
+    bounds.push_back(box);
+  }
+  const StaticScene scene(builder.scene());
+  for (std::uint32_t k = 0; k < 200; ++k) {
+    const auto n = random.normal3(10, k);
+    const Vector3 middle(2.0 * n[0], 2.0 * n[1], 2.0 * n[2]);
+    const Vector3 half(0.1 + random.uniform(11, k), 0.1 + 2.0 * random.uniform(12, k), 0.05);
+    const Eigen::AlignedBox3d box(middle - half, middle + half);
+    const Eigen::AlignedBox3d with_slack(box.min() - Vector3::Constant(1.01e-4),
+                                         box.max() + Vector3::Constant(1.01e-4));
+    std::vector<int> found;
+    scene.triangles_near_box(
+        box, [&](const Vector3&, const Vector3&, const Vector3&, int index) { found.push_back(index); });
+    EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+    for (int i = 0; i < 700; ++i) {
+      const bool is_found = std::binary_search(found.begin(), found.end(), i);
+      EXPECT_TRUE(is_found || !bounds[static_cast<std::size_t>(i)].intersects(box)) << k << " " << i;
+      EXPECT_TRUE(!is_found || bounds[static_cast<std::size_t>(i)].intersects(with_slack)) << k << " " << i;
     }
   }
-  EXPECT_GT(num_inside, 5);
-  EXPECT_LT(found.size(), mesh.triangles.size() / 2);
 }
 
 TEST(StaticScene, NothingEscapesAClosedRoom) {
@@ -156,6 +172,35 @@ TEST(StaticScene, AnEmptyWorldIsEmpty) {
   EXPECT_EQ(scene.trace(Vector3::Zero(), {1, 0, 0}, 100.0).range_m, 0.0F);
   EXPECT_FALSE(scene.occluded({0, 0, 0}, {1, 0, 0}));
   EXPECT_FALSE(scene.nearest(Vector3::Zero(), 1000.0).has_value());
+}
+
+TEST(StaticScene, PrefersFirstOfEquallyNearSurfaces) {
+  TestScene builder;
+  for (std::uint16_t i = 1; i <= 6; ++i) builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kObject, i);
+  const StaticScene scene(builder.scene());
+  for (const Vector3& p_m : {Vector3(3, 0.2, 0.1), Vector3(2, 2, 2), Vector3(0.1, -4, 0.3)}) {
+    const auto nearest = scene.nearest(p_m, 50.0);
+    ASSERT_TRUE(nearest);
+    EXPECT_EQ(nearest->instance, 1);
+    EXPECT_LT((nearest->point_world_m - p_m.cwiseMax(-1.0).cwiseMin(1.0)).norm(), 1e-9);
+  }
+}
+
+TEST(StaticScene, RefusesMoreThanBillionTriangles) {
+  Scene scene;
+  Mesh mesh;
+  mesh.vertices_mesh_m.resize(3, Eigen::Vector3f::Zero());
+  mesh.triangles.assign(1'000'000, {0, 1, 2});
+  scene.meshes.push_back(mesh);
+  scene.instances.resize(1001);
+  EXPECT_THROW(StaticScene{scene}, std::invalid_argument);
+}
+
+TEST(StaticScene, RefusesNonFiniteVertices) {
+  TestScene builder;
+  builder.add_mesh({{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<float>::infinity(), 0}}, {{0, 1, 2}},
+                   SurfaceClass::kObject, 0, 0);
+  EXPECT_THROW(StaticScene{builder.scene()}, std::invalid_argument);
 }
 
 }  // namespace

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hits of the beams of a sweep, against a search through all triangles and blades at the instant of each beam, and the
-// conditions under which a surface is visible.
+// Hits of the beams of a sweep, against a search through all triangles and blades at the instant of each beam.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "swiftlet/core/math/random.hpp"
@@ -54,43 +51,47 @@ struct WalkHit {
   std::uint16_t instance = 0;
 };
 
-/// Any frame, the same for all arguments.
-void meet_triangle(const Vector3& from_m, const Vector3& way, const Vector3& a, const Vector3& b, const Vector3& c,
-                   const WalkHit& surface, WalkHit& nearest) {
+/// All arguments are in one frame.
+void meet_triangle(const Vector3& from_m, const Vector3& direction, const Vector3& a, const Vector3& b,
+                   const Vector3& c, const WalkHit& surface, WalkHit& nearest) {
   const Vector3 n = (b - a).cross(c - a).normalized();
-  const double range_m = n.dot(a - from_m) / n.dot(way);
+  const double range_m = n.dot(a - from_m) / n.dot(direction);
   if (!(range_m > 0.0) || range_m >= nearest.range_m) return;
-  const Vector3 p = from_m + range_m * way;
+  const Vector3 p = from_m + range_m * direction;
   if (n.dot((b - a).cross(p - a)) < 0.0 || n.dot((c - b).cross(p - b)) < 0.0 || n.dot((a - c).cross(p - c)) < 0.0)
     return;
   nearest = surface;
   nearest.range_m = range_m;
-  nearest.cosine = std::abs(n.dot(way));
+  nearest.cosine = std::abs(n.dot(direction));
 }
 
 void meet_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleId id, bool with_sensors,
-                  const Vector3& from_world_m, const Vector3& way_world, WalkHit& nearest) {
+                  const Vector3& from_world_m, const Vector3& direction_world, WalkHit& nearest) {
   const Pose T_body_world = state.T_world_body().inverse();
-  const Vector3 from_m = T_body_world * from_world_m, way = T_body_world.linear() * way_world;
-  if (from_m.cross(way).norm() > 1.5) return;  // no vehicle is that large
+  const Vector3 from_m = T_body_world * from_world_m, direction = T_body_world.linear() * direction_world;
+  if (from_m.cross(direction).norm() > 1.5) return;  // no vehicle is that large
   for (const Mesh& mesh : shape.meshes) {
     if (mesh.part == VehiclePart::kSensor && !with_sensors) continue;
     const auto corner = [&](std::uint32_t i) -> Vector3 { return mesh.vertices_mesh_m[i].cast<double>(); };
     const WalkHit surface{0.0, 0.0, id, mesh.part, mesh.material, static_cast<std::uint16_t>(id + 1)};
     for (const auto& t : mesh.triangles)
-      meet_triangle(from_m, way, corner(t[0]), corner(t[1]), corner(t[2]), surface, nearest);
+      meet_triangle(from_m, direction, corner(t[0]), corner(t[1]), corner(t[2]), surface, nearest);
   }
   for (std::size_t r = 0; r < shape.rotors.size(); ++r) {
     const auto& rotor = shape.rotors[r];
-    const double range_m = (rotor.hub_body_m.z() - from_m.z()) / way.z();
+    const double range_m = (rotor.hub_body_m.z() - from_m.z()) / direction.z();
     if (!(range_m > 0.0) || range_m >= nearest.range_m) continue;
-    const Vector3 p = from_m + range_m * way - rotor.hub_body_m.cast<double>();
+    const Vector3 p = from_m + range_m * direction - rotor.hub_body_m.cast<double>();
     if (p.head<2>().norm() > rotor.radius_m) continue;
     if (!VehicleShape::blade_covers(rotor, static_cast<float>(p.x()), static_cast<float>(p.y()),
                                     state.rotor_angle_rad[r]))
       continue;
-    nearest = {
-        range_m, std::abs(way.z()), id, VehiclePart::kRotor, shape.rotor_material, static_cast<std::uint16_t>(id + 1)};
+    nearest = {range_m,
+               std::abs(direction.z()),
+               id,
+               VehiclePart::kRotor,
+               shape.rotor_material,
+               static_cast<std::uint16_t>(id + 1)};
   }
 }
 
@@ -141,9 +142,10 @@ TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
               flying(target, t).p_world_m + (target == 0 ? 0.25 : 0.3) * Vector3(n[0], n[1], 0.4 * n[2]);
           const Vector3 from_m =
               T_world_lidar * firings[static_cast<std::size_t>(number)].origin_lidar_m.cast<double>();
-          const Eigen::Vector3f way =
+          const Eigen::Vector3f direction =
               (T_world_lidar.linear().transpose() * (aim_m - from_m)).normalized().cast<float>();
-          beams.direction_x[i] = way.x(), beams.direction_y[i] = way.y(), beams.direction_z[i] = way.z();
+          beams.direction_x[i] = direction.x(), beams.direction_y[i] = direction.y(),
+          beams.direction_z[i] = direction.z();
         }
         PacketHits hits;
         sweep.trace(beams, true, hits);
@@ -154,7 +156,7 @@ TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
           const Pose T_world_lidar = flying(0, t).T_world_body() * T_body_lidar;
           EXPECT_LT((sweep.T_world_lidar(static_cast<int>(number)).matrix() - T_world_lidar.matrix()).norm(), 1e-4);
           const Vector3 from_m = T_world_lidar * firings[number].origin_lidar_m.cast<double>();
-          const Vector3 way =
+          const Vector3 direction =
               T_world_lidar.linear() * Vector3(beams.direction_x[i], beams.direction_y[i], beams.direction_z[i]);
           WalkHit met;
           met.range_m = 30.0;
@@ -165,10 +167,10 @@ TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
                 kNoVehicle,    VehiclePart::kNone,
                 mesh.material, static_cast<std::uint16_t>(mesh.surface_class == SurfaceClass::kWall ? 5 : 6)};
             for (const auto& c : mesh.triangles)
-              meet_triangle(from_m, way, corner(c[0]), corner(c[1]), corner(c[2]), surface, met);
+              meet_triangle(from_m, direction, corner(c[0]), corner(c[1]), corner(c[2]), surface, met);
           }
           for (VehicleId id = 0; id < 5; ++id)
-            meet_vehicle(*shapes[static_cast<std::size_t>(id)], flying(id, t), id, id != 0, from_m, way, met);
+            meet_vehicle(*shapes[static_cast<std::size_t>(id)], flying(id, t), id, id != 0, from_m, direction, met);
           const bool is_met = met.range_m < 30.0;
           nothing += !is_met;
           const SweepSurface& surface = sweep.surfaces()[hits.surface[i]];
@@ -192,142 +194,6 @@ TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
       EXPECT_LT(different, kPackets * kPacketSize / 60) << "rounding decides at edges only";
     }
   }
-}
-
-/// Right triangle of two equal sides in the plane z = 0, seen towards the center of its incircle.
-struct Plate {
-  explicit Plate(double side_m, double x_m = 0.0) : side(side_m) {
-    TestScene builder;
-    const auto s = static_cast<float>(side_m), x = static_cast<float>(x_m);
-    builder.add_mesh({{x, 0, 0}, {x + s, 0, 0}, {x, s, 0}}, {{0, 1, 2}}, SurfaceClass::kObject, 0, 0);
-    scene = std::make_unique<StaticScene>(builder.scene());
-    inradius_m = side * (1.0 - std::sqrt(0.5));
-    center_m = {x_m + inradius_m, inradius_m, 0.0};
-    farthest_m = std::hypot(x_m + side, side);
-  }
-  bool is_seen(double cosine, double range_m) const {
-    const Vector3 way(-std::sqrt(1.0 - cosine * cosine), 0.0, -cosine);
-    return scene->trace(center_m - range_m * way, way, 1e4).range_m > 0.0F;
-  }
-  double side, inradius_m, farthest_m;
-  Vector3 center_m;
-  std::unique_ptr<StaticScene> scene;
-};
-
-// Embree errs by 5e-7 of the range and of the triangle's size, beside a meter, at most. Triangles are enlarged by a
-// margin; seen along the ray it must be more than that.
-TEST(ExactHits, SeesTrianglesWiderThanTracerError) {
-  for (const auto& [side_m, x_m] :
-       {std::pair{0.01, 0.0}, std::pair{0.05, 0.0}, std::pair{0.3, 0.0}, std::pair{4.0, 0.0}, std::pair{40.0, 0.0},
-        std::pair{0.05, 1000.0}, std::pair{0.1, 3000.0}}) {
-    const Plate plate(side_m, x_m);
-    const double margin_m = std::max(2e-4 + 2.0 * 1.2e-7 * plate.farthest_m, 0.02 * plate.inradius_m);
-    int tested = 0;
-    for (const double range_m : {0.5, 3.0, 20.0, 80.0, 400.0, 2000.0}) {
-      const double least = 5e-7 / margin_m * std::max(1.0, std::sqrt(2.0) * side_m) * (range_m + 1.0);
-      if (least > 0.9) continue;
-      const double limit = std::max(least, 0.01);
-      EXPECT_TRUE(plate.is_seen(1.03 * limit, range_m)) << side_m << " at " << x_m << ", " << range_m;
-      EXPECT_FALSE(plate.is_seen(0.97 * limit, range_m)) << side_m << " at " << x_m << ", " << range_m;
-      tested += least > 0.01;
-    }
-    EXPECT_GT(tested, 0) << side_m;
-  }
-}
-
-TEST(ExactHits, IgnoresPlaneWithinTenthOfMillimeter) {
-  const Plate plate(1.0);
-  const auto meets = [&](double height_m) {
-    return plate.scene->trace(plate.center_m + height_m * Vector3::UnitZ(), -Vector3::UnitZ(), 10.0).range_m > 0.0F;
-  };
-  EXPECT_FALSE(meets(0.9e-4));
-  EXPECT_TRUE(meets(1.1e-4));
-  EXPECT_FALSE(meets(-0.1));
-}
-
-TEST(StaticScene, AllowsSightlineEndsOnSurfaces) {
-  const Plate plate(1.0);
-  const auto blocked = [&](double above_m, double below_m) {
-    return plate.scene->occluded(plate.center_m + above_m * Vector3::UnitZ(),
-                                 plate.center_m - below_m * Vector3::UnitZ());
-  };
-  EXPECT_TRUE(blocked(1.2e-4, 1.2e-4));
-  EXPECT_FALSE(blocked(0.9e-4, 1.0)) << "begins on it";
-  EXPECT_FALSE(blocked(1.0, 0.9e-4)) << "ends on it";
-  EXPECT_FALSE(blocked(0.9e-4, 0.9e-4));
-}
-
-// The boxes of triangles, with a hair of slack, and no others.
-TEST(StaticScene, SelectsTrianglesByTouchingBoundingBoxes) {
-  const Random random(2, "test.boxes");
-  TestScene builder;
-  std::vector<Eigen::AlignedBox3d> bounds;
-  for (std::uint32_t i = 0; i < 700; ++i) {
-    std::vector<Eigen::Vector3f> corners;
-    Eigen::AlignedBox3d box;
-    const auto middle = random.normal3(0, i);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const auto n = random.normal3(1 + k, i);
-      corners.emplace_back(3.0 * middle[0] + 0.4 * n[0], 3.0 * middle[1] + 0.4 * n[1], 3.0 * middle[2] + 0.4 * n[2]);
-      box.extend(corners.back().cast<double>());
-    }
-    builder.add_mesh(corners, {{0, 1, 2}}, SurfaceClass::kObject, 0, 0);
-    bounds.push_back(box);
-  }
-  const StaticScene scene(builder.scene());
-  for (std::uint32_t k = 0; k < 200; ++k) {
-    const auto n = random.normal3(10, k);
-    const Vector3 middle(2.0 * n[0], 2.0 * n[1], 2.0 * n[2]);
-    const Vector3 half(0.1 + random.uniform(11, k), 0.1 + 2.0 * random.uniform(12, k), 0.05);
-    const Eigen::AlignedBox3d box(middle - half, middle + half);
-    const Eigen::AlignedBox3d with_slack(box.min() - Vector3::Constant(1.01e-4),
-                                         box.max() + Vector3::Constant(1.01e-4));
-    std::vector<int> found;
-    scene.triangles_near_box(
-        box, [&](const Vector3&, const Vector3&, const Vector3&, int index) { found.push_back(index); });
-    EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
-    for (int i = 0; i < 700; ++i) {
-      const bool is_found = std::binary_search(found.begin(), found.end(), i);
-      EXPECT_TRUE(is_found || !bounds[static_cast<std::size_t>(i)].intersects(box)) << k << " " << i;
-      EXPECT_TRUE(!is_found || bounds[static_cast<std::size_t>(i)].intersects(with_slack)) << k << " " << i;
-    }
-  }
-  const Plate plate(1.0);
-  for (const double gap_m : {0.8e-4, 1.3e-4}) {
-    int found = 0;
-    plate.scene->triangles_near_box({Vector3(0.1, 0.1, gap_m), Vector3(0.2, 0.2, 1.0)},
-                                    [&](const Vector3&, const Vector3&, const Vector3&, int) { ++found; });
-    EXPECT_EQ(found, gap_m < 1e-4 ? 1 : 0);
-  }
-}
-
-TEST(StaticScene, PrefersFirstOfEquallyNearSurfaces) {
-  TestScene builder;
-  for (std::uint16_t i = 1; i <= 6; ++i) builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kObject, i);
-  const StaticScene scene(builder.scene());
-  for (const Vector3& p_m : {Vector3(3, 0.2, 0.1), Vector3(2, 2, 2), Vector3(0.1, -4, 0.3)}) {
-    const auto nearest = scene.nearest(p_m, 50.0);
-    ASSERT_TRUE(nearest);
-    EXPECT_EQ(nearest->instance, 1);
-    EXPECT_LT((nearest->point_world_m - p_m.cwiseMax(-1.0).cwiseMin(1.0)).norm(), 1e-9);
-  }
-}
-
-TEST(StaticScene, RefusesMoreThanBillionTriangles) {
-  Scene scene;
-  Mesh mesh;
-  mesh.vertices_mesh_m.resize(3, Eigen::Vector3f::Zero());
-  mesh.triangles.assign(1'000'000, {0, 1, 2});
-  scene.meshes.push_back(mesh);
-  scene.instances.resize(1001);
-  EXPECT_THROW(StaticScene{scene}, std::invalid_argument);
-}
-
-TEST(StaticScene, RefusesNonFiniteVertices) {
-  TestScene builder;
-  builder.add_mesh({{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<float>::infinity(), 0}}, {{0, 1, 2}},
-                   SurfaceClass::kObject, 0, 0);
-  EXPECT_THROW(StaticScene{builder.scene()}, std::invalid_argument);
 }
 
 }  // namespace

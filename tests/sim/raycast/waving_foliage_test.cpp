@@ -88,8 +88,8 @@ TEST(WavingFoliage, MatchesClosedFormForLeaves) {
     for (TimeNs t = 30'000 * kOneMs; t < 40'000 * kOneMs; t += 370 * kOneMs) {
       const PacketHits hits = leaves.look(t, 100 * kOneMs, packet_along(Eigen::Vector3f::UnitX()));
       const double t_s = to_seconds(t + 50 * kOneMs);
-      const Vector3 way_m = 0.75 * 0.75 * motion.sway_m(0, t_s) + motion.flutter_m(motion.pattern_of(0, 0), t_s);
-      for (int i = 0; i < kPacketSize; ++i) ASSERT_NEAR(hits.range_m[i], 10.0 + way_m.x(), 2e-6);
+      const Vector3 offset_m = 0.75 * 0.75 * motion.sway_m(0, t_s) + motion.flutter_m(motion.pattern_of(0, 0), t_s);
+      for (int i = 0; i < kPacketSize; ++i) ASSERT_NEAR(hits.range_m[i], 10.0 + offset_m.x(), 2e-6);
       EXPECT_EQ(leaves.surface(hits.surface[0]).surface_class, SurfaceClass::kVegetation);
       EXPECT_EQ(leaves.surface(hits.surface[0]).instance, 5);
       least_m = std::min(least_m, static_cast<double>(hits.range_m[0]));
@@ -133,9 +133,9 @@ Scene frozen_at(Scene scene, double t_s) {
     }
     for (std::size_t v = 0; v < piece.size(); ++v) {
       const double height = (sum_m[piece[v]] / of[piece[v]] - foot_m) / (top_m - foot_m);
-      const Vector3 way_m = FoliageMotion::share_of_sway(height) * motion.sway_m(tree, t_s) +
-                            motion.flutter_m(motion.pattern_of(tree, piece[v]), t_s);
-      moved.vertices_mesh_m[v] += way_m.cast<float>();
+      const Vector3 offset_m = FoliageMotion::share_of_sway(height) * motion.sway_m(tree, t_s) +
+                               motion.flutter_m(motion.pattern_of(tree, piece[v]), t_s);
+      moved.vertices_mesh_m[v] += offset_m.cast<float>();
     }
     ++tree;
     instance.mesh = static_cast<std::uint32_t>(scene.meshes.size());

@@ -57,7 +57,7 @@ TEST(ScanFiles, IndexListsScansWithTheirPoses) {
     SyntheticRun run(directory.path());
     const auto recorder = make_recorder(Module(recorder_module_types(), type));
     recorder->begin(run.info());
-    std::vector<std::shared_ptr<const LabeledScan>> scans;  // of one sensor
+    std::vector<std::shared_ptr<const LabeledScan>> scans;  // from the mid360
     for (int k = 0; k <= 20; ++k) {
       const TickView& view = run.tick(k);
       recorder->write(view);
@@ -265,7 +265,7 @@ TEST(Tum, WithoutEstimatesOmitsTheirFile) {
   EXPECT_EQ(names_in(directory.path() / "trajectories"), (std::set<std::string>{"uav1.tum", "uav-2.tum"}));
 }
 
-TEST(Csv, LimitsOnlyTheStateToItsRate) {
+TEST(Csv, LimitsTheStateToItsRate) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
