@@ -82,11 +82,10 @@ void make_cluster_job(const BatchArguments& arguments, const sim::BatchPlan& pla
   }
   if (arguments.submit) {
     const sim::SlurmJobs jobs = sim::submit(files);
-    if (!arguments.quiet)
-      fmt::print("submitted: array {}, merge {} when all of it has ended\n", jobs.array, jobs.merge);
+    if (!arguments.quiet) fmt::print("submitted: array {}, merge job {} after its end\n", jobs.array, jobs.merge);
   } else if (!arguments.quiet) {
     fmt::print(
-        "submit them with --submit, or by hand: job=$(sbatch --parsable {}) && sbatch --dependency=afterany:$job {}\n",
+        "submit them with --submit, or with: job=$(sbatch --parsable {}) && sbatch --dependency=afterany:$job {}\n",
         files.array.string(), files.merge.string());
   }
 }
@@ -97,23 +96,23 @@ std::string note_of(const sim::BatchProgress& p, double elapsed_s) {
                      per_minute);
 }
 
-void tell(const sim::BatchOutcome& outcome, const fs::path& out, double elapsed_s) {
+void print_outcome(const sim::BatchOutcome& outcome, const fs::path& out, double elapsed_s) {
   fmt::print("{} in {}\n", note_of(outcome.progress, elapsed_s), duration_text(elapsed_s));
   fmt::print("  {:<40} every episode and metric\n", outcome.database.string());
   if (outcome.database.parent_path() == out) {
-    fmt::print("  {:<40} a row an episode\n  {:<40} a row a metric\n", (out / "episodes.csv").string(),
+    fmt::print("  {:<40} one row per episode\n  {:<40} one row per metric\n", (out / "episodes.csv").string(),
                (out / "metrics.csv").string());
   }
 }
 
 // Lists unfinished episodes with the commands that repeat them; any of them makes the exit status 1.
-void tell_failures(const fs::path& database) {
+void print_failures(const fs::path& database) {
   constexpr int kShown = 5;
   const sim::ResultStore store(database, sim::ResultStore::Mode::kRead);
   int count = 0;
   for (const sim::EpisodeRow& row : store.episodes(false)) {
     if (row.done() || ++count > kShown) continue;
-    fmt::print(stderr, "swiftlet: episode {} (seed {}): {}: {}\n  repeat it: {}\n", row.id, row.seed, row.status,
+    fmt::print(stderr, "swiftlet: episode {} (seed {}): {}: {}\n  repeat with: {}\n", row.id, row.seed, row.status,
                row.message, row.command);
   }
   if (count == 0) return;
@@ -169,9 +168,9 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
                     outcome.progress.done, outcome.progress.total, sim::in_shell_quotes(arguments.file),
                     sim::in_shell_quotes(options.out.string())));
   }
-  if (!arguments.quiet) tell(outcome, options.out, elapsed_s());
+  if (!arguments.quiet) print_outcome(outcome, options.out, elapsed_s());
   if (arguments.replays > 0) write_replays(arguments, plan, options.out, options.jobs);
-  tell_failures(outcome.database);
+  print_failures(outcome.database);
 }
 
 void batch(const BatchArguments& arguments) {
@@ -180,8 +179,7 @@ void batch(const BatchArguments& arguments) {
   const sim::BatchPlan plan(arguments.file, parse_assignments(arguments.set));
   if (arguments.plan) return show_plan(plan);
   if (arguments.replays > 0 && !shard_of(arguments).whole())
-    throw sim::InputError(
-        "batch: --replays: expected a whole batch, found a part of one; its worst are known when all are merged");
+    throw sim::InputError("batch: --replays: expected a whole batch, found a part of one; merge all parts first");
   if (arguments.slurm || arguments.submit) return make_cluster_job(arguments, plan);
   fly(arguments, plan);
 }
@@ -214,27 +212,25 @@ void merge(const MergeArguments& arguments) {
 void add_batch(CLI::App& app) {
   auto options = std::make_shared<BatchArguments>();
   Subcommand command(app, "batch", "Fly many episodes: variants x parameters x seeds, in worker processes");
-  command.option("batch", options->file, "Batch file, or the name of one that comes with Swiftlet",
-                 {.value_name = "BATCH.yaml"});
+  command.option("batch", options->file, "Batch file, or the name of one of Swiftlet's", {.value_name = "BATCH.yaml"});
   command.option("--out", options->out, "Batch directory (default: batches/NAME)", {.value_name = "DIR"});
   command.option("--jobs", options->jobs, "Worker processes (default: one for each processor)",
                  {.value_name = "N", .min = 0, .max = 4096});
-  command.option(
-      "--shard", options->shard,
-      "Fly part i of n into a database of its own; also told by Slurm arrays, MPI and indexed Kubernetes jobs",
-      {.value_name = "i/n"});
-  command.option("--episodes", options->episodes,
-                 "Fly only these of the episodes that --plan lists, such as 3,17,40-50", {.value_name = "LIST"});
+  command.option("--shard", options->shard,
+                 "Fly part i of n into its own database; default: from Slurm arrays, MPI or indexed Kubernetes jobs",
+                 {.value_name = "i/n"});
+  command.option("--episodes", options->episodes, "Fly only these episodes of the list of --plan, such as 3,17,40-50",
+                 {.value_name = "LIST"});
   command.option("--memory-limit", options->memory_limit_mb,
                  "Memory of one worker on this machine (default: the batch file's memory_limit_mb)",
                  {.value_name = "MiB", .min = 0});
-  command.flag("--resume", options->resume, "Fly what is missing in the batch directory");
-  command.flag("--retry", options->retry, "Resume, and fly again what failed, crashed or ran out of time or memory");
+  command.flag("--resume", options->resume, "Fly the episodes that are missing in the batch directory");
+  command.flag("--retry", options->retry, "Resume, and repeat episodes that failed, crashed or exceeded a limit");
   command.option("--replays", options->replays, "Fly the N worst episodes again, with replays for the report",
                  {.value_name = "N", .min = 0, .max = 20});
   command.option("--set", options->set, "Override any key of the batch file (may be repeated)",
                  {.value_name = "KEY=VALUE", .repeated = true});
-  command.flag("--plan", options->plan, "Print every episode as a command of its own, and fly nothing");
+  command.flag("--plan", options->plan, "Print the command of every episode, without flying");
   command.flag("--slurm", options->slurm, "Write a Slurm job array with a merge job instead of flying");
   command.flag("--submit", options->submit, "Write and submit them");
   add_allow_plugins(command, options->allow_plugins);
@@ -245,10 +241,10 @@ void add_batch(CLI::App& app) {
   });
 
   auto merging = std::make_shared<MergeArguments>();
-  Subcommand merge_command = command.subcommand("merge", "Unite the databases of shards");
+  Subcommand merge_command = command.subcommand("merge", "Merge the databases of shards");
   merge_command.option("sources", merging->sources, "Batch directories or databases (default: DIR with its shards)",
                        {.value_name = "SOURCE"});
-  merge_command.option("--out", merging->out, "Batch directory of the whole", {.value_name = "DIR", .required = true});
+  merge_command.option("--out", merging->out, "Directory of the merged batch", {.value_name = "DIR", .required = true});
   merge_command.flag("-q,--quiet", merging->quiet, "Print errors only");
   merge_command.action([merging] { merge(*merging); });
 }

@@ -199,7 +199,7 @@ void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   Subcommand command(app, "bench", "Speed of each stage on this machine");
   command.option("cases", options->only, "Only these cases");
-  command.option("--csv", options->csv, "Write the table there, too", {.value_name = "FILE"});
+  command.option("--csv", options->csv, "Also write the table to this file", {.value_name = "FILE"});
   command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { bench(*options); });

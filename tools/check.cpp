@@ -58,7 +58,7 @@ void require_flyable(const sim::BatchPlan& plan) {
 
 void add_check(CLI::App& app) {
   auto options = std::make_shared<ScenarioOptions>();
-  Subcommand command(app, "check", "Validate a scenario, a batch or a dataset file; prints nothing when all is well");
+  Subcommand command(app, "check", "Validate a scenario, a batch or a dataset file; prints nothing if it is valid");
   options->add_to(command);
   command.action([options] {
     if (options->allow_plugins) allow_plugins();  // also for batches and datasets

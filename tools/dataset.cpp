@@ -51,7 +51,7 @@ void generate(const DatasetOptions& options) {
   const sim::GenerateReport report = sim::generate_dataset(plan, generation);
   progress.finish();
   if (report.canceled) {
-    throw Interrupted(fmt::format("interrupted; {} of {} flights are finished and kept, --resume goes on",
+    throw Interrupted(fmt::format("interrupted; {} of {} flights are finished and kept; continue with --resume",
                                   report.flights_done, report.flights_all));
   }
   if (options.quiet) return;
@@ -70,7 +70,7 @@ void generate(const DatasetOptions& options) {
   fmt::print("  {:<24} data card: statistics, histograms, pictures\n", "README.md");
   fmt::print("  {:<24} version, seeds, hash of every file\n", "manifest.json");
   fmt::print("  {:<24} classes, colors and splits for readers of SemanticKITTI\n", "semantic-kitti.yaml");
-  fmt::print("  {:<24} one directory a LiDAR and flight\n", "sequences/NN/");
+  fmt::print("  {:<24} one directory per LiDAR and flight\n", "sequences/NN/");
 }
 
 void verify(const VerifyCommand& command) {
@@ -104,12 +104,12 @@ void verify(const VerifyCommand& command) {
 void add_dataset(CLI::App& app) {
   auto options = std::make_shared<DatasetOptions>();
   Subcommand command(app, "dataset", "Write a labeled dataset, or verify one");
-  command.option("dataset", options->file, "Dataset file, or the name of one that comes with Swiftlet",
+  command.option("dataset", options->file, "Dataset file, or the name of one of Swiftlet's",
                  {.value_name = "DATASET.yaml"});
   command.option("--out", options->out, "Directory to write", {.value_name = "DIR"});
-  command.option("--jobs", options->jobs, "Flights at a time, each in a process of its own (default: one a processor)",
+  command.option("--jobs", options->jobs, "Concurrent flights, each in its own process (default: one per processor)",
                  {.min = 0, .max = 1024});
-  command.flag("--resume", options->resume, "Go on with a generation that was ended before it was done");
+  command.flag("--resume", options->resume, "Continue an interrupted generation");
   command.option("--set", options->set, "Override any key: --set splits[0].flights=2 (may be repeated)",
                  {.value_name = "KEY=VALUE", .repeated = true});
   add_allow_plugins(command, options->allow_plugins);
@@ -125,7 +125,7 @@ void add_dataset(CLI::App& app) {
   Subcommand verification = command.subcommand("verify", "Check layout, hashes, and random frames by simulation");
   verification.option("directory", check->directory, "Dataset", {.value_name = "DIR", .required = true});
   verification.option("--frames", check->frames, "Frames to simulate again", {.min = 0, .max = 1000000});
-  verification.option("--seed", check->seed, "Which ones (default: 0)", {.value_name = "N"});
+  verification.option("--seed", check->seed, "Seed of their choice (default: 0)", {.value_name = "N"});
   verification.flag("-q,--quiet", check->quiet, "Print errors only");
   verification.action([check] { verify(*check); });
 }

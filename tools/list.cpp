@@ -76,7 +76,7 @@ void print_overlays() {
   add("relative_localization", relative_localizer_registry());
   add("mapping", mapper_registry());
   add("guidance", guidance_registry());
-  for (const auto& [name, who] : drawn) print_line(name, "drawn by " + who);
+  for (const auto& [name, recorder] : drawn) print_line(name, "drawn by " + recorder);
 }
 
 void print_assets(const char* folder) {
@@ -128,7 +128,7 @@ void list(const std::string& wanted) {
 void add_list(CLI::App& app) {
   auto wanted = std::make_shared<std::string>();
   Subcommand command(app, "list", "What can be named in a scenario");
-  command.option("kind", *wanted, "Only this kind: sensors, vehicles, worlds, agents, recorders ...");
+  command.option("kind", *wanted, "List only this kind: sensors, vehicles, worlds, agents, recorders ...");
   auto plugins = std::make_shared<PluginOptions>();
   plugins->add_to(command);
   command.action([wanted, plugins] {

@@ -51,10 +51,10 @@ std::string manual_page(const CommandShape& program) {
   text += ".SH NAME\nswiftlet \\- " + roff(program.doc.substr(program.doc.find(':') + 2)) + "\n";
   text += ".SH SYNOPSIS\n.B swiftlet\n\\fICOMMAND\\fR [\\fIOPTION\\fR]...\n.SH COMMANDS\n";
   for (const CommandShape& command : program.commands) text += roff_command(command, program.name);
-  text += ".SH EXIT STATUS\n.TP\n0\nIt did what was asked.\n.TP\n1\nSomething broke on the way, such as a full disk.\n";
-  text += ".TP\n2\nThe input is wrong: one message names file, line and key, and nothing was written.\n";
+  text += ".SH EXIT STATUS\n.TP\n0\nSuccess.\n.TP\n1\nAn error other than of the input, such as a full disk.\n";
+  text += ".TP\n2\nThe input is invalid: one message names file, line and key, and nothing was written.\n";
   text += ".TP\n130, 143\nIt was interrupted or terminated.\n";
-  text += ".TP\n141\nThe reader of its output ended before it.\n";
+  text += ".TP\n141\nThe reader of the output ended first.\n";
   return text;
 }
 

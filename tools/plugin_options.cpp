@@ -7,13 +7,13 @@
 namespace swiftlet::tools {
 
 void add_allow_plugins(Subcommand& command, bool& allowed) {
-  command.flag("--allow-plugins", allowed, "Load the shared libraries that the scenario names: they run code");
+  command.flag("--allow-plugins", allowed, "Load the shared libraries of the scenario, which run code of their own");
 }
 
 void allow_plugins() { sim::allow_plugins(std::string(sim::version()) + " (" + sim::git_revision() + ")"); }
 
 void PluginOptions::add_to(Subcommand& command) {
-  command.option("--plugin", files, "Know the modules of this shared library as well (may be repeated)",
+  command.option("--plugin", files, "Load the modules of this shared library (may be repeated)",
                  {.value_name = "FILE", .repeated = true});
 }
 

@@ -144,12 +144,12 @@ void add_render(CLI::App& app) {
   command.option("--time", options->times_s, "Picture at this time; may be repeated",
                  {.value_name = "SECONDS", .min = 0.0});
   command.flag("--video", options->video, "A video of each camera (needs ffmpeg)");
-  command.option("--paper", options->paper_mm, "For a paper: this wide, white, without captions, as PNG and SVG",
+  command.option("--paper", options->paper_mm, "Width of pictures for a paper: white, without captions, as PNG and SVG",
                  {.value_name = "MILLIMETERS", .min = 10.0, .max = 1000.0});
   command.option("--fps", options->frames_per_s, "Frames per simulated second of a video", {.min = 1.0, .max = 120.0});
   command.option("--until", options->to_s, "End of the video or the last picture",
                  {.value_name = "SECONDS", .min = 0.0});
-  command.option("--out", options->out, "Where to put them (default: RUN_DIR/render)", {.value_name = "DIR"});
+  command.option("--out", options->out, "Output directory (default: RUN_DIR/render)", {.value_name = "DIR"});
   command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { render(*options); });

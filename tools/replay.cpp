@@ -78,10 +78,11 @@ void replay(const ReplayOptions& options) {
     }
   }
   if (summary.find('"' + sim::hex64(simulation.state_hash()) + '"') == std::string::npos) {
-    throw sim::InputError(fmt::format(
-        "{}: expected a run that this program ({}, {}) flies as it was, found another state hash than {}; the program "
-        "that flew it can replay it (its version stands in summary.json)",
-        options.run, sim::version(), sim::git_revision(), sim::hex64(simulation.state_hash())));
+    throw sim::InputError(
+        fmt::format("{}: expected a run that this program ({}, {}) reproduces, found another state hash than {}; "
+                    "replay it with the "
+                    "program that flew it (its version is in summary.json)",
+                    options.run, sim::version(), sim::git_revision(), sim::hex64(simulation.state_hash())));
   }
   deadline.reset();
   simulation.finish();
@@ -95,10 +96,10 @@ void add_replay(CLI::App& app) {
   Subcommand command(app, "replay", "Make a page for a browser of a finished run by flying it again, bit for bit");
   command.option("run", options->run, "Directory of a finished run", {.value_name = "RUN_DIR", .required = true});
   command.option("-o,--out", options->out, "Page to write (default: RUN_DIR/replay.html)", {.value_name = "FILE.html"});
-  command.option("--scan-rate", options->scan_rate_hz, "Scans of each LiDAR in a second, 0: none (default: 2)",
+  command.option("--scan-rate", options->scan_rate_hz, "Rate of each LiDAR's scans [Hz], 0: none (default: 2)",
                  {.value_name = "HZ", .min = 0.0, .max = 1000.0});
   command.option("--scan-budget", options->scan_budget_kBps,
-                 "What all scans together may take of each second; they are thinned to that (default: 60)",
+                 "Data rate to which all scans together are thinned (default: 60)",
                  {.value_name = "KB", .min = 1.0, .max = 1e5});
   command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
   command.flag("-q,--quiet", options->quiet, "Print errors only");

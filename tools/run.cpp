@@ -91,7 +91,7 @@ void run(const RunOptions& options) {
   if (!options.quiet) {
     fmt::print("{}", sim::to_text(flown.summary));
     print_paths(out, flown.written);
-    if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
+    if (has_replay(scenario)) fmt::print("\nto view it, open {}\n", fs::absolute(out / "replay.html").string());
   }
   const std::string crashed = crashed_vehicles(flown.summary);
   if (options.fail_on_crash && !crashed.empty()) {
@@ -111,9 +111,9 @@ void add_run(CLI::App& app) {
   command.option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result",
                  {.min = 0, .max = 1024});
   command.option("--memory-limit", options->memory_limit_mb,
-                 "MiB that the run may take, 0: what the machine has; what would take more is refused", {.min = 0});
+                 "Memory limit of the run [MiB], 0: that of the machine; larger scenarios are rejected", {.min = 0});
   command.flag("--replay", options->replay, "Write the run as a page for a browser as well (replay.html)");
-  command.flag("--view", options->view, "Serve that page while the run goes on, to this machine only");
+  command.flag("--view", options->view, "Serve that page during the run, to this machine only");
   command.flag("--fail-on-crash", options->fail_on_crash,
                "Exit with status 1 when a vehicle has crashed; without it a finished run exits with 0");
   command.flag("-q,--quiet", options->quiet, "Print errors only");

@@ -9,9 +9,9 @@
 namespace swiftlet::tools {
 
 void ScenarioOptions::add_to(Subcommand& command) {
-  command.option("scenario", file, "Scenario file, or the name of one that comes with Swiftlet",
+  command.option("scenario", file, "Scenario file, or the name of one of Swiftlet's",
                  {.value_name = "SCENARIO.yaml", .required = true});
-  command.option("--seed", seed, "Seed of every random number (default: the scenario's)", {.value_name = "N"});
+  command.option("--seed", seed, "Random seed (default: the scenario's)", {.value_name = "N"});
   command.option("--duration", duration_s, "Length of the run (default: the scenario's)",
                  {.value_name = "SECONDS", .min = 0.0, .max = 1e7});
   command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)",

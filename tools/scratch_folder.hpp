@@ -20,7 +20,7 @@ class ScratchFolder {
     if (missing) parent = "/tmp";
     path_ = (parent / "swiftlet_XXXXXX").string();
     if (::mkdtemp(path_.data()) != nullptr) return;
-    throw std::runtime_error("TMPDIR: expected a folder that takes temporary files, found " + parent.string() + ": " +
+    throw std::runtime_error("TMPDIR: expected a writable folder, found " + parent.string() + ": " +
                              std::strerror(errno));
   }
   ~ScratchFolder() {

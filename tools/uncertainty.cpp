@@ -133,7 +133,7 @@ double round_step_m(double range_m) {
 }
 
 void print_table(const std::vector<Line>& table, const Request& request, const UncertaintyOptions& options) {
-  fmt::print("{}\n", bold("Where does a measured point really lie?"));
+  fmt::print("{}\n", bold("Uncertainty of a measured point"));
   fmt::print(
       "range noise {:g} m{}, position {:g} m an axis, attitude {:g} rad an axis\n\n", table.front().sigma_range_m,
       request.range_noise.law == sim::RangeNoiseConfig::Law::kConstant && request.range_noise.table_sigma_m.empty()
@@ -223,21 +223,20 @@ void add_uncertainty(CLI::App& app) {
   Subcommand command(app, "uncertainty",
                      "What error and what voxel size to expect of a LiDAR whose pose is noisy, over the range");
   command.option("--sensor", options->sensor,
-                 "Range noise and reach of this LiDAR of assets/sensors (without: 0.03 m, 100 m)",
+                 "LiDAR of assets/sensors with the range noise and reach (default: 0.03 m, 100 m)",
                  {.value_name = "NAME"});
-  command.option("--sigma-range", options->sigma_range_m, "Range noise instead of the sensor's [m]",
+  command.option("--sigma-range", options->sigma_range_m, "Standard deviation of the range [m] (default: the sensor's)",
                  {.value_name = "M", .min = 0.0});
-  command.option("--sigma-position", options->sigma_position_m, "Noise of the sensor's position, each axis [m]",
-                 {.value_name = "M", .min = 0.0});
-  command.option("--sigma-rotation", options->sigma_rotation_rad, "Noise of the sensor's attitude, each axis [rad]",
-                 {.value_name = "RAD", .min = 0.0});
+  command.option("--sigma-position", options->sigma_position_m,
+                 "Standard deviation of the sensor's position, per axis [m]", {.value_name = "M", .min = 0.0});
+  command.option("--sigma-rotation", options->sigma_rotation_rad,
+                 "Standard deviation of the sensor's attitude, per axis [rad]", {.value_name = "RAD", .min = 0.0});
   command.option("--azimuth", options->azimuth_deg, "Of the ray against the voxels' axes [deg]", {.value_name = "DEG"});
   command.option("--elevation", options->elevation_deg, "Of the ray against the voxels' axes [deg]",
                  {.value_name = "DEG"});
-  command.option("--range-max", options->range_max_m, "Up to this range [m]",
-                 {.value_name = "M", .min = 0.1, .max = 1e5});
-  command.option("--voxel", options->voxels_m, "Edges to give the probability for [m]", {.value_name = "M"});
-  command.option("--confidence", options->confidence, "Of the smallest voxel [-]",
+  command.option("--range-max", options->range_max_m, "Largest range [m]", {.value_name = "M", .min = 0.1, .max = 1e5});
+  command.option("--voxel", options->voxels_m, "Voxel edges to evaluate [m]", {.value_name = "M"});
+  command.option("--confidence", options->confidence, "Probability of the smallest voxel [-]",
                  {.value_name = "P", .min = 0.01, .max = 0.999});
   command.option("--out", options->out, "Folder for the CSV table and the plot", {.value_name = "DIR"});
   command.action([options] { answer(*options); });

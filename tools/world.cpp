@@ -109,13 +109,13 @@ void add_world(CLI::App& app) {
   auto options = std::make_shared<WorldOptions>();
   Subcommand command(app, "world", "Export the world of a scenario with its truth table, or draw a map of it");
   options->scenario.add_to(command);
-  command.option("--out", options->out, "File to write: .ply or .obj; the table lies beside it",
+  command.option("--out", options->out, "File to write: .ply or .obj; the table is written beside it",
                  {.value_name = "FILE"});
-  command.option("--map", options->map, "Picture to draw: the world from above, with the vehicles where they start",
+  command.option("--map", options->map, "Picture to draw: the world from above, with the vehicles at their starts",
                  {.value_name = "FILE.png"});
-  command.option("--cut", options->cut_height_m, "On the map, leave out what is higher: crowns, roofs",
-                 {.value_name = "METERS"});
-  command.option("--paper", options->paper_mm, "The map for a paper: this wide, white, as PNG and SVG",
+  command.option("--cut", options->cut_height_m,
+                 "Height above which the map omits everything, such as crowns and roofs", {.value_name = "METERS"});
+  command.option("--paper", options->paper_mm, "Width of a map for a paper: white, as PNG and SVG",
                  {.value_name = "MILLIMETERS", .min = 10.0, .max = 1000.0});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { export_scenario_world(*options); });

@@ -26,8 +26,8 @@ class LookAround {
     output = {};
     output.goal = *hold_;
     output.mission = looks ? MissionStatus::kRunning : MissionStatus::kFailed;
-    output.note = looks ? "looks for itself in the map of an earlier flight"
-                        : "did not find itself in the map of an earlier flight";
+    output.note = looks ? "searches for its pose in the map of an earlier flight"
+                        : "no pose found in the map of an earlier flight";
   }
 
  private:

@@ -50,17 +50,17 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
         joined_map_provider_(dynamic_cast<const JoinedMapProvider*>(stages_.localization.get())),
         outbox_(setup.self) {
     if (needs_.map && stages_.mapping == nullptr) {
-      throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
+      throw std::invalid_argument("mapping: expected a type other than none, because guidance needs a map");
     }
     if (stages_.mapping != nullptr && stages_.mapping->needs_submaps() &&
         stages_.localization->submap_poses() == nullptr) {
       throw std::invalid_argument(
-          "localization: expected {type: slam, global: {enabled: true}}, because mapping hangs on the submaps of its "
+          "localization: expected {type: slam, global: {enabled: true}}, because mapping uses the submaps of its "
           "pose graph");
     }
     if (needs_.relatives && stages_.relative_localization == nullptr) {
       throw std::invalid_argument(
-          "relative_localization: expected a type other than none, because guidance asks where the other vehicle is");
+          "relative_localization: expected a type other than none, because guidance needs the pose of another vehicle");
     }
   }
 

@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kRememberedSweeps = 50;
+constexpr int kMaxSilentSweeps = 50;
 
 Vector3 mean_of(std::span<const Vector3> points_m) {
   Vector3 sum_m = Vector3::Zero();
@@ -18,7 +18,7 @@ Vector3 mean_of(std::span<const Vector3> points_m) {
 
 void BodyParts::begin_sweep() {
   for (Pair& pair : pairs_) ++pair.silent_sweeps;
-  std::erase_if(pairs_, [](const Pair& pair) { return pair.silent_sweeps > kRememberedSweeps; });
+  std::erase_if(pairs_, [](const Pair& pair) { return pair.silent_sweeps > kMaxSilentSweeps; });
 }
 
 // The means are compared with returns of the same sweep, so pose noise cancels.

@@ -399,7 +399,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
 // Associates a new hypothesis with a former target. Each former target without returns in this sweep may be here, by
 // its existence and predicted position. The most likely one is weighed against all others and against strangers. Within
 // the gate, the new hypothesis continues its state.
-double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
+double Hypotheses::remember(Hypothesis& new_hypothesis, const Measurement& m) const {
   /// Match of one former target with the measurement.
   struct Meeting {
     const Hypothesis* of = nullptr;
@@ -423,17 +423,17 @@ double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
   if (!(likeliest.here_per_m3 >= 0.5 * (sum_per_m3 + config_.target.strangers_per_m3))) return sum_per_m3;
   if (likeliest.of == nullptr) return sum_per_m3;
   const Hypothesis& h = *likeliest.of;
-  newborn.heir_of = h.identity;
-  newborn.rate = h.rate;
-  newborn.small = h.small;
-  newborn.size_m = h.size_m;
+  new_hypothesis.heir_of = h.identity;
+  new_hypothesis.rate = h.rate;
+  new_hypothesis.small = h.small;
+  new_hypothesis.size_m = h.size_m;
   if (!(likeliest.squared < kGate)) return sum_per_m3;
   Matrix6 F = Matrix6::Identity();
   F.topRightCorner<3, 3>() = to_seconds(m.t - h.t) * Matrix3::Identity();
   const Matrix6 P = F * h.covariance * F.transpose();
   const Eigen::Matrix<double, 6, 3> K = P.leftCols<3>() * likeliest.S.inverse();
-  newborn.mean = F * h.mean + K * likeliest.off_m;
-  newborn.covariance = P - K * likeliest.S * K.transpose();
+  new_hypothesis.mean = F * h.mean + K * likeliest.off_m;
+  new_hypothesis.covariance = P - K * likeliest.S * K.transpose();
   return sum_per_m3;
 }
 

@@ -93,7 +93,7 @@ void AgileSpline::add_control_point() {
   if (!rests_ && (point - target_m_).norm() < kTargetReached_m) pick_target(point);
 
   // The step nearest to the wanted one that leaves room to stop inside the box. Full braking always does.
-  const Vector3 wanted = step + cut_to(wanted_step(point) - step, pace_ * change_max_m_, pace_ * change_max_z_m_);
+  const Vector3 wanted = step + cut_to(desired_step(point) - step, pace_ * change_max_m_, pace_ * change_max_z_m_);
   const Vector3 braked = brake(step);
   double good = 0.0, bad = 1.0;
   const auto blend = [&](double share) { return Vector3(braked + share * (wanted - braked)); };
@@ -118,7 +118,7 @@ void AgileSpline::pick_target(const Vector3& from_m) {
   pace_ = random_.uniform(config_.pace_min, 1.0, num_targets_ - 1, 3);
 }
 
-Vector3 AgileSpline::wanted_step(const Vector3& point) const {
+Vector3 AgileSpline::desired_step(const Vector3& point) const {
   const Vector3 to_target = target_m_ - point;
   const double distance = to_target.norm();
   if (distance < 1e-9) return Vector3::Zero();

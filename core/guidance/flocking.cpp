@@ -262,7 +262,7 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local
 }
 
 void FlockObstacleConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping)");
+  v.field("enabled", enabled, "[-] avoid the obstacles of the map (mapping)");
   v.field("avoid_distance_m", avoid_distance_m, "[m] obstacles nearer than this push away", Range::positive());
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
 }

@@ -186,7 +186,7 @@ class Guide : public Guidance {
         }
         return;
       case GuideState::kFailure:
-        if (failures_ <= config_.retries && waited(config_.retry_after_s)) try_again(input);
+        if (failures_ <= config_.retries && waited(config_.retry_after_s)) retry(input);
         return;
     }
   }
@@ -220,7 +220,7 @@ class Guide : public Guidance {
   }
 
   /// Retries with the next vehicle, which may have blocked the path.
-  void try_again(const GuidanceInput& input) {
+  void retry(const GuidanceInput& input) {
     if (team_.size() > 1 && choose_next()) {
       take_goal(input);
     } else {

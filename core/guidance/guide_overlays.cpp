@@ -46,9 +46,9 @@ void append_guide_overlays(const TeamPlan& plan, double height_local_m, std::vec
   for (std::size_t i = 1; i < plan.primary_local_m.size(); ++i) {
     append_segment(plan.primary_local_m[i - 1], plan.primary_local_m[i], primary);
   }
-  Overlay visible = line("guide.visible", kVisibleColor, "from where a waypoint is seen");
+  Overlay visible = line("guide.visible", kVisibleColor, "viewpoints of a waypoint");
   append_border(union_of(plan.visible), height_local_m, visible);
-  Overlay overlap = line("guide.overlap", kOverlapColor, "from where most of the path is seen");
+  Overlay overlap = line("guide.overlap", kOverlapColor, "viewpoints of most of the path");
   append_border(plan.viewpoint.overlap, height_local_m, overlap);
 
   std::vector<Vector3> viewpoint_local_m;

@@ -19,7 +19,7 @@ constexpr TimeNs kLongestMotion = 2'000'000'000;
 
 }  // namespace
 
-NeighborSourceConfig NeighborSourceConfig::forgetful() {
+NeighborSourceConfig NeighborSourceConfig::without_memory() {
   NeighborSourceConfig config;
   config.timeout_s = config.acceleration_sigma_mps2 = config.first_speed_sigma_mps = 1.0;
   config.remember_hidden = false;

@@ -30,19 +30,19 @@ Vector3 unit(const Vector3& v, const Vector3& otherwise) {
 /// Point of the intersection of all half-spaces and the ball that is nearest to the wanted one, by alternating
 /// projections [Dykstra 1983].
 Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double give_way_mps,
-                std::vector<Vector3>& owed) {
-  owed.assign(planes.size() + 1, Vector3::Zero());
+                std::vector<Vector3>& corrections) {
+  corrections.assign(planes.size() + 1, Vector3::Zero());
   Vector3 v = wanted;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i <= planes.size(); ++i) {
-      const Vector3 from = v + owed[i];
+      const Vector3 from = v + corrections[i];
       if (i == planes.size()) {
         v = within(from, speed_mps);
       } else {
         const double missing = planes[i].normal_local.dot(planes[i].point_local_mps - from) - give_way_mps;
         v = missing > 0.0 ? Vector3(from + missing * planes[i].normal_local) : from;
       }
-      owed[i] = from - v;
+      corrections[i] = from - v;
     }
   }
   return v;

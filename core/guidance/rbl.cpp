@@ -35,7 +35,7 @@ constexpr double kComing_mps = 0.5;  // lowest closing speed of a neighbor that 
 constexpr double kComes_sigmas = 0.5;
 constexpr double kFaster_sigmas = 0.5;  // standard deviations added to the closing speed of an approaching neighbor
 // Reserved capacity: a track that is lost and found again takes a second entry.
-constexpr std::size_t kDodgedAtOnce = 64;
+constexpr std::size_t kDodgedCapacity = 64;
 constexpr double kMostBeside_m = 0.5;  // largest margin for the lateral uncertainty of an approaching neighbor
 constexpr double kDodge_s = 0.5;       // time before the braking paths come too close at which evasion begins
 constexpr double kOutOfPlane_s = 1.5;  // time after the last approach until the vehicle returns to its plane
@@ -89,7 +89,7 @@ class Rbl : public Guidance {
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
     coming_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
-    dodged_.reserve(std::max<std::size_t>(kDodgedAtOnce, static_cast<std::size_t>(setup.agent.num_vehicles)));
+    dodged_.reserve(std::max<std::size_t>(kDodgedCapacity, static_cast<std::size_t>(setup.agent.num_vehicles)));
     braking_cuts_.reserve(3 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
@@ -315,8 +315,8 @@ class Rbl : public Guidance {
       const double vertical_m = planar_ ? distance_m : separation.vertical_m;
       // While a neighbor's pledge holds, only the uncertainty of its last measured position counts.
       const double seen_m = sigmas * sigma(neighbor.seen_covariance_local_m2);
-      const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
-      const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
+      const double uncertainty_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
+      const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, uncertainty_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
       double cell_m = cut.offset_m;
       if (to_seconds(now - neighbor.seen) > kLongUnseen_s) {

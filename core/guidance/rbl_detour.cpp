@@ -88,11 +88,11 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
 
 /// Stays true for kStraight_m of path after the vehicle was held, or the cell would draw it back.
 bool RblDetour::is_held(const Situation& situation) {
-  if ((situation.p_local_m - stood_local_m_).norm() > kMoves_m) {
-    stood_local_m_ = situation.p_local_m;
-    stood_ = situation.now;
+  if ((situation.p_local_m - moved_local_m_).norm() > kMoves_m) {
+    moved_local_m_ = situation.p_local_m;
+    moved_at_ = situation.now;
   }
-  if (to_seconds(situation.now - stood_) > kHeld_s) straight_until_m_ = arc_m_ + kStraight_m;
+  if (to_seconds(situation.now - moved_at_) > kHeld_s) straight_until_m_ = arc_m_ + kStraight_m;
   return arc_m_ < straight_until_m_;
 }
 
@@ -159,12 +159,12 @@ void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool le
 void RblDetour::plan(const Situation& situation) {
   found_ = {};
   beside_ = is_above_or_below(situation) && look_from_beside(situation);
-  const auto try_both = [&](const Vector3& goal_local_m, bool level) {
+  const auto consider_both_sides = [&](const Vector3& goal_local_m, bool level) {
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, false);
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, true);
   };
-  if (situation.planar || !is_near_goal(situation)) try_both(situation.goal_local_m, true);
-  if (!situation.planar) try_both(situation.goal_local_m, false);
+  if (situation.planar || !is_near_goal(situation)) consider_both_sides(situation.goal_local_m, true);
+  if (!situation.planar) consider_both_sides(situation.goal_local_m, false);
   if (found_.status == ClearPathStatus::kGoalBlocked && is_near_goal(situation)) {
     beside_ = look_from_beside(situation);
     if (!beside_) found_.status = ClearPathStatus::kGoalBlocked;

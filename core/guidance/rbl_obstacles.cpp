@@ -62,7 +62,7 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_l
 }
 
 void RblLidarConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping) [Kamler 2025, chapter 3]");
+  v.field("enabled", enabled, "[-] avoid the obstacles of the map (mapping) [Kamler 2025, chapter 3]");
   v.choice(
       "legal", legal, {"sensed", "cell"},
       "[-] cell A' of admissible goals: what is sensed now, or the whole cell A (authors' experiment files), each in "

@@ -63,8 +63,8 @@ double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, 
     const double sense = vertical_influence(rules, now, phi_rad) > 0.0 ? 1.0 : -1.0;
     next = std::clamp(phi_rad + sense * step, -kMostElevation_rad, kMostElevation_rad);
   }
-  const bool useless = std::abs(now.partitioned_agent_m.z()) > std::abs(now.unrotated_agent_m.z());
-  return rules.elevation_reset && std::abs(next) >= kMostElevation_rad && useless ? 0.0 : next;
+  const bool is_counterproductive = std::abs(now.partitioned_agent_m.z()) > std::abs(now.unrotated_agent_m.z());
+  return rules.elevation_reset && std::abs(next) >= kMostElevation_rad && is_counterproductive ? 0.0 : next;
 }
 
 }  // namespace

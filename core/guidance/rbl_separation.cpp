@@ -53,7 +53,7 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 }
 
 HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
-                      double unsure_m) {
+                      double uncertainty_m) {
   // Compressing the vertical axis turns the ellipsoid of distances into a ball.
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const auto scaled = [&](const Vector3& v) -> Vector3 { return scale.cwiseProduct(v); };
@@ -67,20 +67,21 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
   const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
   // If the distance is already missing, the vehicle yields alone.
   const double room_m = d - distance_m, share_m = room_m > 0.0 ? 0.5 * room_m : room_m;
-  const double offset_m = normal.dot(nearest_self - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
+  const double offset_m =
+      normal.dot(nearest_self - a) + std::max(share_m - 0.5 * uncertainty_m, std::min(share_m, 0.0));
   const Vector3 unscaled = scaled(normal);  // n' . (S q) = (S n') . q
   const double stretch = unscaled.norm();
   return {unscaled / stretch, offset_m / stretch};
 }
 
 HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
-                      double distance_m, double vertical_m, double unsure_m, double share) {
+                      double distance_m, double vertical_m, double uncertainty_m, double share) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 gap = scale.cwiseProduct(other_seen_local_m - own_seen_local_m);
   const double d = gap.norm();
   const Vector3 normal = d > kTouching_m ? Vector3(gap / d) : Vector3(Vector3::UnitX());
   const double used_m = normal.dot(scale.cwiseProduct(p_local_m - own_seen_local_m));
-  const double offset_m = share * std::max(0.0, d - distance_m - unsure_m) - used_m;
+  const double offset_m = share * std::max(0.0, d - distance_m - uncertainty_m) - used_m;
   const Vector3 unscaled = scale.cwiseProduct(normal);
   const double stretch = unscaled.norm();
   return {unscaled / stretch, offset_m / stretch};

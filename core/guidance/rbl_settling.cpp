@@ -32,7 +32,7 @@ RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std
   if (status.mission != MissionStatus::kRunning) {
     if (status.mission != reported_.mission) reported_ = status;
   } else if (reported_.mission == MissionStatus::kRunning && waited_s >= kUnexplained * patience_s_) {
-    reported_.note = "it gets no nearer to its goal";
+    reported_.note = "no progress toward the goal";
   }
   return reported_;
 }

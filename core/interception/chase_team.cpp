@@ -12,7 +12,7 @@ namespace {
 
 using Status = ChaseReport::Status;
 
-constexpr double kSilent_s = 1.0;  // age beyond which a report is ignored
+constexpr double kReportTimeout_s = 1.0;  // age beyond which a report is ignored
 // Plausible interval between path points in a report; reports with other intervals are rejected.
 constexpr double kShortest_s = 0.01, kLongest_s = 10.0;
 // Bounds of plausible times, coordinates and velocities in a report.
@@ -48,7 +48,7 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
   for (const Message& message : observation.messages) {
     if (message.from == self_ || message.from < 0 || message.from >= static_cast<VehicleId>(peers_.size())) continue;
     if (read_message(message, received_) != Reading::kDone) continue;
-    if (received_.t > observation.t || received_.t < observation.t - from_seconds(kSilent_s) ||
+    if (received_.t > observation.t || received_.t < observation.t - from_seconds(kReportTimeout_s) ||
         !is_plausible(received_))
       continue;
     Received& received = peers_[static_cast<std::size_t>(message.from)];
@@ -68,7 +68,7 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
     }
   }
   for (Received& received : peers_)
-    received.fresh = received.fresh && to_seconds(observation.t - received.peer.t) < kSilent_s;
+    received.fresh = received.fresh && to_seconds(observation.t - received.peer.t) < kReportTimeout_s;
 }
 
 void ChaseTeam::recognize(std::span<const Track> tracks, std::uint32_t target) {

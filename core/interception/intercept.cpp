@@ -38,7 +38,7 @@ constexpr double kReportedSigma_m = 0.5, kReportedSigma_mps = 1.0;  // standard 
 /// A leader without a capture for longer than the timeout reports its arrival later by the time beyond, up to the
 /// penalty, so that another interceptor takes the lead.
 constexpr double kLeadTimeout_s = 6.0, kMaxLeadPenalty_s = 4.0;
-constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
+constexpr double kNeverThere_s = 1e3, kOccupiedPenalty_m = 1e6;
 constexpr int kPathParts = 5;         // steps of the governor between points of a reported path
 constexpr double kSlowest_mps = 0.5;  // slower velocities give no direction
 
@@ -91,7 +91,7 @@ class Intercept : public Guidance {
     if (mode_ == Mode::kSearching) search_.append_overlay(overlays);
     if (mode_ != Mode::kChasing) return;
     append_curve(
-        "intercept.prediction", "where the target will be", {0.84F, 0.37F, 0.0F, 1.0F}, planner_.horizon_s(),
+        "intercept.prediction", "predicted positions of the target", {0.84F, 0.37F, 0.0F, 1.0F}, planner_.horizon_s(),
         [&](double t_s) { return target_.at(t_s).p_m; }, overlays);
     if (config_.method != InterceptConfig::Method::kMpc) return;
     append_curve(
@@ -148,7 +148,7 @@ class Intercept : public Guidance {
         if (other && !(team_.yields() && is_free)) continue;
         if (!other) distance_m = same ? -1.0 : off_m;
       }
-      if (!is_free) distance_m += kTakenFar_m;
+      if (!is_free) distance_m += kOccupiedPenalty_m;
       if (distance_m >= least_m) continue;
       least_m = distance_m;
       best = &track;

@@ -123,7 +123,7 @@ void TargetSearch::append_overlay(std::vector<Overlay>& overlays) const {
   points.name = "intercept.search";
   points.kind = Overlay::Kind::kPoints;
   points.size_m = 0.25F;
-  points.legend = {{"where a lost target may be", {0.80F, 0.47F, 0.65F, 1.0F}}};
+  points.legend = {{"possible positions of the lost target", {0.80F, 0.47F, 0.65F, 1.0F}}};
   for (const Particle& particle : particles_) {
     points.positions.push_back(particle.p_local_m.cast<float>());
     points.colors.push_back({0.80F, 0.47F, 0.65F, static_cast<float>(std::clamp(particle.weight, 0.15, 1.0))});

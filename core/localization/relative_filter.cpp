@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMaxHistory = 128;
 constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor is forgotten in a minute
 // largest squared standard deviations that one sample contributes: a single outlier proves nothing
-constexpr double kMostSurprise_sq = 25.0;
+constexpr double kMaxInnovation_sq = 25.0;
 
 Matrix3 turn_about_vertical(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
@@ -223,10 +223,10 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   correct<6>(state, innovation, H, noise);
 
   // Moves the anchor to this sample.
-  const Vector3 onward_m = turn_about_vertical(state.x(kYaw)) * step_other_m;
-  state.x.segment<3>(kAnchor) += onward_m;
+  const Vector3 anchor_step_m = turn_about_vertical(state.x(kYaw)) * step_other_m;
+  state.x.segment<3>(kAnchor) += anchor_step_m;
   Covariance A = Covariance::Identity();
-  A.block<3, 1>(kAnchor, kYaw) = vertical_cross(onward_m);
+  A.block<3, 1>(kAnchor, kYaw) = vertical_cross(anchor_step_m);
   state.P = carried(A, state.P);
   state.odometry = odometry;
 }
@@ -238,7 +238,7 @@ void RelativeFilter::learn_drift(State& state, const Vector3& innovation_local_m
                                  const Matrix3& of_drift) const {
   const Matrix3 drifted = elementary::exp(state.log_factor) * of_drift;
   const Eigen::LLT<Matrix3> S = Matrix3(expected + drifted).llt();
-  const double squared_sigmas = std::min(innovation_local_m.dot(S.solve(innovation_local_m)), kMostSurprise_sq);
+  const double squared_sigmas = std::min(innovation_local_m.dot(S.solve(innovation_local_m)), kMaxInnovation_sq);
   const double share = S.solve(drifted).trace() / 3.0;
   const double gradient = 0.5 * share * (squared_sigmas - 3.0), information = 1.5 * share * share;
   state.log_factor_variance += kLogFactorWalk;

@@ -131,19 +131,19 @@ class SlidingWindow : public RelativeLocalizer {
       if (teammates_[m].known()) take_nearest(m);
     }
     for (std::size_t s = 0; s < seen_.size(); ++s) {
-      if (owners_[s] != kTaken && num_missing_ == 0) ++num_rejected_;
-      if (owners_[s] != kTaken && num_missing_ > 0 && !is_known_body(seen_[s])) left_.push_back(seen_[s]);
+      if (owners_[s] != kAssigned && num_missing_ == 0) ++num_rejected_;
+      if (owners_[s] != kAssigned && num_missing_ > 0 && !is_known_body(seen_[s])) left_.push_back(seen_[s]);
     }
   }
 
   void choose_owners() {
-    owners_.assign(seen_.size(), kTaken);
+    owners_.assign(seen_.size(), kAssigned);
     for (std::size_t s = 0; s < seen_.size(); ++s) {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t m = 0; m < teammates_.size(); ++m) {
         if (!teammates_[m].known()) continue;
         const double unlikely = teammates_[m].unlikelihood(seen_[s]);
-        if (owners_[s] != kTaken && unlikely >= least) continue;
+        if (owners_[s] != kAssigned && unlikely >= least) continue;
         owners_[s] = m;
         least = unlikely;
       }
@@ -162,7 +162,7 @@ class SlidingWindow : public RelativeLocalizer {
     }
     if (!nearest) return;
     if (teammates_[m].take(seen_[*nearest])) {
-      owners_[*nearest] = kTaken;
+      owners_[*nearest] = kAssigned;
     } else if (num_missing_ == 0) {
       teammates_[m].mark_ambiguous(
           seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
@@ -206,7 +206,7 @@ class SlidingWindow : public RelativeLocalizer {
     return found;
   }
 
-  static constexpr std::size_t kTaken = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kAssigned = std::numeric_limits<std::size_t>::max();
 
   SlidingWindowConfig config_;
   std::vector<Teammate> teammates_;
@@ -214,7 +214,7 @@ class SlidingWindow : public RelativeLocalizer {
   MarkerSightings markers_;
   std::vector<MarkedTrack> marked_;
   std::vector<Sighting> bright_, seen_, left_;  // in this tick
-  std::vector<std::size_t> owners_;             // per sighting: index of its teammate, or kTaken
+  std::vector<std::size_t> owners_;             // per sighting: index of its teammate, or kAssigned
   std::size_t num_missing_ = 0;
   SightingChains chains_;
   std::uint64_t num_sightings_ = 0, num_rejected_ = 0;
@@ -281,9 +281,9 @@ void check_names(ConfigVisitor& v, const std::string& other, const std::vector<s
 
 void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
-          "[-] name of the vehicle to localize, which tells its odometry (follow_guide); empty: the first other one");
+          "[-] name of the vehicle to localize, which reports its odometry (follow_guide); empty: the first other one");
   v.field("others", others,
-          "[-] names, when there are several; they are distinguished by their motion, so let them move differently");
+          "[-] names, when there are several; they are distinguished by their motion and must move differently");
   v.choice("source", source, {"detections", "tracks", "markers"},
            "[-] source of sightings: detections, the clusters on which tracks were corrected, or all bright returns of "
            "a scan");
@@ -321,7 +321,7 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
 
 void SharedWorldConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
-          "[-] name of the vehicle to localize, which tells its odometry and started from a known pose; empty: the "
+          "[-] name of the vehicle to localize, which reports its odometry and started from a known pose; empty: the "
           "first other one");
   v.field("others", others, "[-] names, when there are several");
   v.field("sigma_m", sigma_m, "[m] standard deviation of its position, by axis", Range::positive());

@@ -82,7 +82,7 @@ int OccupancyMap::find_or_make(const Cell& block) {
 
 void OccupancyMap::forget(int i) {
   About& about = blocks_[i];
-  forgotten_.note(revision_, about.at);
+  removed_.note(revision_, about.at);
   if (about.page != 0) free_pages_.push_back(about.page);
   block(i) = {};
   note_occupied(i);
@@ -101,14 +101,14 @@ void OccupancyMap::keep_around(const Vector3& center_local_m) {
     const Vector3 middle_local_m = (at.cast<double>().array() + 0.5) * block_m;
     return (middle_local_m - center_local_m).squaredNorm() > config_.keep_radius_m * config_.keep_radius_m;
   };
-  bool forgets = false;
+  bool removes = false;
   for (int i = 0; i < static_cast<int>(blocks_.size()); ++i) {
     if (!blocks_[i].used || !far_away(blocks_[i].at)) continue;
-    if (!forgets) ++revision_;
-    forgets = true;
+    if (!removes) ++revision_;
+    removes = true;
     forget(i);
   }
-  if (forgets) distances_.forget_if(far_away);
+  if (removes) distances_.forget_if(far_away);
 }
 
 void OccupancyMap::note_occupied(int i) {
@@ -382,12 +382,12 @@ std::optional<SegmentHit> OccupancyMap::first_hit(const Vector3& from_local_m, c
 
 bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
-  if (!forgotten_.covers(revision)) return false;
+  if (!removed_.covers(revision)) return false;
   const auto add = [&](const Cell& at) { boxes.push_back({config_.edge_m, at * kSide, Cell::Constant(kSide)}); };
   for (const About& about : blocks_) {
     if (about.used && about.changed > revision) add(about.at);
   }
-  forgotten_.for_each_since(revision, add);
+  removed_.for_each_since(revision, add);
   return true;
 }
 
@@ -482,10 +482,11 @@ double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / 
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
-  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kTile = 1100.0, kAskedFor = 0.25;
+  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kTile = 1100.0,
+                   kRequestedShare = 0.25;
   double across = 1.0;  // slots per axis
   while (across < places_across()) across *= 2.0;
-  return blocks * (kBlock + kNearSurfaces * kPage + kAskedFor * kTile) + across * across * across * kPlace +
+  return blocks * (kBlock + kNearSurfaces * kPage + kRequestedShare * kTile) + across * across * across * kPlace +
          RayCells::bytes(range_max_m, edge_m);
 }
 

@@ -54,7 +54,7 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   std::uint32_t& place = places_[place_of(block)];
   if (place != 0 && blocks_[place - 1].at == block) return blocks_[place - 1];
   // A block in the same slot lies beyond the kept radius.
-  if (place != 0) forgotten_.note(revision_, blocks_[place - 1].at);
+  if (place != 0) removed_.note(revision_, blocks_[place - 1].at);
   if (place == 0 && !free_.empty()) {
     place = free_.back();
     free_.pop_back();
@@ -179,16 +179,16 @@ void SparseVoxelMap::pass(const Ray& ray) {
 
 void SparseVoxelMap::keep_around(const Vector3& center_local_m) {
   const double block_m = kSide * config_.edge_m;
-  bool forgets = false;
+  bool removes = false;
   for (Block& block : blocks_) {
     if (!block.used) continue;
     const Vector3 middle_local_m = (block.at.cast<double>().array() + 0.5) * block_m;
     if ((middle_local_m - center_local_m).norm() <= config_.keep_radius_m) continue;
     block.used = false;
     free_.push_back(std::exchange(places_[place_of(block.at)], 0U));
-    if (!forgets) ++revision_;
-    forgets = true;
-    forgotten_.note(revision_, block.at);
+    if (!removes) ++revision_;
+    removes = true;
+    removed_.note(revision_, block.at);
   }
 }
 
@@ -258,12 +258,12 @@ std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_local_m,
 bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
   if (config_.memory_s > 0.0) return false;
-  if (!forgotten_.covers(revision)) return false;
+  if (!removed_.covers(revision)) return false;
   const auto add = [&](const Cell& block) { boxes.push_back({config_.edge_m, block * kSide, Cell::Constant(kSide)}); };
   for (const Block& block : blocks_) {
     if (block.used && block.changed > revision) add(block.at);
   }
-  forgotten_.for_each_since(revision, add);
+  removed_.for_each_since(revision, add);
   return true;
 }
 

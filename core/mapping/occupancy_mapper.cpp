@@ -115,7 +115,7 @@ void OccupancyMapperConfig::visit(ConfigVisitor& v) {
           "[-] name of the vehicle whose reported rays build the map; empty: the own LiDARs build it");
   v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle to which the rays of each scan are sent, in the world");
   map.visit(v);
-  v.check(rays_of.empty() || tell_rays_to.empty(), "tell_rays_to", "empty where rays_of names who tells");
+  v.check(rays_of.empty() || tell_rays_to.empty(), "tell_rays_to", "empty if rays_of is set");
   v.check(clear_range_m <= map.range_max_m, "clear_range_m", "at most range_max_m");
 }
 

@@ -95,8 +95,8 @@ class SharedTracks : public Tracker {
     counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_told"});
     counters.push_back(
         {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
-    counters.push_back({"targets told together that turned out to be two", fusion_.num_broken(), fusion_.num_joined(),
-                        "fusion.merge_sq"});
+    counters.push_back(
+        {"fused targets that were split again", fusion_.num_broken(), fusion_.num_joined(), "fusion.merge_sq"});
   }
 
  private:

@@ -17,7 +17,7 @@ constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.7735027, kPeakJerk = 
 constexpr double kMargin = 1.001;  // margin for peaks between two samples
 constexpr int kSamples = 48;
 constexpr double kLonger = 1.05;
-constexpr int kTries = 60;
+constexpr int kMaxAttempts = 60;
 
 /// Weight of the old pose [Orsulic 2021, eq. 2].
 double weight_of_old(BlendForm form, double t_s) {
@@ -146,7 +146,7 @@ bool CorrectionBlend::begin_limited(TimeNs t) {
   double duration_s = kMargin * std::max({kPeakSpeed * displacement_m / config_.speed_max_mps,
                                           std::sqrt(kPeakAcceleration * displacement_m / config_.acceleration_max_mps2),
                                           elementary::cbrt(kPeakJerk * displacement_m / config_.jerk_max_mps3), 1e-3});
-  for (int i = 0; i < kTries; ++i, duration_s *= kLonger) {
+  for (int i = 0; i < kMaxAttempts; ++i, duration_s *= kLonger) {
     if (peak_share(start, duration_s) > 1.0) continue;
     begin_blend(t, T_next_, next_pivot_local_m_);
     start_ = start;

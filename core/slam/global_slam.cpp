@@ -477,7 +477,7 @@ void GlobalSlam::append_overlays(std::vector<Overlay>& overlays) const {
   submaps.kind = Overlay::Kind::kSpheres;
   submaps.size_m = 0.3F;
   submaps.colors = {{0.95F, 0.80F, 0.15F, 1.0F}};
-  submaps.legend = {{"where submaps began", submaps.colors.front()}};
+  submaps.legend = {{"starts of submaps", submaps.colors.front()}};
   for (const Submap& submap : submaps_) submaps.positions.push_back(place_local_m(submap.pose));
   closures.name = "slam.closures";
   closures.kind = Overlay::Kind::kLines;

@@ -549,7 +549,7 @@ void MapSharing::append_overlays(const SubmapProvider& own, std::vector<Overlay>
 }
 
 void MapSharing::append_counters(std::vector<Counter>& counters) const {
-  counters.push_back({"messages about maps that cannot be so", num_refused_, num_received_, "global.share.enabled"});
+  counters.push_back({"rejected messages about maps", num_refused_, num_received_, "global.share.enabled"});
 }
 
 void CompactCloudConfig::visit(ConfigVisitor& v) {

@@ -21,7 +21,7 @@ bool is_scale(double huber) { return huber > 0.0; }  // infinite: no Huber loss
 }  // namespace
 
 std::string fault_of(const SavedMap& map) {
-  if (!(map.voxel_m > 0.0 && std::isfinite(map.voxel_m))) return "its voxels have no edge";
+  if (!(map.voxel_m > 0.0 && std::isfinite(map.voxel_m))) return "the edge of its voxels is not positive";
   const PoseGraph& graph = map.graph;
   const auto known = [&](int pose) { return pose >= 0 && pose < graph.num_poses(); };
   for (int i = 0; i < graph.num_poses(); ++i) {
@@ -32,26 +32,26 @@ std::string fault_of(const SavedMap& map) {
         return known(f.from) && known(f.to) && f.from != f.to && is_pose(f.T_from_to) && f.information.allFinite() &&
                is_scale(f.huber);
       })) {
-    return "a constraint between poses makes no sense";
+    return "a constraint between poses is invalid";
   }
   const auto priors = graph.prior_factors();
   if (!std::all_of(priors.begin(), priors.end(), [&](const PriorFactor& f) {
         return known(f.pose) && is_pose(f.T_world_pose) && f.information.allFinite();
       })) {
-    return "what was known of a pose makes no sense";
+    return "the prior of a pose is invalid";
   }
   const auto gravities = graph.gravity_factors();
   if (!std::all_of(gravities.begin(), gravities.end(), [&](const GravityFactor& f) {
         return known(f.pose) && f.up_body.allFinite() && f.sigma_rad > 0.0 && std::isfinite(f.sigma_rad);
       })) {
-    return "a direction of gravity makes no sense";
+    return "a direction of gravity is invalid";
   }
   const auto positions = graph.position_factors();
   if (!std::all_of(positions.begin(), positions.end(), [&](const PositionFactor& f) {
         return known(f.before) && known(f.after) && std::isfinite(f.beta) && f.p_world_m.allFinite() &&
                f.weight_world_1_m.allFinite() && is_scale(f.huber);
       })) {
-    return "a measured position makes no sense";
+    return "a measured position is invalid";
   }
   if (!std::all_of(map.nodes.begin(), map.nodes.end(), [&](const SavedMap::Node& n) { return known(n.pose); })) {
     return "a node has no pose";

@@ -248,9 +248,9 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
     const std::array<Vector3, 2> n = {cell->normal.cast<double>(), cell->aside().cast<double>()};
     std::array<PlaneDistance, 2> d = {distance_from_plane(*cell, off, scan.floor_m2), {}};
     if (!cell->planar) {
-      const double unsure = 1.0 + 1.0 / cell->count_fitted;
-      d[0].variance_m2 = scan.floor_m2 + cell->variance_m2 * unsure;
-      d[1] = {n[1].dot(off), scan.floor_m2 + cell->narrow_variance_m2 * unsure};
+      const double inflation = 1.0 + 1.0 / cell->count_fitted;
+      d[0].variance_m2 = scan.floor_m2 + cell->variance_m2 * inflation;
+      d[1] = {n[1].dot(off), scan.floor_m2 + cell->narrow_variance_m2 * inflation};
     }
     double distance_sq = 0.0;
     for (int k = 0; k < num; ++k) distance_sq += d[k].r_m * d[k].r_m / d[k].variance_m2;

@@ -74,8 +74,8 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   const char* warning() const override { return warning_; }
   Search search() const override { return search_; }
   void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"scans of which too little lay where the map has surfaces", num_mismatched_, num_scans_,
-                        "local.known_share_min"});
+    counters.push_back(
+        {"scans with too few points near surfaces of the map", num_mismatched_, num_scans_, "local.known_share_min"});
     if (sharing_) sharing_->append_counters(counters);
   }
 
@@ -165,9 +165,9 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     estimate_.valid = fault_[0] == '\0';
     warning_ = "";
     if (to_seconds(due - last_used_) > config_.warn_after_s)
-      warning_ = "SLAM flies by the IMU alone";
+      warning_ = "SLAM: dead reckoning by the IMU alone";
     else if (to_seconds(due - last_sure_) > config_.warn_after_s)
-      warning_ = "SLAM is degenerate: the scans leave a direction open";
+      warning_ = "SLAM is degenerate: the scans do not constrain every direction";
   }
 
   SlamConfig config_;

@@ -36,7 +36,7 @@ constexpr EstimatorType kEstimatorTypes[] = {
      make_ins_estimator,
      need_imu,
      ""},
-    {{"slam", "LiDAR and IMU: matches scans to the map that it makes of them", make_module_config<SlamConfig>},
+    {{"slam", "LiDAR and IMU: matches scans to the map built from earlier ones", make_module_config<SlamConfig>},
      make_slam_estimator,
      need_lidar_and_imu,
      "slam.trajectory slam.submaps slam.closures slam.joined"},

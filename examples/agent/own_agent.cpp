@@ -38,7 +38,7 @@ class Keeper : public Agent {
     action_.clear_outputs();
     if (observation.pose.empty()) return action_;
     const PoseSample& pose = observation.pose.back();
-    tell_estimate(pose);
+    publish_estimate(pose);
     command_rotors(mixer_.forces(wrench_for(pose)));
     return action_;
   }
@@ -66,7 +66,7 @@ class Keeper : public Agent {
   }
 
   /// For metrics and recorders only; control does not use it.
-  void tell_estimate(const PoseSample& pose) {
+  void publish_estimate(const PoseSample& pose) {
     action_.estimate.t = pose.t;
     action_.estimate.valid = true;
     action_.estimate.T_local_body = pose.T_world_body;
@@ -94,7 +94,7 @@ AgentNeeds keeper_needs(const ModuleConfig&) {
 }  // namespace
 
 int main() {
-  agent_registry().add({{"keeper", "holds a place", make_module_config<KeeperConfig>}, make_keeper, keeper_needs});
+  agent_registry().add({{"keeper", "holds a position", make_module_config<KeeperConfig>}, make_keeper, keeper_needs});
 
   sim::Scenario scenario;
   scenario.duration_s = 10.0;

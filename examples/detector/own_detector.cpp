@@ -78,7 +78,7 @@ void need_scores(const ModuleConfig&, AgentNeeds& needs) { needs.detects = true;
 }  // namespace
 
 int main() {
-  detector_registry().add({{"hovering", "what is small and hangs in the air", make_module_config<HoveringConfig>},
+  detector_registry().add({{"hovering", "small clusters of points in the air", make_module_config<HoveringConfig>},
                            make_hovering,
                            need_scores});
 

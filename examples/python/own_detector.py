@@ -16,7 +16,7 @@ TEAM = {
          "agent": {"localization": {"type": "ground_truth"}, "guidance": {"type": "hover"}}}]}
 
 
-@swiftlet.detector("hanging", doc="what is small and hangs in the air")
+@swiftlet.detector("hanging", doc="small clusters of points in the air")
 class Hanging:
     least_height_m = swiftlet.key(2.0, "[m] above the local origin's ground: what is lower is no vehicle", min=0.0)
     cell_m = swiftlet.key(1.0, "[m] points in neighboring cells belong together", min=0.1)

@@ -45,7 +45,7 @@ const EpisodeRow& better(const EpisodeRow& a, const EpisodeRow& b) {
     }
   }
   throw InputError(from.string() + ": episode " + std::to_string(a.id) +
-                   ": expected what another source says of it, found something else (" + what +
+                   ": expected equal results from every source, found different ones (" + what +
                    "); were they made by different builds or machines?");
 }
 
@@ -153,7 +153,7 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
     ResultStore store(partial, ResultStore::Mode::kCreate);
     Merger merger(store);
     for (const fs::path& file : sources) merger.add(file);
-    if (!merger.info()) throw InputError(out.string() + ": expected results to unite, found none");
+    if (!merger.info()) throw InputError(out.string() + ": expected results to merge, found none");
     outcome.expected = merger.info()->num_episodes;
     outcome.overlaps = merger.overlaps();
     outcome.by_status = store.count_by_status();

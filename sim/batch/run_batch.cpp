@@ -69,7 +69,7 @@ void require_same_division(const fs::path& out, const Shard& shard) {
     const std::string count = name.substr(at + kOf.size());
     if (count == std::to_string(shard.count)) continue;
     throw InputError(shard.source + ": expected one of " + count + " parts, as in " + entry.path().string() +
-                     ", found part " + shard.str() + "; give --shard i/" + count + " instead, or choose another --out");
+                     ", found part " + shard.str() + "; set --shard i/" + count + " instead, or choose another --out");
   }
 }
 
@@ -178,7 +178,7 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
       store.add(row_of(plan, result));
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(std::string(error.what()) + "; " + std::to_string(progress.done) +
-                               " episodes are stored, --resume goes on");
+                               " episodes are stored; continue with --resume");
     }
     ++progress.done;
     ++progress.flown;

@@ -30,7 +30,7 @@ std::optional<int> number(const Environment& environment, const std::string& nam
 int need(const Environment& environment, const std::string& name, const std::string& with) {
   const auto value = number(environment, name);
   if (!value)
-    throw InputError(name + ": expected a whole number beside " + with + ", found nothing; give --shard i/n instead");
+    throw InputError(name + ": expected a whole number beside " + with + ", found nothing; set --shard i/n instead");
   return *value;
 }
 
@@ -54,7 +54,7 @@ Shard slurm_array(const Environment& environment) {
   if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0 || (count == 1 && id > 1)) {
     throw InputError("SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found " +
                      (count == 1 ? "task " + std::to_string(id) + " alone" : std::string("one with holes")) +
-                     "; give --shard i/n instead");
+                     "; set --shard i/n instead");
   }
   return checked((id - min) / step, count, "SLURM_ARRAY_TASK_ID");
 }

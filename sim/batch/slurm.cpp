@@ -109,16 +109,16 @@ std::string sbatch(const std::string& arguments) {
   const std::string command = "sbatch --parsable " + arguments + " 2>&1";
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("cannot start sbatch");
-  std::string said;
+  std::string output;
   std::array<char, 256> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
+  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) output += buffer.data();
   const int status = ::pclose(pipe);
-  while (!said.empty() && said.back() == '\n') said.pop_back();
+  while (!output.empty() && output.back() == '\n') output.pop_back();
   if (status != 0) {
     throw std::runtime_error("sbatch ended with status " +
-                             std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1) + ": " + said);
+                             std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1) + ": " + output);
   }
-  return said.substr(0, said.find(';'));  // "job;cluster"
+  return output.substr(0, output.find(';'));  // "job;cluster"
 }
 
 }  // namespace

@@ -205,7 +205,7 @@ class Worker {
     AnswerHead head;
     if (answer_.size() < sizeof head) return std::nullopt;
     std::memcpy(&head, answer_.data(), sizeof head);
-    if (head.size > kMaxMessage) throw std::logic_error("a worker's answer makes no sense");
+    if (head.size > kMaxMessage) throw std::logic_error("the reply of a worker process is invalid");
     if (answer_.size() < sizeof head + head.size) return std::nullopt;
     JobResult result = result_of(static_cast<JobStatus>(head.status));
     (result.status == JobStatus::kDone ? result.bytes : result.message) = answer_.substr(sizeof head);
@@ -218,7 +218,7 @@ class Worker {
   JobResult kill_for_time(double limit_s) {
     JobResult result = result_of(JobStatus::kTimedOut);
     kill();
-    result.message = fmt::format("took longer than {:g} s of wall time", limit_s);
+    result.message = fmt::format("exceeded {:g} s of wall time", limit_s);
     return result;
   }
 
@@ -254,7 +254,7 @@ class Worker {
     if (WIFSIGNALED(status)) {
       const int number = WTERMSIG(status);
       result.message = std::string("killed by signal ") + std::to_string(number) + " (" + ::strsignal(number) + ")";
-      if (number == SIGKILL) result.message += ", by the kernel for want of memory or by somebody";
+      if (number == SIGKILL) result.message += ", for lack of memory or by another process";
     } else {
       result.message = "the worker ended with status " + std::to_string(WEXITSTATUS(status));
     }

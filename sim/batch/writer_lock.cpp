@@ -24,7 +24,7 @@ WriterLock::WriterLock(const std::filesystem::path& database) {
   const int problem = errno;
   ::close(fd_);
   if (problem == EACCES || problem == EAGAIN) {
-    throw InputError(file.string() + ": expected nobody else at work here, found another `swiftlet batch`");
+    throw InputError(file.string() + ": expected no other writer, found another `swiftlet batch`");
   }
   throw std::runtime_error(file.string() + ": cannot be locked: " + std::strerror(problem));
 }

@@ -80,7 +80,7 @@ std::string split_table(const DatasetPlan& plan, const std::vector<SequenceInfo>
 }
 
 /// Points on other vehicles, and on the carrier of the LiDAR.
-std::string whose_points(const Totals& all, std::int64_t on_vehicles) {
+std::string vehicle_points(const Totals& all, std::int64_t on_vehicles) {
   std::int64_t on_others = 0;
   for (const SequenceStatistics::RangeBin& bin : all.statistics.vehicles_by_range) on_others += bin.points;
   return "| - other vehicles | | " + grouped(on_others) + " | |\n| - the LiDAR's own carrier | | " +
@@ -97,7 +97,7 @@ std::string class_histogram(const Totals& all) {
         static_cast<double>(-negative) / static_cast<double>(std::max<std::int64_t>(all.statistics.points, 1));
     text += "| " + name_of_label(label) + " | " + std::to_string(label) + " | " + grouped(-negative) + " | " +
             (share >= 1e-3 ? fmt::format("{:.2f} %", 100.0 * share) : fmt::format("{:.4f} %", 100.0 * share)) + " |\n";
-    if (label == static_cast<std::uint16_t>(SurfaceClass::kVehicle)) text += whose_points(all, -negative);
+    if (label == static_cast<std::uint16_t>(SurfaceClass::kVehicle)) text += vehicle_points(all, -negative);
   }
   return text;
 }
@@ -270,7 +270,7 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
   const std::string outside = poses_outside(sequences);
   if (!outside.empty()) text += outside + ".\n\n";
   text +=
-      "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colors and splits in the "
+      "The splits have no world in common. `semantic-kitti.yaml` names classes, colors and splits in the "
       "form "
       "of semantic-kitti-api.\n\n";
   if (all.statistics.points > 0) {
@@ -290,7 +290,7 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
   }
   const std::string shown = pictures(sequences);
   if (!shown.empty()) text += "## Pictures\n\n" + shown;
-  text += "## What was drawn for each flight\n\n" + randomization_table(config) + "\n";
+  text += "## Random values of each flight\n\n" + randomization_table(config) + "\n";
   text += "## Sequences\n\n" + sequence_table(sequences) + "\n";
   text += "## Files\n\nThe layout is that of SemanticKITTI; docs/datasets.md of Swiftlet describes every file.\n";
   write_file(directory / "README.md", text);

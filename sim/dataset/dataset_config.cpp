@@ -210,7 +210,7 @@ std::string write_dataset(const DatasetConfig& config) {
 std::string dataset_reference() {
   DatasetConfig config;
   return "# Reference of dataset files\n\nThis page is generated: `swiftlet reference dataset`. "
-         "docs/datasets.md tells what the keys are for, docs/reference.md how values are written.\n\n" +
+         "The purpose of the keys is in docs/datasets.md, the syntax of values in docs/reference.md.\n\n" +
          reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Dataset");
 }
 

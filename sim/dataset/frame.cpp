@@ -119,7 +119,7 @@ void encode_images(const LabeledScan& labeled, const ContentConfig& content, std
   }
 }
 
-bool makes_an_image(const Scan& scan) { return scan.rows() >= kLeastRows && scan.cols() >= kLeastRows; }
+bool is_image_shaped(const Scan& scan) { return scan.rows() >= kLeastRows && scan.cols() >= kLeastRows; }
 
 std::vector<int> pixel_shift_by_row(const BeamTable& beams) {
   std::vector<int> shifts(static_cast<std::size_t>(beams.rows), 0);

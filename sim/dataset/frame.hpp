@@ -30,7 +30,7 @@ void encode_images(const LabeledScan& scan, const ContentConfig& content, std::v
                    std::vector<std::uint16_t>& intensity);
 
 /// Do the rows and columns of the scan form an image?
-bool makes_an_image(const Scan& scan);
+bool is_image_shaped(const Scan& scan);
 
 /// Number of columns by which each row must be shifted to the right so that pixels of one column have the same azimuth.
 std::vector<int> pixel_shift_by_row(const BeamTable& beams);

@@ -81,7 +81,7 @@ void FrameWriter::write(const LabeledScan& labeled) {
   write_bytes(frame_file("velodyne", frame, "bin"), frame_.velodyne);
   write_bytes(frame_file("labels", frame, "label"), frame_.labels);
   if (content_.point_truth) write_bytes(frame_file("point_truth", frame, "bin"), frame_.point_truth);
-  if (content_.images && makes_an_image(labeled.scan)) write_images(labeled);
+  if (content_.images && is_image_shaped(labeled.scan)) write_images(labeled);
   count(labeled);
 }
 

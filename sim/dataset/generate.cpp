@@ -40,7 +40,7 @@ class DirectoryLock {
     if (file_ < 0) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
     if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
     ::close(file_);
-    throw InputError(directory.string() + ": expected a directory that nobody is writing, found one in use");
+    throw InputError(directory.string() + ": expected a directory without another writer, found one in use");
   }
   ~DirectoryLock() { ::close(file_); }
   DirectoryLock(const DirectoryLock&) = delete;
@@ -74,10 +74,10 @@ void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
 bool is_begun(const fs::path& directory) {
   std::error_code missing;
   if (!fs::is_empty(directory / "sequences", missing) || missing) return false;
-  const std::set<std::string> ours = {".lock",        "sequences",         "scenarios",
-                                      "dataset.yaml", "dataset.yaml.part", "manifest.json.part"};
+  const std::set<std::string> known_names = {".lock",        "sequences",         "scenarios",
+                                             "dataset.yaml", "dataset.yaml.part", "manifest.json.part"};
   for (const auto& entry : fs::directory_iterator(directory)) {
-    if (!ours.contains(entry.path().filename().string())) return false;
+    if (!known_names.contains(entry.path().filename().string())) return false;
   }
   return true;
 }
@@ -87,13 +87,12 @@ void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
   if (fs::exists(directory / kManifest)) {
     if (!options.resume) {
       throw InputError(directory.string() +
-                       ": expected a new name or an empty directory, found a dataset; --resume goes on with it");
+                       ": expected a new name or an empty directory, found a dataset; continue it with --resume");
     }
     if (fingerprint_in(directory) != plan.fingerprint) {
-      throw InputError(
-          directory.string() +
-          ": expected a dataset of the same configuration and version, found another one (its dataset.yaml "
-          "tells which); nothing was changed");
+      throw InputError(directory.string() +
+                       ": expected a dataset of the same configuration and version, found another one (see its "
+                       "dataset.yaml); nothing was changed");
     }
     return;
   }
@@ -205,7 +204,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);
   if (!failure.empty()) {
     throw std::runtime_error(failure + " (" + std::to_string(report.flights_done) + " of " +
-                             std::to_string(report.flights_all) + " flights are finished and kept; --resume goes on)");
+                             std::to_string(report.flights_all) +
+                             " flights are finished and kept; continue with --resume)");
   }
   report.canceled = !complete;
   if (!report.canceled) {

@@ -80,7 +80,7 @@ class Verification {
     read_manifest();
     const auto complete = manifest_.find("complete");
     if (complete == manifest_.end() || *complete != true)
-      problem("the dataset is not complete; swiftlet dataset --resume goes on");
+      problem("the dataset is not complete; continue with swiftlet dataset --resume");
     report_.poses_outside = poses_outside(sequences_);
     check_files();
     for (const SequenceInfo& info : sequences_) check_layout(info);

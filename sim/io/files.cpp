@@ -69,10 +69,10 @@ void make_directory(const fs::path& path) {
   fs::create_directories(path, error);
   if (!error) return;
   std::error_code missing;
-  const bool leads_nowhere = fs::is_symlink(path, missing) && !fs::exists(path, missing);
+  const bool is_dangling = fs::is_symlink(path, missing) && !fs::exists(path, missing);
   throw InputError(path.string() + ": expected a directory that can be made, found: " +
-                   (leads_nowhere ? "a link to " + fs::read_symlink(path, missing).string() + ", which is not there"
-                                  : error.message()));
+                   (is_dangling ? "a link to " + fs::read_symlink(path, missing).string() + ", which is not there"
+                                : error.message()));
 }
 
 void make_inner_directory(const fs::path& path) {

@@ -20,11 +20,13 @@ constexpr MetricDefinition kSeparationPair = {"min_separation_pair", "",
 constexpr MetricDefinition kSurface = {"min_clearance_surface_m", "m",
                                        "least distance from the circumscribed sphere of the vehicle to a surface of "
                                        "the world, from its first positive value on; at most metrics.clearance_max_m"};
-constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s", "time at which it is first reached"};
+constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s",
+                                           "time at which that distance is first reached"};
 constexpr MetricDefinition kOther = {
     "min_clearance_vehicle_m", "m",
     "least distance between the circumscribed spheres of the vehicle and another one; negative: they overlap"};
-constexpr MetricDefinition kOtherTime = {"min_clearance_vehicle_time_s", "s", "time at which it is first reached"};
+constexpr MetricDefinition kOtherTime = {"min_clearance_vehicle_time_s", "s",
+                                         "time at which that distance is first reached"};
 constexpr MetricDefinition kOtherPartner = {"min_clearance_vehicle_partner", "",
                                             "the other vehicle at that time, or none"};
 constexpr MetricDefinition kSeparationPartner = {"min_separation_partner", "",

@@ -226,9 +226,9 @@ class DetectionMetric final : public Metric {
       remember(i, tick);
       const Action& action = *tick.actions[i];
       if (tick.states[i].crashed) continue;
-      if (perception.detects && action.has_detections) judge_detections(i, tick, context);
+      if (perception.detects && action.has_detections) evaluate_detections(i, tick, context);
       const bool new_scan = !tick.scans[i].empty() || observers_[i].num_scans == 0;
-      if (perception.tracks && action.has_tracks && new_scan) judge_tracks(i, tick, context);
+      if (perception.tracks && action.has_tracks && new_scan) evaluate_tracks(i, tick, context);
     }
   }
 
@@ -279,7 +279,7 @@ class DetectionMetric final : public Metric {
   }
 
   // ---- scoring of one scan
-  void judge_detections(std::size_t i, const TickView& tick, const MetricContext& context) {
+  void evaluate_detections(std::size_t i, const TickView& tick, const MetricContext& context) {
     const Action& action = *tick.actions[i];
     estimates_.clear();
     for (const Detection& detection : action.detections) {
@@ -291,10 +291,10 @@ class DetectionMetric final : public Metric {
     }
     const SeenScan* scan = scan_of(observers_[i], action.detections_stamp);
     const TimeNs middle = scan != nullptr ? scan->middle : action.detections_stamp;
-    judge(i, DetectionScore::Stage::kDetector, scan, middle, tick.t, context.flying);
+    evaluate(i, DetectionScore::Stage::kDetector, scan, middle, tick.t, context.flying);
   }
 
-  void judge_tracks(std::size_t i, const TickView& tick, const MetricContext& context) {
+  void evaluate_tracks(std::size_t i, const TickView& tick, const MetricContext& context) {
     estimates_.clear();
     for (const Track& track : tick.actions[i]->tracks) {
       Estimate estimate;
@@ -307,13 +307,13 @@ class DetectionMetric final : public Metric {
     }
     const Observer& observer = observers_[i];
     const SeenScan* scan = observer.num_scans == 0 ? nullptr : &observer.scans[(observer.num_scans - 1) % kScans];
-    judge(i, DetectionScore::Stage::kTracker, scan, scan != nullptr ? scan->middle : tick.t, tick.t, context.flying);
+    evaluate(i, DetectionScore::Stage::kTracker, scan, scan != nullptr ? scan->middle : tick.t, tick.t, context.flying);
     follow_identities(observers_[i].tracker);
   }
 
   /// Assigns estimates to vehicles, then scores every flying vehicle and every unassigned estimate.
-  void judge(std::size_t i, DetectionScore::Stage stage, const SeenScan* scan, TimeNs middle, TimeNs now,
-             std::span<const char> flying) {
+  void evaluate(std::size_t i, DetectionScore::Stage stage, const SeenScan* scan, TimeNs middle, TimeNs now,
+                std::span<const char> flying) {
     Observer& observer = observers_[i];
     if (observer.T_estimate_truth->empty()) return;
     StageResult& result = stage == DetectionScore::Stage::kDetector ? observer.detector : observer.tracker;

@@ -49,7 +49,7 @@ class JoinedMapsMetric final : public Metric {
       if (tick.agents.empty() || tick.states[i].crashed || !tick.actions[i]->estimate.valid) continue;
       const auto* joins = dynamic_cast<const JoinedMapProvider*>(tick.agents[i].get());
       if (joins == nullptr) continue;
-      for (const JoinedMap& joined : joins->joined_maps()) judge(tick, i, joined);
+      for (const JoinedMap& joined : joins->joined_maps()) score(tick, i, joined);
     }
   }
 
@@ -92,7 +92,7 @@ class JoinedMapsMetric final : public Metric {
     }
   }
 
-  void judge(const TickView& tick, std::size_t i, const JoinedMap& joined) {
+  void score(const TickView& tick, std::size_t i, const JoinedMap& joined) {
     const auto other = static_cast<std::size_t>(joined.other);
     if (tick.states[other].crashed || !tick.actions[other]->estimate.valid) return;
     const Pose& T_local_body = tick.actions[i]->estimate.T_local_body;

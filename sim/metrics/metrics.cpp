@@ -82,7 +82,7 @@ Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_n
   for (const MetricType& type : metric_registry()) {
     auto metric = type.make(setup);
     if (metric == nullptr)
-      throw std::runtime_error("the maker of the metric '" + std::string(type.name) + "' made nothing");
+      throw std::runtime_error("the maker of the metric '" + std::string(type.name) + "' returned nothing");
     metrics_.push_back(std::move(metric));
     for (const auto& table : metrics_.back()->series()) series_.push_back(table.get());
   }

@@ -28,7 +28,7 @@ constexpr std::array<OutcomeDefinition, 4> kOutcomes = {{
     {"crashed", "the vehicle crashed; overrides the status of its mission, even after it was done"},
 }};
 
-const char* word_for(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
+const char* name_of_outcome(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
 
 /// A crash overrides the mission's status, even after the mission is done. The agent of a crashed vehicle continues,
 /// but its mission does not.
@@ -48,10 +48,10 @@ class OutcomeMetric final : public Metric {
     }
     if (const auto* captures = series_of<CaptureRecord>(context.series)) {
       for (std::size_t k = 0; k < captures->size(); ++k) {
-        const auto hunter = static_cast<std::size_t>(captures->about(k));
+        const auto interceptor = static_cast<std::size_t>(captures->about(k));
         const CaptureRecord& capture = captures->rows()[k];
-        if (wanted(hunter) == 0 || capture.number < wanted(hunter)) continue;
-        vehicles_[hunter].caught_enough = vehicles_[capture.target].caught = true;
+        if (wanted(interceptor) == 0 || capture.number < wanted(interceptor)) continue;
+        vehicles_[interceptor].caught_enough = vehicles_[capture.target].caught = true;
       }
     }
     for (const Event& event : tick.events) {
@@ -66,10 +66,10 @@ class OutcomeMetric final : public Metric {
   void report(MetricTable& table) const override {
     Outcome worst = Outcome::kDone;
     for (std::size_t i = 0; i < num_vehicles(); ++i) worst = std::max(worst, outcome_of(i));
-    table.add_text(kOutcome, "", word_for(worst));
+    table.add_text(kOutcome, "", name_of_outcome(worst));
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
-      table.add_text(kOutcome, name_of(i), word_for(outcome_of(i)));
+      table.add_text(kOutcome, name_of(i), name_of_outcome(outcome_of(i)));
       table.add(kTimeToDone, name_of(i), std::isnan(vehicle.crash_s) ? vehicle.done_s : kNotMeasured);
       table.add(kCrashTime, name_of(i), vehicle.crash_s);
       table.add_text(kCrashPartner, name_of(i), vehicle.partner.empty() ? "none" : vehicle.partner);

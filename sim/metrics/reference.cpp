@@ -32,24 +32,25 @@ void append_table(std::string& text, const char* name, const char* doc, std::spa
 std::string metrics_reference() {
   std::string text =
       "<!-- Written by `swiftlet reference metrics`. -->\n"
-      "# What the results of a run mean\n\n"
-      "This page is for those who read `summary.json`, the table of a batch, or a report. After it you know how each "
+      "# Metrics of a run\n\n"
+      "For readers of `summary.json`, the table of a batch, or a report: the definition of each "
       "figure\n"
-      "is computed. Metrics of the whole run have no vehicle, the others have its name. What could not be measured is\n"
-      "`null`. Positions, distances and speeds are true ones in the world frame, where nothing else is said.\n"
-      "`swiftlet list metrics` prints the same.\n\n"
+      "Metrics of the whole run have no vehicle, the others have its name. Unmeasured values are\n"
+      "`null`. Positions, distances and speeds are true ones in the world frame, unless stated otherwise.\n"
+      "`swiftlet list metrics` prints the same definitions.\n\n"
       "## Outcomes\n"
-      "| outcome | what it means |\n| --- | --- |\n";
+      "| outcome | definition |\n| --- | --- |\n";
   for (const OutcomeDefinition& word : outcome_definitions())
     text += fmt::format("| `{}` | {} |\n", word.name, word.definition);
   text +=
-      "\nA run is as good as its worst vehicle; the outcomes stand here from best to worst. Episodes of a batch that "
+      "\nThe outcome of a run is the worst one of its vehicles; the table is ordered from best to worst. Episodes that "
       "did not\n"
-      "end by themselves have words of their own ([batch.md](batch.md)).\n";
+      "end by themselves have statuses of their own ([batch.md](batch.md)).\n";
   for (const MetricType& type : metric_registry()) append_table(text, type.name, type.doc, type.definitions);
   const MetricDefinition radio[] = {kRadioMetrics.sent, kRadioMetrics.delivered, kRadioMetrics.bytes,
                                     kRadioMetrics.mean_delay};
-  append_table(text, "radio", "what tables of batches tell of the radio; `summary.json` has more under `radio`", radio);
+  append_table(text, "radio", "columns of the radio in tables of batches; `summary.json` has more under `radio`",
+               radio);
   return text;
 }
 

@@ -36,7 +36,7 @@ class RelativeErrorMetric final : public Metric {
       for (const RelativeEstimate& relative : tick.actions[i]->relatives) {
         const auto other = static_cast<std::size_t>(relative.other);
         if (tick.states[i].crashed || tick.states[other].crashed) continue;
-        const RelativeScore score = judge(tick, i, relative);
+        const RelativeScore score = score_of(tick, i, relative);
         Vehicle& vehicle = vehicles_[i];
         vehicle.position.add(score.error_world_m.norm());
         vehicle.absolute_sum_m += score.error_world_m.norm();
@@ -70,7 +70,7 @@ class RelativeErrorMetric final : public Metric {
     std::uint64_t count = 0;
   };
 
-  static RelativeScore judge(const TickView& tick, std::size_t i, const RelativeEstimate& relative) {
+  static RelativeScore score_of(const TickView& tick, std::size_t i, const RelativeEstimate& relative) {
     const VehicleState &self = tick.states[i], &other = tick.states[static_cast<std::size_t>(relative.other)];
     const Pose T_world_body = tick.actions[i]->estimate.T_world_body();
     const Vector3 true_body_m = self.q_world_body.conjugate() * (other.p_world_m - self.p_world_m);
@@ -86,8 +86,8 @@ class RelativeErrorMetric final : public Metric {
             yaw_between(self.q_world_body.toRotationMatrix(), yaw_of(other.q_world_body.toRotationMatrix())),
         2.0 * std::numbers::pi);
     const Matrix3 C = relative.covariance.topLeftCorner<3, 3>();
-    const Vector3 believed_m = T_world_body.linear() * error_body_m;  // in the axes of its covariance
-    score.nees = believed_m.dot(C.ldlt().solve(believed_m));
+    const Vector3 error_axes_m = T_world_body.linear() * error_body_m;  // in the axes of its covariance
+    score.nees = error_axes_m.dot(C.ldlt().solve(error_axes_m));
     score.sigma_m = std::sqrt(C.trace());
     score.sigma_yaw_rad = std::sqrt(relative.covariance(6, 6));
     score.unseen_s = to_seconds(relative.t - relative.seen);

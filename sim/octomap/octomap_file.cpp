@@ -38,8 +38,8 @@ bool key_of(const Eigen::Vector3f& center_local_m, double edge_m, octomap::OcTre
   return true;
 }
 
-[[noreturn]] void reject(const std::filesystem::path& file, const char* why) {
-  throw InputError(file.string() + ": " + why);
+[[noreturn]] void reject(const std::filesystem::path& file, const char* reason) {
+  throw InputError(file.string() + ": " + reason);
 }
 
 const char* title_of(OctomapFormat format) {

@@ -206,7 +206,7 @@ struct PhysicsWorld::Impl {
     vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, state.p_world_m);
     vehicle.near = vehicle.near_world;
     if (vehicle.near_world && !vehicle.asleep) gather_triangles(id);
-    if (look_up_air && config.ground_effect && scene) feel_ground(vehicle, state);
+    if (look_up_air && config.ground_effect && scene) apply_ground_effect(vehicle, state);
   }
 
   double ground_effect_reach_m(const Vehicle& vehicle) const {
@@ -251,7 +251,7 @@ struct PhysicsWorld::Impl {
   }
 
   /// Ground effect of each rotor from its height above the surface, by a vertical ray.
-  void feel_ground(Vehicle& vehicle, const VehicleState& state) const {
+  void apply_ground_effect(Vehicle& vehicle, const VehicleState& state) const {
     vehicle.air.ground_effect_gain.fill(0.0);
     const double reach_m = ground_effect_reach_m(vehicle);
     const Matrix3 R_world_body = state.q_world_body.toRotationMatrix();
@@ -362,7 +362,7 @@ struct PhysicsWorld::Impl {
     if (!bodies.empty()) {
       contacts.resolve(bodies, pairs, touches);
       for (const ContactBody& body : bodies) take_over(body);
-      for (const Touch& touch : touches) judge(touch, t);
+      for (const Touch& touch : touches) check_crash(touch, t);
     }
     for (const VehicleId id : near_vehicles) {
       fall_asleep(id);
@@ -408,7 +408,7 @@ struct PhysicsWorld::Impl {
   }
 
   /// Is this contact a crash?
-  void judge(const Touch& touch, TimeNs t) {
+  void check_crash(const Touch& touch, TimeNs t) {
     VehicleState& state = states[touch.vehicle];
     if (state.crashed) return;
     const bool propeller_hit =

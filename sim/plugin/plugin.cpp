@@ -91,7 +91,7 @@ std::string load_plugin(const std::string& file, const fs::path& folder) {
     dlclose(library);
     return problem;
   }
-  const std::string failed = "a plugin whose modules can be added, found " + in_quotes(file) + ": ";
+  const std::string failed = "a plugin with modules, found " + in_quotes(file) + ": ";
   try {  // never unloaded, since registries refer to its code
     add_rows({agent_registry(), estimator_registry(), detector_registry(), tracker_registry(),
               relative_localizer_registry(), mapper_registry(), guidance_registry(), sensor_registry(),

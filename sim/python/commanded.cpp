@@ -16,8 +16,8 @@ namespace {
 using Row = std::array<double, kMaxRotors>;
 
 // Largest lead of a goal over its vehicle, so that commands that the vehicle cannot follow do not accumulate.
-constexpr double kLeash_m = 0.5;
-constexpr double kLeash_s = 0.5;
+constexpr double kMaxLead_m = 0.5;
+constexpr double kMaxLead_s = 0.5;
 
 constexpr int kGoalNumbers = 4;  // velocity and yaw rate, or position and yaw
 
@@ -73,7 +73,7 @@ class Commanded final : public Guidance {
     const Vector3 v_world_mps(row[0], row[1], row[2]);
     const Vector3 p_world_m = input.estimate.T_world_body().translation();
     Vector3 ahead_m = goal_world_.position_m + input.dt_s * v_world_mps - p_world_m;
-    const double reach_m = kLeash_m + kLeash_s * v_world_mps.norm();
+    const double reach_m = kMaxLead_m + kMaxLead_s * v_world_mps.norm();
     if (ahead_m.norm() > reach_m) ahead_m *= reach_m / ahead_m.norm();
     goal_world_.position_m = p_world_m + ahead_m;
     goal_world_.velocity_mps = v_world_mps;
@@ -135,7 +135,7 @@ AgentNeeds rotors_needs(const ModuleConfig&) {
 
 void add_commanded_modules() {
   guidance_registry().add(
-      {{"commanded", "flies what Python commands", make_module_config<CommandedConfig>}, make_commanded});
+      {{"commanded", "flies commands from Python", make_module_config<CommandedConfig>}, make_commanded});
   agent_registry().add(
       {{"rotors", "rotor commands come from Python", make_module_config<RotorsConfig>}, make_rotors, rotors_needs});
 }

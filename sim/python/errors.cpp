@@ -12,9 +12,8 @@ namespace swiftlet::python {
 void bind_errors(py::module_& module) {
   static py::exception<sim::InputError> input_error(module, "InputError", PyExc_ValueError);
   static py::exception<ContractViolation> internal_error(module, "InternalError", PyExc_RuntimeError);
-  input_error.attr("__doc__") =
-      "What was asked for is wrong. The message names file, line and key, as the program's does.";
-  internal_error.attr("__doc__") = "The library is wrong, not its input.";
+  input_error.attr("__doc__") = "The input is invalid. The message names file, line and key, as that of the program.";
+  internal_error.attr("__doc__") = "An error of the library, not of its input.";
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);

@@ -108,7 +108,7 @@ py::object Table::column(std::string_view name) {
 void bind_table(py::module_& module) {
   py::class_<Table> tables(module, "Table",
                            "Rows of one kind of data. Columns are read-only arrays by name, as item or attribute; "
-                           "`print` tells their shapes and units.");
+                           "`print` shows their shapes and units.");
   tables.def("__len__", &Table::size)
       .def("__getitem__", &Table::column, py::arg("name"))
       .def("__dir__", [](const Table& table) { return py::cast(names_of(table.fields())); })

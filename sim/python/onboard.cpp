@@ -128,7 +128,7 @@ void bind_onboard(py::module_& module) {
       "The software of one vehicle without a simulator: localization or SLAM, detector, tracker, mapping and "
       "guidance, fed with measurements from anywhere.")
       .def(py::init<const ReadScenario&, int>(), py::arg("scenario"), py::arg("vehicle") = 0,
-           "scenario: its vehicle's agent, sensors and start tell what the software is. One thread at a time may use "
+           "scenario: its vehicle's agent, sensors and start define the software. One thread at a time may use "
            "it.")
       .def(
           "add", [](Onboard& o, const std::string& kind, const py::kwargs& values) { o.add(kind, values); },
@@ -155,7 +155,7 @@ void bind_onboard(py::module_& module) {
                                return py::array_t<double>(static_cast<py::ssize_t>(kMaxRotors),
                                                           o.action().rotor_command.data());
                              })
-      .def("maps", &Onboard::maps, "As of a vehicle of a simulator.");
+      .def("maps", &Onboard::maps, "As the property of a simulator's vehicle.");
 }
 
 }  // namespace swiftlet::python

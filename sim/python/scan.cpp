@@ -191,7 +191,7 @@ void bind_make_scan(py::module_& module) {
       py::arg("duration_s") = py::none(), py::arg("offset_s") = py::none(), py::arg("sensor") = "lidar",
       py::arg("range_max_m") = 120.0, py::arg("sigma_range_m") = 0.02, py::arg("reflectivity") = py::none(),
       py::arg("T_body_lidar") = py::none(),
-      "A scan from one's own arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, "
+      "A scan from arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, "
       "cols, 3), unit vectors. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), "
       "which become columns in the order of their times. Without it columns fire one after another during duration_s "
       "[s]. T_body_lidar (4, 4): mounting.");
@@ -202,8 +202,8 @@ void bind_make_scan(py::module_& module) {
 void bind_scan(py::module_& module) {
   py::class_<HeldScan>(
       module, "Scan",
-      "One sweep of one LiDAR. Arrays are read-only views that stay valid as long as anybody holds them. "
-      "What is true of each beam is None where nobody may know it.")
+      "One sweep of one LiDAR. Arrays are read-only views that stay valid as long as they are referenced. "
+      "The true values of each beam are None without access to the truth.")
       .def_property_readonly(
           "sensor", [](const HeldScan& h) { return h.scan->sensor; }, "Name of the sensor.")
       .def_property_readonly(

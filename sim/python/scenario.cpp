@@ -38,7 +38,7 @@ std::vector<std::string> names_of(const sim::Scenario& scenario) {
 }  // namespace
 
 void bind_scenario(py::module_& module) {
-  py::class_<ReadScenario>(module, "Scenario", "One run, completely: what `load` has read and checked.")
+  py::class_<ReadScenario>(module, "Scenario", "The complete scenario of one run, read and checked by `load`.")
       .def_property_readonly("name", [](const ReadScenario& s) { return s.scenario.name; })
       .def_property_readonly("description", [](const ReadScenario& s) { return s.scenario.description; })
       .def_property_readonly("seed", [](const ReadScenario& s) { return s.scenario.seed; })

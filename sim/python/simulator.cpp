@@ -117,35 +117,35 @@ Table copy_of(const std::vector<Row>& rows) {
 void bind_vehicle(py::module_& module) {
   py::class_<Vehicle>(
       module, "Vehicle",
-      "One vehicle of a run: what its software was told, knew and did in the last tick. Places are told in "
+      "One vehicle of a run: inputs, estimates and outputs of its software in the last tick. Positions are in "
       "the world as the vehicle knows it. Tables are copies, which stay as they are.")
       .def_property_readonly("id", [](const Vehicle& v) { return v.id; })
       .def_property_readonly("name", [](const Vehicle& v) { return v.name(); })
       .def_property_readonly(
           "estimate", [](const Vehicle& v) { return Table::row(v.action().estimate); },
-          "Where the vehicle believes to be.")
+          "The vehicle's estimate of its own state.")
       .def_property_readonly(
           "reference", [](const Vehicle& v) { return Table::row(v.action().reference); },
-          "Where it wants to be, after the reference governor.")
+          "The reference of the controller, after the reference governor.")
       .def_property_readonly(
           "detections",
           [](const Vehicle& v) -> std::optional<Table> {
             if (!v.action().has_detections) return std::nullopt;
             return copy_of(v.action().detections);
           },
-          "What its detector found; None in a tick in which it finished no scan.")
+          "Detections of its detector; None in a tick without a finished scan.")
       .def_property_readonly(
           "has_tracks", [](const Vehicle& v) { return v.action().has_tracks; },
           "Did the tracker update its tracks in this tick?")
       .def_property_readonly(
           "tracks", [](const Vehicle& v) { return copy_of(v.action().tracks); },
-          "What it follows, as of the last update.")
+          "Tracks of its tracker, as of the last update.")
       .def_property_readonly(
           "relatives", [](const Vehicle& v) { return copy_of(v.action().relatives); },
-          "Where it believes the others of its team to be.")
+          "Its estimates of its teammates' states.")
       .def_property_readonly(
           "messages", [](const Vehicle& v) { return copy_of(v.observation().messages); },
-          "What its radio received in this tick.")
+          "Messages that its radio received in this tick.")
       .def_property_readonly("scans", &scans_of, "Scans that its LiDARs completed in this tick, with their truth.")
       .def(
           "samples", [](const Vehicle& v, const std::string& kind) { return samples_named(v.observation(), kind); },
@@ -267,7 +267,7 @@ std::string Simulator::timed_summary() const {
 
 void bind_simulator(py::module_& module) {
   add_commanded_modules();
-  if (pthread_atfork(nullptr, nullptr, note_fork) != 0) throw std::runtime_error("cannot ask for a note of forks");
+  if (pthread_atfork(nullptr, nullptr, note_fork) != 0) throw std::runtime_error("cannot register a fork handler");
   py::class_<BuiltWorld>(module, "World", "The static part of a run, ready to trace; runs may share it.");
   bind_vehicle(module);
   using Out = std::optional<std::filesystem::path>;
@@ -284,7 +284,7 @@ void bind_simulator(py::module_& module) {
            "threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world "
            "and seed. out: run directory, which appears at `finish`.")
       .def("tick", &Simulator::tick, py::arg("count") = 1,
-           "Flies so many ticks, at most until the run is over; tells how many there were.")
+           "Flies so many ticks, at most until the run is over; returns their number.")
       .def(
           "run",
           [](Simulator& s, std::optional<double> until_s) {
@@ -299,7 +299,7 @@ void bind_simulator(py::module_& module) {
           "t_ns", [](const Simulator& s) { return s.simulation()->now(); }, "[ns] simulated time.")
       .def_property_readonly(
           "state_hash", [](const Simulator& s) { return sim::hex64(s.simulation()->state_hash()); },
-          "Of all that was, was sensed and was done so far, as in summary.json.")
+          "Hash of all states, measurements and actions so far, as in summary.json.")
       .def_property_readonly(
           "states", [](Simulator& s) -> Table& { return s.states(); }, py::return_value_policy::reference_internal,
           "True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The "
@@ -309,7 +309,7 @@ void bind_simulator(py::module_& module) {
                              "(n, 4), commands of vehicles with `guidance: {type: commanded}`; more columns where an "
                              "`agent: {type: rotors}` "
                              "has more rotors. They hold until they are written again.")
-      .def_property_readonly("events", &Simulator::events, "What happened so far: crashes, missions that ended.")
+      .def_property_readonly("events", &Simulator::events, "Events so far, such as crashes and ends of missions.")
       .def_property_readonly("world", [](const Simulator& s) { return s.world(); })
       .def_property_readonly(
           "vehicle_names", [](const Simulator& s) { return s.simulation()->info().vehicle_names; },

@@ -39,7 +39,7 @@ struct Lent {
 
   const Observation& sensed() const {
     if (observation == nullptr)
-      throw std::runtime_error("what a step is told is there until it returns: copy what is to stay");
+      throw std::runtime_error("the arguments of a step are valid until it returns: copy them to keep them");
     return *observation;
   }
   const StateEstimate& known() const {
@@ -335,7 +335,7 @@ void bind_clouds(py::module_& module) {
 void bind_input(py::module_& module) {
   py::class_<Lent, std::shared_ptr<Lent>>(
       module, "StepInput",
-      "What a module knows in one tick. It is there until `step` returns. Places are in "
+      "Inputs of a module in one tick, valid until `step` returns. Positions are in "
       "the vehicle's local frame, unless their name says world.")
       .def_property_readonly(
           "t_s", [](const Lent& l) { return to_seconds(l.sensed().t); }, "[s] now.")
@@ -346,19 +346,19 @@ void bind_input(py::module_& module) {
       .def_property_readonly(
           "id", [](const Lent& l) { return l.sensed().self; }, "Number of the vehicle.")
       .def_property_readonly(
-          "estimate", [](const Lent& l) { return Table::row(l.known()); }, "Where the vehicle believes to be.")
+          "estimate", [](const Lent& l) { return Table::row(l.known()); }, "The vehicle's estimate of its own state.")
       .def_property_readonly(
           "p_world_m", [](const Lent& l) { return vector_array(l.known().T_world_body().translation()); },
-          "(3,) [m] where it believes to be, in the world.")
+          "(3,) [m] estimated position in the world.")
       .def_property_readonly(
           "v_world_mps", [](const Lent& l) { return vector_array(l.known().v_world_mps()); },
-          "(3,) [m/s] its velocity, in world axes.")
+          "(3,) [m/s] estimated velocity, in world axes.")
       .def_property_readonly(
           "yaw_world_rad", [](const Lent& l) { return yaw_of(l.known().T_world_body().linear()); },
-          "[rad] its heading, counter-clockwise from east.")
+          "[rad] estimated heading, counter-clockwise from east.")
       .def_property_readonly(
           "p_local_m", [](const Lent& l) { return vector_array(l.known().T_local_body.translation()); },
-          "(3,) [m] the same in its local frame.")
+          "(3,) [m] estimated position in its local frame.")
       .def_property_readonly("detections", [](const Lent& l) { return table_of(l, &Lent::detections); })
       .def_property_readonly("tracks", [](const Lent& l) { return table_of(l, &Lent::tracks); })
       .def_property_readonly("relatives", [](const Lent& l) { return table_of(l, &Lent::relatives); })
@@ -372,12 +372,12 @@ void bind_input(py::module_& module) {
       .def_property_readonly("scans", &scans_of, "Scans that were completed in this tick, without truth.")
       .def_property_readonly(
           "messages", [](const Lent& l) { return Table::copy_of(std::span<const Message>(l.sensed().messages)); },
-          "What the radio received in this tick.")
+          "Messages that the radio received in this tick.")
       .def(
           "samples", [](const Lent& l, const std::string& kind) { return samples_named(l.sensed(), kind); },
           py::arg("kind"), "Samples of this tick: imu, gnss, altimeter, compass, pose ...")
       .def("send", &send, py::arg("topic"), py::arg("payload"), py::arg("to") = kNoVehicle,
-           "Hands a message to the radio; `to` is a number of a vehicle, -1: to all.")
+           "Sends a message by radio; `to` is the number of a vehicle, -1: broadcast.")
       .def(
           "map_distance_m",
           [](const Lent& l, const py::object& at, double max_m) {
@@ -397,7 +397,7 @@ void bind_input(py::module_& module) {
 }
 
 void bind_outputs(py::module_& module) {
-  py::class_<Goal>(module, "Goal", "Where guidance wants to be. The reference governor makes it flyable.")
+  py::class_<Goal>(module, "Goal", "Goal of guidance. The reference governor makes it feasible.")
       .def(
           py::init([](const py::object& position_m, const py::object& velocity_mps, const py::object& acceleration_mps2,
                       double yaw_rad, double yaw_rate_radps, const std::string& frame, bool feasible,
@@ -433,7 +433,7 @@ void bind_outputs(py::module_& module) {
            py::arg("position_m"), py::kw_only(), py::arg("sigma_m") = 0.2,
            py::arg("extent_m") = py::make_tuple(0.0, 0.0, 0.0), py::arg("num_points") = 1, py::arg("confidence") = 1.0,
            py::arg("t_ns") = 0, "t_ns 0: the middle of the newest sweep.");
-  py::class_<Command>(module, "Command", "What an agent does: rotor commands, and what it believes.")
+  py::class_<Command>(module, "Command", "Output of an agent: rotor commands and estimates.")
       .def(py::init([](const py::object& rotors, const py::object& T_world_body, const py::object& v_world_mps,
                        const py::object& reference_m, const std::string& mission) {
              Command command;

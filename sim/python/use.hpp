@@ -12,7 +12,7 @@ namespace swiftlet::python {
 class Use {
  public:
   Use(std::atomic<bool>& in_use, const char* object) : in_use_(in_use) {
-    if (in_use.exchange(true)) throw std::runtime_error(std::string("this ") + object + " is at work in another call");
+    if (in_use.exchange(true)) throw std::runtime_error(std::string("this ") + object + " is in use by another call");
   }
   ~Use() { in_use_ = false; }
   Use(const Use&) = delete;

@@ -63,7 +63,7 @@ struct PlaneHit {
   bool visible;
 };
 
-// Rule 2. judge_proposals() evaluates it for several rays at once.
+// Rule 2. test_proposals() evaluates it for several rays at once.
 PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, double dz, const Facet& facet) {
   const double nx = facet.normal.x(), ny = facet.normal.y(), nz = facet.normal.z();
   const double height =
@@ -174,7 +174,7 @@ Packet ExactQuery::packet_from(int lane) const {
 bool ExactQuery::is_blocked() {
   triangle_[0] = kNone;
   range_m_[0] = range_max_m_[0];
-  Context context(this, judge_at_once);
+  Context context(this, test_immediately);
   RTCRay ray = single_ray(0);
   occluded(tree_, context.embree, ray);
   return met(0);
@@ -272,7 +272,7 @@ void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
 
 // Most rays have one proposal, far from its edges. Only the others are judged in full.
 void ExactQuery::conclude() {
-  for (int lane = 0; lane < kPacketSize; lane += 8) judge_proposals(lane);
+  for (int lane = 0; lane < kPacketSize; lane += 8) test_proposals(lane);
   int in_full[kPacketSize];
   int num_in_full = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
@@ -284,7 +284,7 @@ void ExactQuery::conclude() {
     __builtin_prefetch(&scene_->facets[second_proposal_[lane]]);
     __builtin_prefetch(&scene_->corners_m[second_proposal_[lane]]);
   }
-  for (int i = 0; i < num_in_full; ++i) judge_in_full(in_full[i]);
+  for (int i = 0; i < num_in_full; ++i) test_in_full(in_full[i]);
 }
 
 namespace {
@@ -319,12 +319,12 @@ template <int kHalf>
 }  // namespace
 
 // Rule 2 for eight lanes, and rule 1 where a ray is certainly inside. Undecided lanes get triangle_ = kSeveral.
-void ExactQuery::judge_proposals(int first_lane) {
-  static const Facet kNowhere{};
+void ExactQuery::test_proposals(int first_lane) {
+  static const Facet kNoFacet{};
   Eight::Floats facet[8];  // after transpose: corner, normal, least_cosine_per_m, surface and firm_steps of all lanes
   for (int i = 0; i < 8; ++i) {
     const std::uint32_t triangle = first_proposal_[first_lane + i];
-    load(triangle == kNone ? &kNowhere : &scene_->facets[triangle], facet[i]);
+    load(triangle == kNone ? &kNoFacet : &scene_->facets[triangle], facet[i]);
   }
   transpose(facet);
   Eight::Ints steps, first, second;
@@ -338,7 +338,7 @@ void ExactQuery::judge_proposals(int first_lane) {
   const Eight::Floats margin = steps == kNeverFirm ? 2.0F : __builtin_convertvector(steps, Eight::Floats) * 0x1p-9F;
   const Eight::Floats w = 1.0F - u - v, uv = u < v ? u : v, inner = uv < w ? uv : w;
 
-  const auto judge_four = [&](auto half, int lane) __attribute__((always_inline)) {
+  const auto test_four = [&](auto half, int lane) __attribute__((always_inline)) {
     constexpr int kHalf = decltype(half)::value;
     Eight::Floats of_eight;
     const auto rays = [&](const float* lanes) __attribute__((always_inline)) {
@@ -366,8 +366,8 @@ void ExactQuery::judge_proposals(int first_lane) {
     store(cosine < 1.0 ? cosine : Doubles{} + 1.0, &cos_incidence_[lane]);
     return __builtin_convertvector(visible & inside, Four);
   };
-  const Four low = judge_four(std::integral_constant<int, 0>(), first_lane);
-  const Four high = judge_four(std::integral_constant<int, 1>(), first_lane + 4);
+  const Four low = test_four(std::integral_constant<int, 0>(), first_lane);
+  const Four high = test_four(std::integral_constant<int, 1>(), first_lane + 4);
   const Eight::Ints sure =
       __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7) & (second == static_cast<int>(kNone));
   const Eight::Ints none = first == static_cast<int>(kNone);
@@ -375,19 +375,19 @@ void ExactQuery::judge_proposals(int first_lane) {
 }
 
 // Judges several proposals, or one near an edge.
-void ExactQuery::judge_in_full(int lane) {
+void ExactQuery::test_in_full(int lane) {
   triangle_[lane] = kNone;
   range_m_[lane] = range_max_m_[lane];
   const std::uint32_t second = second_proposal_[lane];
-  if (second != kSeveral) judge(lane, first_proposal_[lane]);
-  if (second < kSeveral) judge(lane, second);
+  if (second != kSeveral) test(lane, first_proposal_[lane]);
+  if (second < kSeveral) test(lane, second);
   // Embree has searched beyond this distance behind the nearest proposal.
   const double certain_m = nearest_proposal_m_[lane] + error_m(nearest_proposal_m_[lane]);
   if (!met(lane) || range_m_[lane] > certain_m) trace_again(lane);
 }
 
 // @return whether the triangle is the nearest so far
-bool ExactQuery::judge(int lane, std::uint32_t triangle) {
+bool ExactQuery::test(int lane, std::uint32_t triangle) {
   const RTCRay16& ray = packet_.ray;
   const PlaneHit hit = meet_plane(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane], ray.dir_x[lane], ray.dir_y[lane],
                                   ray.dir_z[lane], scene_->facets[triangle]);
@@ -418,7 +418,7 @@ bool ExactQuery::passes_inside(int lane, std::uint32_t triangle) const {
 void ExactQuery::trace_again(int lane) {
   triangle_[lane] = kNone;
   range_m_[lane] = range_max_m_[lane];
-  Context context(this, judge_at_once);
+  Context context(this, test_immediately);
   RTCRayHit one;
   one.ray = single_ray(lane);
   // Starts just before the nearest proposal.
@@ -428,10 +428,10 @@ void ExactQuery::trace_again(int lane) {
 }
 
 // Embree's callback for single rays. A rejected triangle does not stop the ray.
-void ExactQuery::judge_at_once(const RTCFilterFunctionNArguments* args) {
+void ExactQuery::test_immediately(const RTCFilterFunctionNArguments* args) {
   ExactQuery& query = *reinterpret_cast<const Context*>(args->context)->query;
   const auto lane = static_cast<int>(RTCRayN_id(args->ray, 1, 0));
-  if (query.judge(lane, RTCHitN_primID(args->hit, 1, 0))) {
+  if (query.test(lane, RTCHitN_primID(args->hit, 1, 0))) {
     RTCRayN_tfar(args->ray, 1, 0) = query.with_slack_m(static_cast<float>(query.range_m_[lane]));
   } else {
     args->valid[0] = 0;

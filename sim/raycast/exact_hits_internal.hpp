@@ -78,7 +78,7 @@ class ExactQuery {
   static void take_proposals(const RTCFilterFunctionNArguments* args);
   static void take_sixteen(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args);
   static void take_eight(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args);
-  static void judge_at_once(const RTCFilterFunctionNArguments* args);
+  static void test_immediately(const RTCFilterFunctionNArguments* args);
   void begin();
   template <typename Packet>
   Packet packet_from(int lane) const;
@@ -86,9 +86,9 @@ class ExactQuery {
   void propose_at_once(int lane, const RTCFilterFunctionNArguments* args);
   void propose(int lane, std::uint32_t triangle, float& tfar);
   void conclude();
-  void judge_proposals(int first_lane);
-  void judge_in_full(int lane);
-  bool judge(int lane, std::uint32_t triangle);
+  void test_proposals(int first_lane);
+  void test_in_full(int lane);
+  bool test(int lane, std::uint32_t triangle);
   bool passes_inside(int lane, std::uint32_t triangle) const;
   void trace_again(int lane);
   RTCRay single_ray(int lane) const;

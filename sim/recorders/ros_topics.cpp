@@ -255,18 +255,18 @@ void RosTopics::write_clock(TimeNs t) {
 
 void RosTopics::write_tf(const TickView& tick) {
   Channel& tf = channel("/tf", kTFMessage);
-  const auto knows_its_place = [&](std::size_t i) {
+  const auto publishes_frame = [&](std::size_t i) {
     return tick.actions[i] != nullptr && tick.actions[i]->estimate.valid;
   };
   std::size_t count = 0;
-  for (std::size_t i = 0; i < names_.size(); ++i) count += selected_[i] ? 1 + knows_its_place(i) : 0;
+  for (std::size_t i = 0; i < names_.size(); ++i) count += selected_[i] ? 1 + publishes_frame(i) : 0;
   message_.begin();
   message_.count(count);
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (!selected_[i]) continue;
     const VehicleState& state = tick.states[i];
     encode_transform(tf.sequence, tick.t, "world", names_[i] + "/body", state.p_world_m, state.q_world_body, message_);
-    if (!knows_its_place(i)) continue;
+    if (!publishes_frame(i)) continue;
     const Pose& T_world_local = tick.actions[i]->estimate.T_world_local;
     encode_transform(tf.sequence, tick.t, "world", names_[i] + "/local", T_world_local.translation(),
                      Eigen::Quaterniond(T_world_local.linear()), message_);
@@ -353,9 +353,9 @@ void RosTopics::write_series(const TickView& tick) {
     for (std::size_t i = 0; i < series->size(); ++i) {
       const VehicleId about = series->about(i);
       if (about != kNoVehicle && !selected_[about]) continue;
-      const std::string whom = about == kNoVehicle ? "" : "/" + names_[about];
+      const std::string prefix = about == kNoVehicle ? "" : "/" + names_[about];
       Channel& topic =
-          channel(whom + "/" + ros_name(series->name()), [&] { return row_type(series->name(), series->columns()); });
+          channel(prefix + "/" + ros_name(series->name()), [&] { return row_type(series->name(), series->columns()); });
       row.begin(topic.sequence, tick.t, "");
       series->put(i, row);
       send(topic, tick.t);

@@ -22,10 +22,10 @@ namespace {
 const RecorderType kRecorderTypes[] = {
     {{"tum", "trajectories, truth and estimate, as TUM text files", make_module_config<TumConfig>}, make_tum_recorder},
     {{"csv", "tables of states and sensor samples", make_module_config<CsvConfig>}, make_csv_recorder},
-    {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
+    {{"events", "events, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
     {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
     {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
-    {{"map", "the maps that vehicles keep, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
+    {{"map", "maps of the vehicles, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
     {{"slam_map", "maps of SLAM with their pose graphs, for later flights", make_module_config<SlamMapConfig>},
      make_slam_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},

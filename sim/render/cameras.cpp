@@ -10,11 +10,11 @@ namespace {
 constexpr double kSmoothing_s = 1.2;  // time constant of target and distance of follow cameras
 constexpr double kMargin = 1.25;      // enlargement of the framed region
 constexpr double kTurning_s = 0.7;    // time constant of a follow camera's direction
-constexpr TimeNs kJudgeEvery = 200'000'000;
+constexpr TimeNs kTestInterval = 200'000'000;
 constexpr TimeNs kFreeLongEnough = 2'000'000'000;
-constexpr double kSeenEnough = 0.6;     // share of unblocked sight lines at which a follow camera keeps its direction
-constexpr double kSeenWell = 0.8;       // share at which it accepts a new direction
-constexpr std::size_t kMostJudged = 8;  // sight lines are tested to at most this many vehicles of a team
+constexpr double kSeenEnough = 0.6;    // share of unblocked sight lines at which a follow camera keeps its direction
+constexpr double kSeenWell = 0.8;      // share at which it accepts a new direction
+constexpr std::size_t kMaxTested = 8;  // sight lines are tested to at most this many vehicles of a team
 constexpr double kHighest_rad = 80.0 * M_PI / 180.0;
 // For a follow camera without configured position: diameter of the largest vehicle as a share of the picture's height.
 constexpr double kVehicleShare = 0.18;
@@ -185,20 +185,20 @@ double Cameraman::seen_share(const Eigen::Vector3d& target_world_m, const Stand&
   const Eigen::Vector3d eye = target_world_m + distance_for(target_world_m, stand, states) * direction;
   const Eigen::Matrix3d R = look(eye, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
   const Eigen::Vector3d right = R.row(0), up = R.row(1);
-  int seen = 0, asked = 0;
-  std::size_t judged = 0;
-  for (std::size_t i = 0; i < states.size() && judged < kMostJudged; ++i) {
+  int seen = 0, num_rays = 0;
+  std::size_t num_tested = 0;
+  for (std::size_t i = 0; i < states.size() && num_tested < kMaxTested; ++i) {
     if (!looks_at(i)) continue;
-    ++judged;
+    ++num_tested;
     const double r = 0.8 * (i < radii_m_.size() ? radii_m_[i] : 0.5);
     for (const Eigen::Vector3d& beside :
          {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(r * right), Eigen::Vector3d(-r * right),
           Eigen::Vector3d(r * up), Eigen::Vector3d(-r * up)}) {
-      ++asked;
+      ++num_rays;
       seen += blocks_sight_(states[i].p_world_m + beside, eye) ? 0 : 1;
     }
   }
-  return asked > 0 ? static_cast<double>(seen) / asked : 1.0;
+  return num_rays > 0 ? static_cast<double>(seen) / num_rays : 1.0;
 }
 
 Cameraman::Stand Cameraman::freest_stand(const Eigen::Vector3d& target_world_m,
@@ -237,8 +237,8 @@ Cameraman::Stand Cameraman::freest_stand(const Eigen::Vector3d& target_world_m,
 }
 
 void Cameraman::choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m, std::span<const VehicleState> states) {
-  if (!blocks_sight_ || (started_ && t - judged_ < kJudgeEvery)) return;
-  judged_ = t;
+  if (!blocks_sight_ || (started_ && t - tested_at_ < kTestInterval)) return;
+  tested_at_ = t;
   const bool at_home = goal_.azimuth_rad == configured_.azimuth_rad &&
                        goal_.elevation_rad == configured_.elevation_rad && goal_.reach == configured_.reach;
   const bool home_is_free = seen_share(target_world_m, configured_, states) >= kSeenEnough;

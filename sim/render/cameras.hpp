@@ -95,7 +95,7 @@ class Cameraman {
   Stand configured_;
   Stand goal_;   // desired
   Stand stand_;  // current, smoothed
-  TimeNs judged_ = 0;
+  TimeNs tested_at_ = 0;
   std::optional<TimeNs> free_since_;  // since when the view from the configured position is free
   bool started_ = false;
   TimeNs updated_ = 0;

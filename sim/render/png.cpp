@@ -65,7 +65,7 @@ bool encode(std::string& file, const Form& form, const void* data) {
 void write(const std::filesystem::path& path, const Form& form, const void* data) {
   if (form.width <= 0 || form.height <= 0) fail_to_write(path, "the picture has no pixels");
   std::string file;
-  if (!encode(file, form, data)) fail_to_write(path, "libpng refuses the picture");
+  if (!encode(file, form, data)) fail_to_write(path, "libpng rejects the picture");
   write_file(path, file);
 }
 

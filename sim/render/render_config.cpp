@@ -10,9 +10,10 @@ namespace swiftlet::sim {
 
 void CameraConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "name of the camera, in the names of its pictures");
-  v.choice("type", type, kTypes, "what it is: a view of the world, metric depth, or what a LiDAR measures");
-  v.field("vehicle", vehicle, "follow, top, onboard, depth, lidar_*: whose; empty: the first (follow, top: all)");
-  v.field("sensor", sensor, "lidar_*: which LiDAR of the vehicle; empty: the first");
+  v.choice("type", type, kTypes, "kind of picture: a view of the world, metric depth, or measurements of a LiDAR");
+  v.field("vehicle", vehicle,
+          "follow, top, onboard, depth, lidar_*: name of the vehicle; empty: the first (follow, top: all)");
+  v.field("sensor", sensor, "lidar_*: name of the vehicle's LiDAR; empty: the first");
   v.field(
       "position_m", position_m,
       "[m] fixed: world; follow: offset from the vehicles along the world's axes; onboard, depth: body frame; zero as "
@@ -42,13 +43,13 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.field("trails", trails, "draw the path of each vehicle so far; an onboard camera shows none");
   v.field("names", names, "write the vehicles' names beside them");
   v.field("overlays", overlays, "overlays of the agents to draw, by name, of one vehicle as \"uav1/NAME\"; \"*\": all");
-  v.field("axes", axes, "follow, fixed, top: show in a corner how the axes of the world lie");
+  v.field("axes", axes, "follow, fixed, top: show the axes of the world in a corner");
   v.field("vehicle_scale", vehicle_scale, "vehicles are drawn this many times their size",
           Range{0.0, 1000.0, true, false});
   v.field("vehicle_min_px", vehicle_min_px,
           "[px] vehicles smaller than this on the picture get a ring of this diameter in their color; 0: none",
           Range::non_negative());
-  v.field("cut_above", cut_above, "hide what is higher than cut_height_m, to look under crowns and roofs");
+  v.field("cut_above", cut_above, "hide everything above cut_height_m, to look under crowns and roofs");
   v.field("cut_height_m", cut_height_m, "[m] height of the cut, world frame");
   v.check(!times_s.empty() || every_s > 0.0, "times_s", "when it takes pictures, here or as every_s");
   v.check(on_paper() || width_mm <= 0.0, "width_mm", "style paper with it: a screen has no millimeters");

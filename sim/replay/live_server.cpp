@@ -33,10 +33,10 @@ using Clock = std::chrono::steady_clock;
 
 /// After the end of a run, time without a further block asked for until the page counts as closed; pages ask far more
 /// often. Longer values delay the end of the program.
-constexpr auto kSilence = std::chrono::seconds(3);
+constexpr auto kPageTimeout = std::chrono::seconds(3);
 /// Longest time that one connection takes to send its request, and to receive its answer; then it is closed.
 /// Connections are served one after another, so this is also how long a slow client delays a page.
-constexpr auto kPatience = std::chrono::seconds(2);
+constexpr auto kConnectionTimeout = std::chrono::seconds(2);
 constexpr int kPoll_ms = 100;
 constexpr std::size_t kMostRequest = 8192;
 
@@ -68,7 +68,7 @@ bool wait_for(int connection, short what, Clock::time_point deadline) {
 
 /// Reads up to the empty line; empty result when the request is too long, too slow, or missing.
 std::string read_request(int connection) {
-  const Clock::time_point deadline = Clock::now() + kPatience;
+  const Clock::time_point deadline = Clock::now() + kConnectionTimeout;
   std::string request;
   std::array<char, 2048> part;
   while (request.find("\r\n\r\n") == std::string::npos) {
@@ -81,7 +81,7 @@ std::string read_request(int connection) {
 }
 
 void send_all(int connection, std::string_view bytes) {
-  const Clock::time_point deadline = Clock::now() + kPatience;
+  const Clock::time_point deadline = Clock::now() + kConnectionTimeout;
   while (!bytes.empty() && wait_for(connection, POLLOUT, deadline)) {
     const ssize_t count = send(connection, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count <= 0) return;
@@ -97,9 +97,9 @@ struct LiveServer::Impl {
   std::mutex mutex;
   std::vector<std::string> blocks;  // guarded by the mutex, like the following members
   bool last_is_there = false, last_is_taken = false;
-  std::size_t num_asked = 0;  // one more than the highest block number requested so far
+  std::size_t num_requested = 0;  // one more than the highest block number requested so far
   // Last request for any block; after the end, for one not requested before
-  Clock::time_point asked = Clock::time_point::min();
+  Clock::time_point last_request = Clock::time_point::min();
   std::atomic<bool> stop = false;
   std::thread thread;
 
@@ -117,32 +117,31 @@ struct LiveServer::Impl {
 
   std::string answer_to(std::string_view request) {
     const std::string_view line = request.substr(0, request.find("\r\n"));
-    if (!line.starts_with("GET ")) return answer("405 Method Not Allowed", "text/plain", "this can only be read\n");
+    if (!line.starts_with("GET ")) return answer("405 Method Not Allowed", "text/plain", "only GET is supported\n");
     // Rejects pages of other origins that resolve another host name to this address.
     if (request.find("\r\nHost: " + host + "\r\n") == std::string_view::npos)
       return answer("403 Forbidden", "text/plain", "unknown host\n");
     const std::string_view rest = line.substr(4);
     std::string_view path = rest.substr(0, rest.find(' '));
     const std::string prefix = "/" + token + "/";
-    if (!path.starts_with(prefix)) return answer("404 Not Found", "text/plain", "there is nothing here\n");
+    if (!path.starts_with(prefix)) return answer("404 Not Found", "text/plain", "no such page\n");
     path.remove_prefix(prefix.size());
     if (path.empty()) return answer("200 OK", "text/html; charset=utf-8", page_head(PageUse::kLive) + page_tail());
     constexpr std::string_view kBlocks = "blocks/";
     std::size_t number = 0;
-    if (!path.starts_with(kBlocks)) return answer("404 Not Found", "text/plain", "there is nothing here\n");
+    if (!path.starts_with(kBlocks)) return answer("404 Not Found", "text/plain", "no such page\n");
     const char* end = path.data() + path.size();
     const auto parsed = std::from_chars(path.data() + kBlocks.size(), end, number);
-    if (parsed.ec != std::errc() || parsed.ptr != end)
-      return answer("404 Not Found", "text/plain", "there is nothing here\n");
+    if (parsed.ec != std::errc() || parsed.ptr != end) return answer("404 Not Found", "text/plain", "no such page\n");
     return block(number);
   }
 
   std::string block(std::size_t number) {
     const std::lock_guard lock(mutex);
-    if (!last_is_there) asked = Clock::now();
+    if (!last_is_there) last_request = Clock::now();
     if (number >= blocks.size()) return answer("204 No Content", "text/plain", "");
-    if (number >= num_asked) asked = Clock::now();
-    num_asked = std::max(num_asked, number + 1);
+    if (number >= num_requested) last_request = Clock::now();
+    num_requested = std::max(num_requested, number + 1);
     last_is_taken = last_is_taken || (last_is_there && number + 1 == blocks.size());
     return answer("200 OK", "application/octet-stream", blocks[number]);
   }
@@ -182,8 +181,10 @@ void LiveServer::put(std::string packed) {
 void LiveServer::finish() {
   const auto is_over = [this] {
     const std::lock_guard lock(impl_->mutex);
-    if (!std::exchange(impl_->last_is_there, true)) impl_->num_asked = 0;  // a reloaded page requests all blocks again
-    return impl_->last_is_taken || impl_->asked == Clock::time_point::min() || Clock::now() - impl_->asked > kSilence;
+    if (!std::exchange(impl_->last_is_there, true))
+      impl_->num_requested = 0;  // a reloaded page requests all blocks again
+    return impl_->last_is_taken || impl_->last_request == Clock::time_point::min() ||
+           Clock::now() - impl_->last_request > kPageTimeout;
   };
   while (!is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
 }

@@ -74,10 +74,10 @@ std::string heading(const BatchTable& table) {
       escape_markup(statuses) + ". Swiftlet " + escape_markup(info.version) + " (" + escape_markup(info.git_revision) +
       "), fingerprint " + html::code(info.fingerprint) +
       ". Intervals are of 95 %: Student's t for means, Wilson's for rates. Over several points they count a seed once, "
-      "since it met the same random numbers at each.";
+      "since it has the same random numbers at each.";
   if (info.variants.size() > 1) {
     text += " Differences are to <b>" + escape_markup(info.variants.front()) +
-            "</b>, seed by seed: both variants met the same random numbers.";
+            "</b>, seed by seed: both variants have the same random numbers.";
   }
   return text + "</p>\n";
 }
@@ -573,7 +573,7 @@ std::vector<fs::path> write_batch_report(const fs::path& directory) {
   if (!fs::is_regular_file(database)) {
     const bool shards = fs::is_directory(directory / "shards");
     throw InputError(directory.string() + ": expected a batch directory with results.sqlite, found none" +
-                     (shards ? "; unite its shards first: swiftlet batch merge --out " + directory.string() : ""));
+                     (shards ? "; merge its shards first: swiftlet batch merge --out " + directory.string() : ""));
   }
   const BatchTable table = read_batch_table(ResultStore(database, ResultStore::Mode::kRead));
   write_file(directory / "report.html", batch_report_html(table, directory));

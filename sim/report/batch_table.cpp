@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kTelling = 6;
+constexpr std::size_t kMaxColumns = 6;
 constexpr const char* kMean = "mean";
 const double kNaN = std::nan("");
 
@@ -287,7 +287,7 @@ std::vector<const Quantity*> informative_quantities(const BatchTable& table) {
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<const Quantity*> chosen;
   for (const auto& [share, quantity] : ranked) {
-    if (chosen.size() < kTelling && share > 0.0) chosen.push_back(quantity);
+    if (chosen.size() < kMaxColumns && share > 0.0) chosen.push_back(quantity);
   }
   return chosen;
 }

@@ -197,7 +197,7 @@ std::string pictures_section(const fs::path& directory) {
 std::string replay_section(const fs::path& directory) {
   if (!fs::is_regular_file(directory / "replay.html")) {
     return html::section("Replay", "<p class=\"note\">" + html::code("swiftlet replay " + directory.string()) +
-                                       " makes a page on which the run plays in the browser.</p>\n");
+                                       " makes a page that plays the run in the browser.</p>\n");
   }
   return html::section("Replay",
                        "<p><a href=\"replay.html\">The run in three dimensions</a>, with signals over time.</p>\n" +

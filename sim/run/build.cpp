@@ -114,8 +114,7 @@ std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::siz
   auto prior = make_prior_map(needs.prior, needs.prior_voxel_m, world,
                               "vehicles[" + std::to_string(i) + "].agent.detector.prior");
   if (prior != nullptr && vehicle.start.known != StartKnown::kPose) {
-    throw InputError("vehicles: " + vehicle.name +
-                     ": start.known: expected pose, because the vehicle is told a map of " +
+    throw InputError("vehicles: " + vehicle.name + ": start.known: expected pose, because the vehicle has a map of " +
                      "the world (prior), found " +
                      std::string(vehicle.start.known == StartKnown::kPosition ? "position" : "nothing"));
   }
@@ -129,7 +128,8 @@ Module with_loaded_map(const Module& agent) {
   auto* slam = stack != nullptr ? dynamic_cast<SlamConfig*>(stack->localization.config.get()) : nullptr;
   if (slam == nullptr || slam->global.map.empty()) return loaded;
   if (!slam->global.enabled) {
-    throw InputError("localization.global.enabled: expected true, because a map is to be localized in, found false");
+    throw InputError(
+        "localization.global.enabled: expected true, because the vehicle localizes itself in a map, found false");
   }
   try {
     slam->global.loaded_map = std::make_shared<const SavedMap>(read_slam_map(slam->global.map));

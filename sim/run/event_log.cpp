@@ -40,19 +40,19 @@ void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const 
 
 void EventLog::note_captures(TimeNs now, const SeriesOf<CaptureRecord>& captures) {
   for (std::size_t k = 0; k < captures.size(); ++k) {
-    const VehicleId hunter = captures.about(k);
+    const VehicleId interceptor = captures.about(k);
     const CaptureRecord& capture = captures.rows()[k];
-    events_.push_back({capture.t, "capture", hunter, names_[capture.target], capture.p_world_m,
+    events_.push_back({capture.t, "capture", interceptor, names_[capture.target], capture.p_world_m,
                        fmt::format("{:.3f} m from the middle of the net", capture.miss_m)});
-    const int wanted = perception_[hunter].captures;
+    const int wanted = perception_[interceptor].captures;
     if (wanted == 0 || capture.number < wanted) continue;
-    ended_[hunter] = ended_[capture.target] = true;
-    end_hunts_without_targets();
+    ended_[interceptor] = ended_[capture.target] = true;
+    end_interceptions_without_targets();
   }
   end_if_over(now + kAfterCapture);
 }
 
-void EventLog::end_hunts_without_targets() {
+void EventLog::end_interceptions_without_targets() {
   const auto is_target = [&](std::size_t i) { return perception_[i].captures == 0 && !ended_[i]; };
   for (std::size_t i = 0; i < ended_.size(); ++i) {
     if (is_target(i)) return;

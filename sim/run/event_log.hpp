@@ -34,7 +34,7 @@ class EventLog {
   void note_crash(const Crash& crash);
   void note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m);
   void note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m);
-  void end_hunts_without_targets();
+  void end_interceptions_without_targets();
   void end_if_over(TimeNs end);
 
   std::vector<std::string> names_;

@@ -167,7 +167,7 @@ void RunDirectory::put_in_place() {
     committed_ = true;
     std::error_code ignored;
     fs::remove(other / kLock, ignored);
-    throw std::runtime_error(destination_.string() + ": expected to find nothing new after the run, found " +
+    throw std::runtime_error(destination_.string() + ": expected no new files after the run, found " +
                              found_at(destination_) + "; the finished run is " + other.string());
   }
   fs::path earlier = partial_;

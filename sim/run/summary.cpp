@@ -129,7 +129,7 @@ std::vector<Counter> of_all_vehicles(const std::vector<Counter>& counters) {
   struct Sum {
     Counter all;
     Counter last;  // last vehicle with this counter
-    int num_concerned = 0;
+    int num_reporting = 0;
   };
   std::vector<Sum> sums;
   for (const Counter& counter : counters) {
@@ -141,12 +141,12 @@ std::vector<Counter> of_all_vehicles(const std::vector<Counter>& counters) {
     sum->all.count += counter.count;
     sum->all.of += counter.of;
     if (counter.count == 0) continue;
-    ++sum->num_concerned;
+    ++sum->num_reporting;
     sum->last = counter;
   }
   std::vector<Counter> out;
   for (const Sum& sum : sums) {
-    if (sum.num_concerned > 0) out.push_back(sum.num_concerned == 1 ? sum.last : sum.all);
+    if (sum.num_reporting > 0) out.push_back(sum.num_reporting == 1 ? sum.last : sum.all);
   }
   return out;
 }

@@ -52,8 +52,8 @@ StateHistory Team::make_history(const Scenario& scenario) const {
   require_memory(key, num_states * sizeof(VehicleState) * static_cast<double>(sensors.size()));
   if (!(num_states <= kMaxStates)) {
     throw InputError(
-        fmt::format("{}: expected a history of at most {:g} states of each vehicle, found {:g}; let it look "
-                    "back less far, or make physics.step_s longer",
+        fmt::format("{}: expected a history of at most {:g} states of each vehicle, found {:g}; reduce "
+                    "the latency, or increase physics.step_s",
                     key, kMaxStates, num_states));
   }
   return {size(), static_cast<int>(num_states)};

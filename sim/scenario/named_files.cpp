@@ -5,7 +5,7 @@ namespace swiftlet::sim {
 namespace {
 
 /// Visits a configuration and collects its files and destinations.
-class Lister final : public ConfigVisitor {
+class FileLister final : public ConfigVisitor {
  public:
   std::vector<NamedFile> take_files() { return std::move(files_); }
   std::vector<NamedPlace> take_destinations() { return std::move(destinations_); }
@@ -72,14 +72,14 @@ class Lister final : public ConfigVisitor {
 
 std::vector<NamedFile> named_files(const Scenario& scenario) {
   Scenario visited = scenario;  // copy, since a visit may write
-  Lister lister;
+  FileLister lister;
   visited.visit(lister);
   return lister.take_files();
 }
 
 std::vector<NamedPlace> destinations_of(const VehicleConfig& vehicle) {
   Module visited = vehicle.agent;
-  Lister lister;
+  FileLister lister;
   lister.module("agent", visited, {}, "");
   return lister.take_destinations();
 }

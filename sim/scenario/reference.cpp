@@ -191,12 +191,12 @@ std::string columns_table(std::span<const Column> columns) {
 std::string data_tables() {
   sensor_registry();  // its rows register tables
   std::string text =
-      "\n## Tables\n\nThe tables of the recorder `csv`. ROS messages of what ROS has no type for have a "
+      "\n## Tables\n\nThe tables of the recorder `csv`. ROS messages without a standard type have a "
       "field for each column.\n";
   for (const TableType& table : csv_tables()) {
     text += "\n### `" + table.name + "`\n\n" + columns_table(table.columns);
   }
-  text += "\n## Messages\n\nWhat vehicles say to each other. Sizes are those on the air, with a header of " +
+  text += "\n## Messages\n\nMessages between vehicles. Sizes are those on the air, with a header of " +
           std::to_string(Message::kHeaderBytes) + " bytes and the name of the topic.\n";
   for (const MessageKind& kind : message_kinds()) {
     text += "\n### `" + std::string(kind.topic) + "`\n\n" + kind.doc + "; version " + std::to_string(kind.version) +

@@ -37,11 +37,11 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   constexpr std::size_t kMaxLength = 64;
   if (word.empty() || word.size() > kMaxLength) return "";
   const std::string* best = nearest_word(word, candidates);
-  for (const auto& is_meant : {differs_by_unit, is_like_without_unit}) {
-    const auto meant = std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
-      return candidate.size() <= kMaxLength && is_meant(word, candidate);
+  for (const auto& is_similar : {differs_by_unit, is_like_without_unit}) {
+    const auto similar = std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
+      return candidate.size() <= kMaxLength && is_similar(word, candidate);
     });
-    if (best == nullptr && meant != candidates.end()) best = &*meant;
+    if (best == nullptr && similar != candidates.end()) best = &*similar;
   }
   return best == nullptr ? "" : "; did you mean \"" + *best + "\"?";
 }

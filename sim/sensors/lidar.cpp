@@ -373,14 +373,15 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     measurement_.look_up(range, echoes.cos_incidence[i], brightness, sigma, gain);
     const float measured = std::min(range + sigma * range_normals_[beam], range_max);
     // Range limits apply to the measured range, not to the true one.
-    const bool noticed = met && measured >= range_min && measured > 0.0F &&
-                         measurement_.noticed(brightness * gain, [&] { return detection_random_.normal(index, beam); });
+    const bool detected =
+        met && measured >= range_min && measured > 0.0F &&
+        measurement_.detected(brightness * gain, [&] { return detection_random_.normal(index, beam); });
     const float toward_10_m = kIntensityRange_m / (met ? range : 1.0F);
     const float intensity = brightness * toward_10_m * toward_10_m;
     const float corrected = measured / kIntensityRange_m;
-    out.scan.range_m[beam] = noticed ? measured : 0.0F;
-    out.scan.intensity[beam] = noticed ? intensity : 0.0F;
-    out.scan.reflectivity[beam] = noticed ? intensity * corrected * corrected : 0.0F;
+    out.scan.range_m[beam] = detected ? measured : 0.0F;
+    out.scan.intensity[beam] = detected ? intensity : 0.0F;
+    out.scan.reflectivity[beam] = detected ? intensity * corrected * corrected : 0.0F;
   }
   if (config_.self_mask && tile.meets_self) {
     const BeamTable& beams = *out.scan.beams;

@@ -14,7 +14,7 @@ namespace {
 constexpr int kRangeEntries = 2048;
 constexpr int kIncidenceEntries = 256;
 constexpr int kSignalEntries = 1024;
-constexpr double kPromised = 1.2815515655446004;  // Phi(this) = 0.9
+constexpr double kQuantile90 = 1.2815515655446004;  // Phi(this) = 0.9
 constexpr double kReflectivityLow = 0.1;
 constexpr double kReflectivityHigh = 0.8;
 
@@ -87,11 +87,11 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
                                    bool ideal) {
   last_ = kRangeEntries;
   entries_per_m_ = static_cast<float>(kRangeEntries / range_max_m);
-  const bool all_noticed = ideal || detection.always;
-  threshold_ = all_noticed ? -1e30F : static_cast<float>(detection.threshold_snr);
+  const bool all_detected = ideal || detection.always;
+  threshold_ = all_detected ? -1e30F : static_cast<float>(detection.threshold_snr);
   const double exponent = elementary::log(kReflectivityHigh / kReflectivityLow) /
                           elementary::log(detection.range_80_percent_m / detection.range_10_percent_m);
-  const double promised_snr = detection.threshold_snr + kPromised;
+  const double snr_90 = detection.threshold_snr + kQuantile90;
   for (int i = 0; i <= kRangeEntries; ++i) {
     const double range_m = i * range_max_m / kRangeEntries;
     Entry entry{};
@@ -102,7 +102,7 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
     }
     // Within the first step, the gain at its end: such near surfaces are detected in any case.
     const double far_enough_m = std::max(range_m, range_max_m / kRangeEntries);
-    entry.gain = static_cast<float>(promised_snr / kReflectivityLow *
+    entry.gain = static_cast<float>(snr_90 / kReflectivityLow *
                                     elementary::pow(detection.range_10_percent_m / far_enough_m, exponent));
     entries_.push_back(entry);
   }

@@ -240,7 +240,7 @@ std::string slam_map_content(const SavedMap& map) {
 
 SavedMap read_slam_map(const std::filesystem::path& file) {
   const std::string content = read_whole_file(file);
-  const auto reject = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
+  const auto reject = [&](const std::string& reason) { throw InputError(file.string() + ": " + reason); };
   if (!content.starts_with(kTitle) || content.size() < kHeaderBytes) {
     reject("expected a map of Swiftlet's SLAM, which begins with its title");
   }

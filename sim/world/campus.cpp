@@ -20,7 +20,7 @@ using Eigen::Vector3f;
 
 constexpr double kWall_m = 0.35;
 constexpr double kPaneInset_m = 0.12;
-constexpr int kTries = 400;
+constexpr int kMaxAttempts = 400;
 
 void add_building_box(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
   add_box(mesh, low.cast<float>(), high.cast<float>());
@@ -190,7 +190,7 @@ void add_path(SceneBuilder& scene, const CampusConfig& config) {
 // A position for an object with this radius outside the free ring, separated from the others.
 std::optional<Vector2d> find_place(const CampusConfig& config, double reach_m, Spacing& spacing, Dice& dice) {
   const Vector2d half = 0.5 * config.size_m - Vector2d::Constant(1.0);
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMaxAttempts; ++i) {
     const double x_m = dice.uniform(-half.x(), half.x());
     const double y_m = dice.uniform(-half.y(), half.y());
     const Vector2d p(x_m, y_m);

@@ -46,7 +46,7 @@ std::vector<std::uint64_t> occupied_voxels(std::span<const Eigen::Vector3d> poin
       if (std::abs(index) >= kReach - 2) {
         throw InputError("expected points within " + std::to_string(kReach * leaf_m) +
                          " m of the world's origin at this leaf_m, found a coordinate of " +
-                         std::to_string(point[axis]) + " m; position_m brings a cloud home");
+                         std::to_string(point[axis]) + " m; position_m moves a cloud");
       }
       voxel[axis] = static_cast<std::int32_t>(index);
     }

@@ -19,7 +19,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int kTriesPerStem = 1000;
+constexpr int kAttemptsPerStem = 1000;
 constexpr double kHeightScatter = 0.07;
 constexpr int kNumSpecies = 3;
 const double kLeafCluster_m = 0.28 / std::sqrt(2.0);
@@ -76,9 +76,9 @@ std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
     Dice dice(random, static_cast<std::uint32_t>(i));
     Stem& stem = stems[i];
     stem = draw_stem(config, dice);
-    int tries = 0;
+    int attempt = 0;
     do {
-      if (++tries > kTriesPerStem) {
+      if (++attempt > kAttemptsPerStem) {
         throw InputError("world forest: expected room for " + std::to_string(stems.size()) +
                          " stems at the distance of min_spacing_m, found room for " + std::to_string(i));
       }
@@ -125,7 +125,7 @@ void add_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
 void add_undergrowth(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   using Kind = UndergrowthStock::Kind;
   const UndergrowthStock stock(scene, config.detail, Random(seed, "world.forest.undergrowth", "stock"));
-  const auto sow = [&](Kind kind, double per_ha, double scale_min, double scale_max, const char* entity) {
+  const auto scatter = [&](Kind kind, double per_ha, double scale_min, double scale_max, const char* entity) {
     const Random random(seed, "world.forest.undergrowth", entity);
     for (int i = 0; i < count_of(config, per_ha); ++i) {
       Dice dice(random, i);
@@ -135,8 +135,8 @@ void add_undergrowth(SceneBuilder& scene, const ForestConfig& config, std::uint6
       stock.place(scene, kind, on_ground(relief, place_m), scale, dice);
     }
   };
-  sow(Kind::kBush, config.bushes_per_ha, 0.6, 1.6, "bushes");
-  sow(Kind::kGrass, config.grass_per_ha, 0.7, 1.5, "grass");
+  scatter(Kind::kBush, config.bushes_per_ha, 0.6, 1.6, "bushes");
+  scatter(Kind::kGrass, config.grass_per_ha, 0.7, 1.5, "grass");
 }
 
 // Trunks lying on the ground, with stubs of broken branches.
@@ -236,7 +236,7 @@ void add_far_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_
     Stem stem = draw_stem(config, dice);
     double beyond_m = 0.0;
     bool has_room = false;
-    for (int tries = 0; tries < kTriesPerStem && !has_room; ++tries) {
+    for (int attempt = 0; attempt < kAttemptsPerStem && !has_room; ++attempt) {
       const double x_m = dice.uniform(-1.0, 1.0) * outer_m.x();
       stem.place_m = {x_m, dice.uniform(-1.0, 1.0) * outer_m.y()};
       beyond_m = (stem.place_m.cwiseAbs() - half_m).maxCoeff();

@@ -101,10 +101,10 @@ void require_rules_to_match(const MeshImportConfig& config, const MeshFile& sour
     std::string known;
     for (std::size_t k = 0; k < std::min(names.size(), kMostShown); ++k) known += (k == 0 ? "" : ", ") + names[k];
     if (names.size() > kMostShown) known += ", ...";
-    const std::string meant = likely_name(rule.name, names);
+    const std::string similar = likely_name(rule.name, names);
     throw InputError("world.surfaces[" + std::to_string(i) + "].name: expected part of a name in " + config.file +
                      " (" + (known.empty() ? "which names nothing" : known) + "), found \"" + rule.name + "\"" +
-                     (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+                     (similar.empty() ? "" : "; did you mean \"" + similar + "\"?"));
   }
 }
 
@@ -190,7 +190,7 @@ class Converter {
     };
     reject_file(config_.file, "expected vertices within 100 km of the world's origin, found one at " +
                                   triple(p_world_m) + " m; position_m: " + triple(config_.position_m - p_world_m) +
-                                  " of a world of type mesh brings it home");
+                                  " of a world of type mesh moves it");
   }
 
   const MeshImportConfig& config_;

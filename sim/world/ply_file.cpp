@@ -126,7 +126,7 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
     else
       needed += each * element.count;
     if (needed > available + 1) {
-      reject_file(file, "truncated: the PLY header promises " + std::to_string(element.count) + " elements '" +
+      reject_file(file, "truncated: the PLY header announces " + std::to_string(element.count) + " elements '" +
                             element.name + "', the file has " + std::to_string(available) + " bytes of data");
     }
   }

@@ -134,7 +134,7 @@ std::vector<Vector3d> read_pcd_text(const fs::path& file, std::string_view conte
                                     const std::array<std::size_t, 3>& fields) {
   std::vector<Vector3d> points;
   if (header.points > content.size())
-    reject_file(file, "truncated: the PCD header promises " + std::to_string(header.points) + " points");
+    reject_file(file, "truncated: the PCD header announces " + std::to_string(header.points) + " points");
   points.reserve(header.points);
   Words words(content, header.data_begin);
   for (std::uint64_t i = 0; i < header.points; ++i) {

@@ -65,14 +65,14 @@ Mesh coarsened(const Mesh& mesh, float edge_m) {
   Mesh out = mesh;
   out.triangles.clear();
   std::map<std::array<int, 3>, std::uint32_t> first_in;
-  std::vector<std::uint32_t> became(mesh.vertices_mesh_m.size());
-  for (std::uint32_t i = 0; i < became.size(); ++i) {
+  std::vector<std::uint32_t> merged_into(mesh.vertices_mesh_m.size());
+  for (std::uint32_t i = 0; i < merged_into.size(); ++i) {
     std::array<int, 3> cell{};
     for (int c = 0; c < 3; ++c) cell[c] = static_cast<int>(std::floor(mesh.vertices_mesh_m[i][c] / edge_m));
-    became[i] = first_in.emplace(cell, i).first->second;
+    merged_into[i] = first_in.emplace(cell, i).first->second;
   }
   for (const Triangle& t : mesh.triangles) {
-    const Triangle kept{became[t[0]], became[t[1]], became[t[2]]};
+    const Triangle kept{merged_into[t[0]], merged_into[t[1]], merged_into[t[2]]};
     if (kept[0] != kept[1] && kept[1] != kept[2] && kept[2] != kept[0]) out.triangles.push_back(kept);
   }
   return out;

@@ -305,7 +305,7 @@ class Dataset(unittest.TestCase):
             process.send_signal(how)
             said = process.communicate(timeout=60)[1]
             self.assertEqual(process.returncode, 128 + how, said)
-            self.assertIn("of 3 flights are finished and kept, --resume goes on", said)
+            self.assertIn("of 3 flights are finished and kept; continue with --resume", said)
             self.assertGreaterEqual(len(list(target.glob("sequences/[0-9]*"))), 1)
 
     def test_killed_at_random_moments_and_resumed_it_is_the_same_to_the_byte(self):
@@ -386,7 +386,7 @@ class Dataset(unittest.TestCase):
         result = run("dataset", self.file, "--out", target, "--jobs", 1, preexec_fn=no_room)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertRegex(result.stderr, r"cannot write .*sequences/\.0\d\.partial/.*: File too large")
-        self.assertIn("--resume goes on", result.stderr)
+        self.assertIn("continue with --resume", result.stderr)
         self.assertEqual(list((target / "sequences").glob("[0-9]*")), [])
         result = run("dataset", self.file, "--out", target, "--resume", "-q")
         self.assertEqual(result.returncode, 0, result.stderr)

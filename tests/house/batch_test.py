@@ -207,7 +207,7 @@ class Batch(unittest.TestCase):
 
         result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--jobs", 1, preexec_fn=no_room)
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertRegex(result.stderr, r"out/results.sqlite: .*; \d+ episodes are stored, --resume goes on")
+        self.assertRegex(result.stderr, r"out/results.sqlite: .*; \d+ episodes are stored; continue with --resume")
         stored = count(self.path / "out/results.sqlite")
         self.assertIn(f"; {stored} episodes are stored", result.stderr)
         self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--resume", "-q", check=True)

@@ -116,7 +116,7 @@ class Software(support.InFolder):
         for call in (lambda: alone.step(2), lambda: alone.add("pose", **SAMPLES["pose"]), lambda: alone.add_scan(scan),
                      lambda: alone.estimate, lambda: alone.detections, lambda: alone.tracks, lambda: alone.relatives,
                      lambda: alone.reference, lambda: alone.rotor_command, alone.maps):
-            with self.assertRaisesRegex(RuntimeError, "this Onboard is at work in another call"):
+            with self.assertRaisesRegex(RuntimeError, "this Onboard is in use by another call"):
                 call()
         Waits.leave.set()
         stepping.join()

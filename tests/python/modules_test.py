@@ -49,7 +49,7 @@ class Keeps:
         KEPT.append(now)
 
 
-@swiftlet.detector("small_and_high", doc="what is small and hangs in the air")
+@swiftlet.detector("small_and_high", doc="small clusters of points in the air")
 class SmallAndHigh:
     height_m = swiftlet.key(1.5, "[m] what is lower stands on the ground", min=0.0)
 
@@ -63,7 +63,7 @@ class SmallAndHigh:
         return None
 
 
-@swiftlet.agent("keeper", doc="holds a place with two loops", true_pose=True)
+@swiftlet.agent("keeper", doc="holds a position with two loops", true_pose=True)
 class Keeper:
     place_m = swiftlet.key((0.0, 0.0, 4.0), "[m] to hold, world")
 

@@ -169,7 +169,7 @@ class Runs(support.InFolder):
         threading.Thread(target=other).start()
         with self.assertRaises(KeyboardInterrupt):
             simulator.run()
-        self.assertEqual(refused, ["this simulator is at work in another call"] * 9)
+        self.assertEqual(refused, ["this simulator is in use by another call"] * 9)
         self.assertEqual(len(counted), 200)
 
 

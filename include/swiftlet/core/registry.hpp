@@ -49,7 +49,7 @@ class Registry {
       auto made = row.make(*chosen.config, std::forward<Arguments>(arguments)...);
       if constexpr (requires { made == nullptr; }) {
         if (made == nullptr && chosen.type != "none")  // a stage that is left out
-          throw std::runtime_error("the maker of the " + what_ + " '" + chosen.type + "' made nothing");
+          throw std::runtime_error("the maker of the " + what_ + " '" + chosen.type + "' returned nothing");
       }
       return made;
     } catch (const std::exception&) {

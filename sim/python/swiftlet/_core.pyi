@@ -25,7 +25,7 @@ class Cloud:
         """[ns] start of the sweep."""
 
 class Command:
-    """What an agent does: rotor commands, and what it believes."""
+    """Output of an agent: rotor commands and estimates."""
     def __init__(self, rotors: object, *, T_world_body: object = None, v_world_mps: object = ..., reference_m: object = ..., mission: str = 'endless') -> None:
         ...
 
@@ -35,20 +35,20 @@ class Detection:
         """t_ns 0: the middle of the newest sweep."""
 
 class Goal:
-    """Where guidance wants to be. The reference governor makes it flyable."""
+    """Goal of guidance. The reference governor makes it feasible."""
     def __init__(self, position_m: object, *, velocity_mps: object = ..., acceleration_mps2: object = ..., yaw_rad: float = 0.0, yaw_rate_radps: float = 0.0, frame: str = 'world', feasible: bool = False, speed_limit_mps: float = ..., motors_on: bool = True, mission: str = 'running', note: str = '') -> None:
         ...
 
 class InputError(ValueError):
-    """What was asked for is wrong. The message names file, line and key, as the program's does."""
+    """The input is invalid. The message names file, line and key, as that of the program."""
 
 class InternalError(RuntimeError):
-    """The library is wrong, not its input."""
+    """An error of the library, not of its input."""
 
 class Onboard:
     """The software of one vehicle without a simulator: localization or SLAM, detector, tracker, mapping and guidance, fed with measurements from anywhere."""
     def __init__(self, scenario: Scenario, vehicle: int = 0) -> None:
-        """scenario: its vehicle's agent, sensors and start tell what the software is. One thread at a time may use it."""
+        """scenario: its vehicle's agent, sensors and start define the software. One thread at a time may use it."""
     def add(self, kind: str, **kwargs) -> None:
         """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back."""
     def add_scan(self, scan: Scan) -> None:
@@ -60,7 +60,7 @@ class Onboard:
     def estimate(self) -> Table:
         ...
     def maps(self) -> dict:
-        """As of a vehicle of a simulator."""
+        """As the property of a simulator's vehicle."""
     @property
     def reference(self) -> Table:
         ...
@@ -86,7 +86,7 @@ class Random:
         """Uniform in [0, 1)."""
 
 class Scan:
-    """One sweep of one LiDAR. Arrays are read-only views that stay valid as long as anybody holds them. What is true of each beam is None where nobody may know it."""
+    """One sweep of one LiDAR. Arrays are read-only views that stay valid as long as they are referenced. The true values of each beam are None without access to the truth."""
     @property
     def T_body_lidar(self) -> typing.Optional[numpy.ndarray]:
         """(4, 4), mounting as calibrated."""
@@ -151,7 +151,7 @@ class Scan:
         """(rows, cols) float32, [m] without noise; 0: nothing in reach."""
 
 class Scenario:
-    """One run, completely: what `load` has read and checked."""
+    """The complete scenario of one run, read and checked by `load`."""
     @property
     def description(self) -> str:
         ...
@@ -183,7 +183,7 @@ class Simulator:
         """(n, 4), commands of vehicles with `guidance: {type: commanded}`; more columns where an `agent: {type: rotors}` has more rotors. They hold until they are written again."""
     @property
     def events(self) -> Table:
-        """What happened so far: crashes, missions that ended."""
+        """Events so far, such as crashes and ends of missions."""
     def finish(self) -> None:
         """Ends recording; the run directory appears under its name."""
     @property
@@ -193,7 +193,7 @@ class Simulator:
         """Flies until that simulated instant, or until the run is over."""
     @property
     def state_hash(self) -> str:
-        """Of all that was, was sensed and was done so far, as in summary.json."""
+        """Hash of all states, measurements and actions so far, as in summary.json."""
     @property
     def states(self) -> Table:
         """True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The arrays look into the simulator and always show the present; copy what is to stay."""
@@ -206,7 +206,7 @@ class Simulator:
     def t_s(self) -> float:
         """[s] simulated time."""
     def tick(self, count: int = 1) -> int:
-        """Flies so many ticks, at most until the run is over; tells how many there were."""
+        """Flies so many ticks, at most until the run is over; returns their number."""
     def vehicle(self, which: object) -> Vehicle:
         """One vehicle, by name or number."""
     @property
@@ -217,7 +217,7 @@ class Simulator:
         ...
 
 class StepInput:
-    """What a module knows in one tick. It is there until `step` returns. Places are in the vehicle's local frame, unless their name says world."""
+    """Inputs of a module in one tick, valid until `step` returns. Positions are in the vehicle's local frame, unless their name says world."""
     @property
     def clouds(self) -> typing.List[Cloud]:
         ...
@@ -229,7 +229,7 @@ class StepInput:
         """[s] since the last tick."""
     @property
     def estimate(self) -> Table:
-        """Where the vehicle believes to be."""
+        """The vehicle's estimate of its own state."""
     @property
     def id(self) -> int:
         """Number of the vehicle."""
@@ -241,20 +241,20 @@ class StepInput:
         """unknown, free or occupied."""
     @property
     def messages(self) -> Table:
-        """What the radio received in this tick."""
+        """Messages that the radio received in this tick."""
     @property
     def p_local_m(self) -> numpy.ndarray:
-        """(3,) [m] the same in its local frame."""
+        """(3,) [m] estimated position in its local frame."""
     @property
     def p_world_m(self) -> numpy.ndarray:
-        """(3,) [m] where it believes to be, in the world."""
+        """(3,) [m] estimated position in the world."""
     @property
     def relatives(self) -> Table:
         ...
     def samples(self, kind: str) -> Table:
         """Samples of this tick: imu, gnss, altimeter, compass, pose ..."""
     def send(self, topic: str, payload: bytes, to: int = -1) -> None:
-        """Hands a message to the radio; `to` is a number of a vehicle, -1: to all."""
+        """Sends a message by radio; `to` is the number of a vehicle, -1: broadcast."""
     @property
     def scans(self) -> typing.List[Scan]:
         """Scans that were completed in this tick, without truth."""
@@ -269,13 +269,13 @@ class StepInput:
         ...
     @property
     def v_world_mps(self) -> numpy.ndarray:
-        """(3,) [m/s] its velocity, in world axes."""
+        """(3,) [m/s] estimated velocity, in world axes."""
     @property
     def yaw_world_rad(self) -> float:
-        """[rad] its heading, counter-clockwise from east."""
+        """[rad] estimated heading, counter-clockwise from east."""
 
 class Table:
-    """Rows of one kind of data. Columns are read-only arrays by name, as item or attribute; `print` tells their shapes and units."""
+    """Rows of one kind of data. Columns are read-only arrays by name, as item or attribute; `print` shows their shapes and units."""
     def __getattr__(self, name: str) -> numpy.ndarray: ...
     def __getitem__(self, name: str) -> object:
         ...
@@ -287,13 +287,13 @@ class Table:
         """The rows as a pandas data frame; a vector has a column for each component, such as position_m_0."""
 
 class Vehicle:
-    """One vehicle of a run: what its software was told, knew and did in the last tick. Places are told in the world as the vehicle knows it. Tables are copies, which stay as they are."""
+    """One vehicle of a run: inputs, estimates and outputs of its software in the last tick. Positions are in the world as the vehicle knows it. Tables are copies, which stay as they are."""
     @property
     def detections(self) -> typing.Optional[Table]:
-        """What its detector found; None in a tick in which it finished no scan."""
+        """Detections of its detector; None in a tick without a finished scan."""
     @property
     def estimate(self) -> Table:
-        """Where the vehicle believes to be."""
+        """The vehicle's estimate of its own state."""
     @property
     def has_tracks(self) -> bool:
         """Did the tracker update its tracks in this tick?"""
@@ -304,7 +304,7 @@ class Vehicle:
         """The maps of its software by stage, as of now: edge_m, states, centers_local_m (n, 3), state (n,), value (n,)."""
     @property
     def messages(self) -> Table:
-        """What its radio received in this tick."""
+        """Messages that its radio received in this tick."""
     @property
     def mission(self) -> str:
         """running, endless, done or failed."""
@@ -316,10 +316,10 @@ class Vehicle:
         ...
     @property
     def reference(self) -> Table:
-        """Where it wants to be, after the reference governor."""
+        """The reference of the controller, after the reference governor."""
     @property
     def relatives(self) -> Table:
-        """Where it believes the others of its team to be."""
+        """Its estimates of its teammates' states."""
     @property
     def rotor_command(self) -> numpy.ndarray:
         """(8,), 0 to 1 between least and greatest rotor speed."""
@@ -330,7 +330,7 @@ class Vehicle:
         """Scans that its LiDARs completed in this tick, with their truth."""
     @property
     def tracks(self) -> Table:
-        """What it follows, as of the last update."""
+        """Tracks of its tracker, as of the last update."""
 
 class World:
     """The static part of a run, ready to trace; runs may share it."""
@@ -366,7 +366,7 @@ def error_quantiles_m(covariances_m2: object, p: float) -> numpy.ndarray:
     """(n,) [m] the error that is exceeded with probability 1 - p, of points with these covariances (n, 3, 3) [Vrba 2025, sec. IV-B]."""
 
 def make_scan(range_m: object, directions_lidar: object, t_ns: int, *, duration_s: typing.Optional[float] = None, offset_s: object = None, sensor: str = 'lidar', range_max_m: float = 120.0, sigma_range_m: float = 0.02, reflectivity: object = None, T_body_lidar: object = None) -> Scan:
-    """A scan from one's own arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, cols, 3), unit vectors. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), which become columns in the order of their times. Without it columns fire one after another during duration_s [s]. T_body_lidar (4, 4): mounting."""
+    """A scan from arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, cols, 3), unit vectors. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), which become columns in the order of their times. Without it columns fire one after another during duration_s [s]. T_body_lidar (4, 4): mounting."""
 
 def point_covariances(directions_lidar: object, range_m: object, R_world_lidar: object, *, sigma_range_m: float = 0.03, sigma_position_m: object = ..., sigma_attitude_rad: object = ...) -> numpy.ndarray:
     """(n, 3, 3) [m^2] covariance of the true point of each ray, world axes [Vrba 2025, eq. 44]. directions_lidar (n, 3) unit vectors, range_m (n,) [m], R_world_lidar (3, 3)."""

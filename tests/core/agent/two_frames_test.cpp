@@ -121,6 +121,12 @@ struct Flight {
     command = action.rotor_command;
     return action;
   }
+  /// Flies until the mission is done, or for so many ticks.
+  const Action& run_until_done(int most_ticks) {
+    const Action* action = &tick();
+    for (int i = 1; i < most_ticks && action->mission != MissionStatus::kDone; ++i) action = &tick();
+    return *action;
+  }
 
   FinePlant plant;
   std::unique_ptr<Agent> agent;
@@ -178,10 +184,7 @@ TEST(TwoFrames, TurnsInPlaceWhileItRelocalizes) {
     yaw_rad = now_rad;
   }
   EXPECT_GT(turned_rad, 2.5) << "it sees all around";
-  const Action* action = nullptr;
-  for (int i = 0; i < 6000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i)
-    action = &flight.tick();
-  EXPECT_EQ(action->mission, MissionStatus::kDone);
+  EXPECT_EQ(flight.run_until_done(6000).mission, MissionStatus::kDone);
   EXPECT_LT((flight.plant.p - target).norm(), 0.6);
 }
 
@@ -191,7 +194,7 @@ TEST(TwoFrames, StopsAndFailsAfterUnsuccessfulSearch) {
   const Action* action = nullptr;
   while (flight.plant.t < 13 * kNsPerSecond) action = &flight.tick();
   EXPECT_EQ(action->mission, MissionStatus::kFailed);
-  EXPECT_EQ(action->mission_note, "did not find itself in the map of an earlier flight");
+  EXPECT_EQ(action->mission_note, "no pose found in the map of an earlier flight");
   EXPECT_LT((flight.plant.p - start_m).norm(), 0.1);
   EXPECT_LT(flight.plant.omega.norm(), 0.02);
 }
@@ -209,10 +212,7 @@ TEST(TwoFrames, ClearsTheSearchNoteOnceRelocalized) {
 
 TEST(TwoFrames, FliesLocalMissionsWhileItRelocalizes) {
   Flight flight(100 * kNsPerSecond, waypoints({{3, 0, 1}}, WaypointsConfig::Frame::kStart), true);
-  const Action* action = nullptr;
-  for (int i = 0; i < 4000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i)
-    action = &flight.tick();
-  EXPECT_EQ(action->mission, MissionStatus::kDone);
+  EXPECT_EQ(flight.run_until_done(4000).mission, MissionStatus::kDone);
 }
 
 TEST(Stack, LimitsGoalsButNotFeasibleReferences) {

@@ -84,7 +84,7 @@ std::string made_by(const char* name, Maker maker) {
 TEST(Registry, AMakerThatFailsIsNamed) {
   EXPECT_EQ(made_by("own", [](const ModuleConfig&, int n) { return std::make_unique<Made>(Made{n}); }), "7");
   const Maker nothing = [](const ModuleConfig&, int) -> std::unique_ptr<Made> { return nullptr; };
-  EXPECT_EQ(made_by("own", nothing), "the maker of the thing 'own' made nothing");
+  EXPECT_EQ(made_by("own", nothing), "the maker of the thing 'own' returned nothing");
   EXPECT_EQ(made_by("none", nothing), "nothing") << "a stage that is left out";
   EXPECT_EQ(made_by("own", [](const ModuleConfig&, int) -> std::unique_ptr<Made> { throw 42; }),
             "the maker of the thing 'own' threw something that is no std::exception");

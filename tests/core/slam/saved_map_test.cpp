@@ -65,29 +65,29 @@ TEST(SavedMap, IsFaultlessWhenConsistent) {
 TEST(SavedMap, SaysWhatDoesNotFitTogether) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double edge_m : {0.0, -0.1, kNoNumber, inf}) {
-    EXPECT_EQ(fault_with([&](MapParts& m) { m.map.voxel_m = edge_m; }), "its voxels have no edge") << edge_m;
+    EXPECT_EQ(fault_with([&](MapParts& m) { m.map.voxel_m = edge_m; }), "the edge of its voxels is not positive") << edge_m;
   }
   const std::vector<Pose> no_poses = {with(Pose::Identity(), 0, 3, kNoNumber), with(Pose::Identity(), 1, 1, kNoNumber),
                                       with(Pose::Identity(), 0, 0, 1.0 + 6e-7), with(Pose::Identity(), 2, 2, -1.0)};
   for (const Pose& T : no_poses) {
     EXPECT_EQ(fault_with([&](MapParts& m) { m.poses[1] = T; }), "pose 1 is none") << T.matrix();
-    EXPECT_EQ(fault_with([&](MapParts& m) { m.relative.T_from_to = T; }), "a constraint between poses makes no sense");
-    EXPECT_EQ(fault_with([&](MapParts& m) { m.prior.T_world_pose = T; }), "what was known of a pose makes no sense");
+    EXPECT_EQ(fault_with([&](MapParts& m) { m.relative.T_from_to = T; }), "a constraint between poses is invalid");
+    EXPECT_EQ(fault_with([&](MapParts& m) { m.prior.T_world_pose = T; }), "the prior of a pose is invalid");
   }
   EXPECT_EQ(fault_with([](MapParts& m) { m.poses[1] = with(Pose::Identity(), 0, 0, 1.0 + 1e-7); }), "")
       << "rounded to single precision it still is one";
-  const char* relative = "a constraint between poses makes no sense";
+  const char* relative = "a constraint between poses is invalid";
   EXPECT_EQ(fault_with([](MapParts& m) { m.relative.information(2, 3) = kNoNumber; }), relative);
   for (const double huber : {0.0, -1.0, kNoNumber}) {
     EXPECT_EQ(fault_with([&](MapParts& m) { m.relative.huber = huber; }), relative) << huber;
-    EXPECT_EQ(fault_with([&](MapParts& m) { m.position.huber = huber; }), "a measured position makes no sense");
+    EXPECT_EQ(fault_with([&](MapParts& m) { m.position.huber = huber; }), "a measured position is invalid");
   }
   EXPECT_EQ(fault_with([&](MapParts& m) { m.prior.information(0, 0) = inf; }),
-            "what was known of a pose makes no sense");
-  const char* gravity = "a direction of gravity makes no sense";
+            "the prior of a pose is invalid");
+  const char* gravity = "a direction of gravity is invalid";
   EXPECT_EQ(fault_with([](MapParts& m) { m.gravity.up_body.x() = kNoNumber; }), gravity);
   EXPECT_EQ(fault_with([&](MapParts& m) { m.gravity.sigma_rad = inf; }), gravity);
-  const char* position = "a measured position makes no sense";
+  const char* position = "a measured position is invalid";
   EXPECT_EQ(fault_with([](MapParts& m) { m.position.beta = kNoNumber; }), position);
   EXPECT_EQ(fault_with([](MapParts& m) { m.position.p_world_m.y() = kNoNumber; }), position);
   EXPECT_EQ(fault_with([](MapParts& m) { m.position.weight_world_1_m.z() = kNoNumber; }), position);

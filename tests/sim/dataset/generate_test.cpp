@@ -198,7 +198,7 @@ TEST_F(SmallDatasetDeathTest, ReportsFailedFlightsWithTheirAttempts) {
   EXPECT_THAT([&] { generate_dataset(narrow, options); },
               ::testing::ThrowsMessage<std::runtime_error>(::testing::AllOf(
                   HasSubstr("flight 0 failed: flight 0 (seed 5): 3 attempts failed, the last because no free paths"),
-                  HasSubstr("(0 of 2 flights are finished and kept; --resume goes on)"))));
+                  HasSubstr("(0 of 2 flights are finished and kept; continue with --resume)"))));
 }
 
 TEST_F(SmallDatasetDeathTest, DescribesTheFlightsOfItsSequences) {

@@ -111,14 +111,14 @@ TEST_F(Plugins, MustBeMarkedSharedLibraries) {
 TEST_F(Plugins, TellWhenTheirNamesAreTaken) {
   build("taken", plugin_for("1.2", "throw std::runtime_error(\"hover is there\");"));
   EXPECT_EQ(load_plugin("taken.so", folder.path()),
-            "a plugin whose modules can be added, found \"taken.so\": hover is there");
+            "a plugin with modules, found \"taken.so\": hover is there");
   EXPECT_FALSE(is_loaded(folder.path() / "taken.so"));
 }
 
 TEST_F(Plugins, AreRefusedForThrowingNonExceptions) {
   build("odd", plugin_for("1.2", "throw 42;"));
   EXPECT_EQ(load_plugin("odd.so", folder.path()),
-            "a plugin whose modules can be added, found \"odd.so\": it threw something that is no std::exception");
+            "a plugin with modules, found \"odd.so\": it threw something that is no std::exception");
 }
 
 }  // namespace

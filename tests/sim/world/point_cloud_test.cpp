@@ -213,7 +213,7 @@ TEST_F(CloudFiles, ReadAsciiPlyOfMinimumLength) {
           "y\r\nproperty double z\r\nend_header\r\n+1 2 3\r\n"),
       (Points{{1, 2, 3}}));
   EXPECT_EQ(ply(head + "1 2 3 nan 5 6").size(), 1U);
-  EXPECT_THAT(ply_refusal(head + "1 2 3 4 5 "), HasSubstr("truncated: the PLY header promises 2 elements 'vertex'"));
+  EXPECT_THAT(ply_refusal(head + "1 2 3 4 5 "), HasSubstr("truncated: the PLY header announces 2 elements 'vertex'"));
   EXPECT_THAT(ply_refusal(head + "1 2 3 4 5  "),
               HasSubstr("a.ply:8: expected a number, found none for 'z' of vertex 1"));
   EXPECT_THAT(ply_refusal(head + "1 2 3\n4 five 6"),

@@ -107,7 +107,7 @@ class Hypotheses {
   void split_body(std::size_t k);
   void join(const LocalCloud& cloud, std::size_t stays, std::size_t goes);
   void begin(const LocalCloud& cloud);
-  double remember(Hypothesis& newborn, const Measurement& measurement) const;
+  double remember(Hypothesis& new_hypothesis, const Measurement& measurement) const;
   void inherit();
   void merge();
   void forget();

@@ -54,7 +54,7 @@ class AgileSpline {
  private:
   void add_control_point();
   void pick_target(const Vector3& from_m);
-  Vector3 wanted_step(const Vector3& point) const;
+  Vector3 desired_step(const Vector3& point) const;
   Vector3 cut_step(const Vector3& step) const;
   Vector3 brake(const Vector3& step) const;
   double braking_per_knot(const Vector3& step) const;

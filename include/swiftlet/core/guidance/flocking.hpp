@@ -38,7 +38,7 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   double avoid_distance_m = 3.0;
   double avoid_gain_mps = 1.5;
   double least_persistence = 0.3;
-  NeighborSourceConfig neighbors = NeighborSourceConfig::forgetful();
+  NeighborSourceConfig neighbors = NeighborSourceConfig::without_memory();
   FlockObstacleConfig lidar;
 
   void visit(ConfigVisitor& v) override;
@@ -61,7 +61,7 @@ struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
   double beta1 = 0.12;
   double body_radius_m = 0.5;
   int retina_pixels = 360;
-  NeighborSourceConfig neighbors = NeighborSourceConfig::forgetful();
+  NeighborSourceConfig neighbors = NeighborSourceConfig::without_memory();
   FlockObstacleConfig lidar;
 
   void visit(ConfigVisitor& v) override;

@@ -21,7 +21,7 @@ struct NeighborSourceConfig {
   bool predict = true;
 
   /// Neighbors are dropped one second after their last measurement, as flocking models assume.
-  static NeighborSourceConfig forgetful();
+  static NeighborSourceConfig without_memory();
   void visit(ConfigVisitor& v);
 };
 

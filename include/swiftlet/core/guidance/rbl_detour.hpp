@@ -102,8 +102,8 @@ class RblDetour {
   bool beside_ = false;                      // the path ends at a viewpoint beside the goal
   double beside_m_ = 0.0;                    // horizontal distance of the viewpoint from the goal
   bool level_ = false;                       // the path ends at the vehicle's height, not at the goal's
-  Vector3 stood_local_m_ = Vector3::Zero();  // position when the vehicle moved last
-  TimeNs stood_ = 0;                         // time when the vehicle moved last
+  Vector3 moved_local_m_ = Vector3::Zero();  // position when the vehicle moved last
+  TimeNs moved_at_ = 0;                      // time when the vehicle moved last
   double straight_until_m_ = 0.0;            // position along the path up to which straight flight is kept
   std::optional<Vector3> straight_local_m_;
   std::uint64_t checked_ = 0;

@@ -42,19 +42,20 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 /// Two vehicles that keep their braking paths on their own sides of such planes can still stop there. So their distance
 /// stays above `distance_m` as far as the braking paths are accurate. Heights are scaled by `distance_m / vertical_m`,
 /// because of the downwash of the rotors.
-/// @param unsure_m  uncertainty of the other's position; reduces the room to advance, but never forces a retreat
+/// @param uncertainty_m  uncertainty of the other's position; reduces the room to advance, but never forces a retreat
 /// @return relative to the position of `self`
-HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m, double unsure_m);
+HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
+                      double uncertainty_m);
 
 /// Half-space within which the vehicle stays until its next sighting of the other: a share of the gap at the last
 /// sighting.
 ///
 /// When both vehicles use less than half, they stay apart for any motion within it and any interval between sightings.
 /// No knowledge of speeds is required.
-/// @param unsure_m  uncertainty of the other's position at the last sighting
+/// @param uncertainty_m  uncertainty of the other's position at the last sighting
 /// @return relative to `p_local_m`, the present position of the vehicle
 HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
-                      double distance_m, double vertical_m, double unsure_m, double share);
+                      double distance_m, double vertical_m, double uncertainty_m, double share);
 
 /// Half-space beside the path of another vehicle that continues straight: a vehicle that only retreats is caught up
 /// with.

@@ -73,8 +73,8 @@ struct ClockPrior {
 /// Reason why there is no alignment yet.
 enum class AlignmentFault { kNone, kFewPairs, kFewInliers, kNoSpread, kUncertainHeading };
 constexpr const char* reason_of(AlignmentFault fault) {
-  constexpr const char* kReasons[] = {"", "too few sightings", "sightings that do not fit what it told",
-                                      "it has not moved enough", "its heading is not sure enough"};
+  constexpr const char* kReasons[] = {"", "too few sightings", "sightings that do not fit the reported odometry",
+                                      "the vehicle has not moved enough", "the heading is too uncertain"};
   return kReasons[static_cast<std::size_t>(fault)];
 }
 

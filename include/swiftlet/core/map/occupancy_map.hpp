@@ -164,7 +164,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   std::uint32_t scan_ = 0;
   std::uint64_t revision_ = 0;
   std::vector<TimeNs> scan_times_;  // times of the last scans, in a ring buffer
-  BlockLog forgotten_;
+  BlockLog removed_;
   Vector3 kept_around_local_m_;
   mutable DistanceTiles distances_;
 };

@@ -127,7 +127,7 @@ class SparseVoxelMap : public OccupancyView {
   std::vector<TimeNs> times_;     // times of the sweeps, from 1 on, ascending
   std::uint32_t remembered_ = 0;  // first sweep within memory_s
   std::uint64_t revision_ = 0;
-  BlockLog forgotten_;
+  BlockLog removed_;
 };
 
 }  // namespace swiftlet

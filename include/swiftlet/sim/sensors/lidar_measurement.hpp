@@ -85,7 +85,7 @@ class LidarMeasurement {
   double detection_probability(float snr) const;
   /// Is a return detected, given one draw of a standard normal? `draw` is only called when it can change the result.
   template <class Draw>
-  bool noticed(float snr, Draw&& draw) const {
+  bool detected(float snr, Draw&& draw) const {
     const float margin = snr - threshold_;
     if (margin > kCertain) return true;
     if (margin < -kCertain) return false;
