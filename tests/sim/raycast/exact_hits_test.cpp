@@ -35,10 +35,10 @@ struct Ray {
   Vector3f origin, direction;
 };
 
-struct Met {
+struct NearestHit {
   std::uint32_t triangle = 0xFFFFFFFF;
   float range_m = 0.0F, cosine = 0.0F;
-  bool operator==(const Met&) const = default;
+  bool operator==(const NearestHit&) const = default;
 };
 
 constexpr double kRange_m = 60.0;
@@ -124,8 +124,8 @@ std::vector<Ray> hard_rays(const Mesh& mesh) {
 enum class Batch { kTogether, kScattered, kSingly };
 constexpr Batch kBatches[] = {Batch::kTogether, Batch::kScattered, Batch::kSingly};
 
-std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays, Batch batch) {
-  std::vector<Met> out;
+std::vector<NearestHit> traced(const TriangleScene& scene, const std::vector<Ray>& rays, Batch batch) {
+  std::vector<NearestHit> out;
   for (std::size_t first = 0; first < rays.size(); first += kPacketSize) {
     ExactQuery query(scene);
     for (int i = 0; i < kPacketSize; ++i) query.set_ray(i, rays[first + i].origin, rays[first + i].direction, kRange_m);
@@ -133,17 +133,17 @@ std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays
     if (batch == Batch::kScattered) query.trace_scattered();
     if (batch == Batch::kSingly) query.trace_singly(kPacketSize);
     for (int i = 0; i < kPacketSize; ++i) {
-      Met met;
-      if (query.met(i)) met = {query.triangle(i), query.range_m(i), query.cos_incidence(i)};
-      out.push_back(met);
+      NearestHit hit;
+      if (query.met(i)) hit = {query.triangle(i), query.range_m(i), query.cos_incidence(i)};
+      out.push_back(hit);
     }
   }
   return out;
 }
 
 // The rule without a tree, from its description.
-Met searched(const TriangleScene& scene, const Ray& ray) {
-  Met nearest;
+NearestHit searched(const TriangleScene& scene, const Ray& ray) {
+  NearestHit nearest;
   double nearest_m = kRange_m;
   const Vector3d o = ray.origin.cast<double>(), d = ray.direction.cast<double>();
   for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -168,9 +168,9 @@ Met searched(const TriangleScene& scene, const Ray& ray) {
   return nearest;
 }
 
-void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) {
+void expect_nearest_triangles(const Mesh& mesh, const std::vector<Ray>& rays) {
   const Scene description = scene_of(mesh);
-  std::vector<Met> expected;
+  std::vector<NearestHit> expected;
   for (const std::string& setting : kSettings) {
     const EmbreeSetting with_setting(setting);
     const StaticScene scene(description);
@@ -180,16 +180,16 @@ void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) 
       for (const Ray& ray : rays) expected.push_back(searched(triangles, ray));
     }
     for (const Batch batch : kBatches) {
-      const std::vector<Met> met = traced(triangles, rays, batch);
+      const std::vector<NearestHit> found = traced(triangles, rays, batch);
       int different = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
         // Two roundings of the search may differ from the rule's in the last bit; the triangle may not.
-        const bool same = met[i].triangle == expected[i].triangle &&
-                          std::abs(met[i].range_m - expected[i].range_m) <= 1e-6F * expected[i].range_m;
+        const bool same = found[i].triangle == expected[i].triangle &&
+                          std::abs(found[i].range_m - expected[i].range_m) <= 1e-6F * expected[i].range_m;
         if (same) continue;
         if (++different <= 3) {
-          ADD_FAILURE() << setting << ", batch " << static_cast<int>(batch) << ": ray " << i << " met "
-                        << met[i].triangle << " at " << met[i].range_m << ", expected " << expected[i].triangle
+          ADD_FAILURE() << setting << ", batch " << static_cast<int>(batch) << ": ray " << i << " hit "
+                        << found[i].triangle << " at " << found[i].range_m << ", expected " << expected[i].triangle
                         << " at " << expected[i].range_m;
         }
       }
@@ -200,7 +200,7 @@ void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) 
 
 TEST(ExactHits, MatchBruteForceDespiteEmbreeRounding) {
   const Mesh mesh = hard_mesh();
-  expect_what_a_search_finds(mesh, hard_rays(mesh));
+  expect_nearest_triangles(mesh, hard_rays(mesh));
 }
 
 // Surfaces that cross, touch or cover each other without a common edge, and folds so sharp that both sides are near.
@@ -292,7 +292,7 @@ std::vector<Ray> rays_at_meetings(const Mesh& mesh) {
 
 TEST(ExactHits, MatchBruteForceWhereSurfacesMeet) {
   const Mesh mesh = meeting_surfaces();
-  expect_what_a_search_finds(mesh, rays_at_meetings(mesh));
+  expect_nearest_triangles(mesh, rays_at_meetings(mesh));
 }
 
 TEST(ExactHits, MatchAcrossInstructionSetsWithinWall) {
@@ -364,18 +364,19 @@ TEST(ExactHits, MatchAcrossInstructionSetsInForest) {
                              std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad));
     rays.push_back({Vector3f(0.5F, 0.25F, 4.0F), direction.cast<float>()});
   }
-  std::vector<Met> expected;
+  std::vector<NearestHit> expected;
   for (const std::string& setting : kSettings) {
     const EmbreeSetting with_setting(setting);
     const StaticScene scene(description);
     scene.impl().expect_scattered_rays();
     for (const Batch batch : kBatches) {
-      const std::vector<Met> met = traced(scene.impl().world, rays, batch);
-      if (expected.empty()) expected = met;
-      EXPECT_TRUE(met == expected) << setting << ", batch " << static_cast<int>(batch);
+      const std::vector<NearestHit> found = traced(scene.impl().world, rays, batch);
+      if (expected.empty()) expected = found;
+      EXPECT_TRUE(found == expected) << setting << ", batch " << static_cast<int>(batch);
     }
   }
-  const auto hits = std::count_if(expected.begin(), expected.end(), [](const Met& m) { return m.range_m > 0.0F; });
+  const auto hits =
+      std::count_if(expected.begin(), expected.end(), [](const NearestHit& m) { return m.range_m > 0.0F; });
   EXPECT_GT(hits, 10000);
 }
 
@@ -414,7 +415,7 @@ TEST(ExactHits, LetNoRayThroughClosedSurfaces) {
   }
   scene.impl().expect_scattered_rays();
   for (const Batch batch : kBatches) {
-    for (const Met& met : traced(scene.impl().world, rays, batch)) ASSERT_NEAR(met.range_m, 7.0F, 0.6F);
+    for (const NearestHit& hit : traced(scene.impl().world, rays, batch)) ASSERT_NEAR(hit.range_m, 7.0F, 0.6F);
   }
 }
 

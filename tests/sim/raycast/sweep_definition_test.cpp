@@ -43,7 +43,7 @@ VehicleState flying(int vehicle, double t) {
   return state;
 }
 
-struct WalkHit {
+struct BruteHit {
   double range_m = 0.0, cosine = 0.0;
   VehicleId vehicle = kNoVehicle;
   VehiclePart part = VehiclePart::kNone;
@@ -52,8 +52,8 @@ struct WalkHit {
 };
 
 /// All arguments are in one frame.
-void meet_triangle(const Vector3& from_m, const Vector3& direction, const Vector3& a, const Vector3& b,
-                   const Vector3& c, const WalkHit& surface, WalkHit& nearest) {
+void intersect_triangle(const Vector3& from_m, const Vector3& direction, const Vector3& a, const Vector3& b,
+                        const Vector3& c, const BruteHit& surface, BruteHit& nearest) {
   const Vector3 n = (b - a).cross(c - a).normalized();
   const double range_m = n.dot(a - from_m) / n.dot(direction);
   if (!(range_m > 0.0) || range_m >= nearest.range_m) return;
@@ -65,17 +65,17 @@ void meet_triangle(const Vector3& from_m, const Vector3& direction, const Vector
   nearest.cosine = std::abs(n.dot(direction));
 }
 
-void meet_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleId id, bool with_sensors,
-                  const Vector3& from_world_m, const Vector3& direction_world, WalkHit& nearest) {
+void intersect_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleId id, bool with_sensors,
+                       const Vector3& from_world_m, const Vector3& direction_world, BruteHit& nearest) {
   const Pose T_body_world = state.T_world_body().inverse();
   const Vector3 from_m = T_body_world * from_world_m, direction = T_body_world.linear() * direction_world;
   if (from_m.cross(direction).norm() > 1.5) return;  // no vehicle is that large
   for (const Mesh& mesh : shape.meshes) {
     if (mesh.part == VehiclePart::kSensor && !with_sensors) continue;
     const auto corner = [&](std::uint32_t i) -> Vector3 { return mesh.vertices_mesh_m[i].cast<double>(); };
-    const WalkHit surface{0.0, 0.0, id, mesh.part, mesh.material, static_cast<std::uint16_t>(id + 1)};
+    const BruteHit surface{0.0, 0.0, id, mesh.part, mesh.material, static_cast<std::uint16_t>(id + 1)};
     for (const auto& t : mesh.triangles)
-      meet_triangle(from_m, direction, corner(t[0]), corner(t[1]), corner(t[2]), surface, nearest);
+      intersect_triangle(from_m, direction, corner(t[0]), corner(t[1]), corner(t[2]), surface, nearest);
   }
   for (std::size_t r = 0; r < shape.rotors.size(); ++r) {
     const auto& rotor = shape.rotors[r];
@@ -158,33 +158,34 @@ TEST(SweepDefinition, MatchesBruteForceOverAllTriangles) {
           const Vector3 from_m = T_world_lidar * firings[number].origin_lidar_m.cast<double>();
           const Vector3 direction =
               T_world_lidar.linear() * Vector3(beams.direction_x[i], beams.direction_y[i], beams.direction_z[i]);
-          WalkHit met;
-          met.range_m = 30.0;
+          BruteHit brute;
+          brute.range_m = 30.0;
           for (const Mesh& mesh : is_box ? world.scene().meshes : std::vector<Mesh>{}) {
             const auto corner = [&](std::uint32_t c) -> Vector3 { return mesh.vertices_mesh_m[c].cast<double>(); };
-            const WalkHit surface{
+            const BruteHit surface{
                 0.0,           0.0,
                 kNoVehicle,    VehiclePart::kNone,
                 mesh.material, static_cast<std::uint16_t>(mesh.surface_class == SurfaceClass::kWall ? 5 : 6)};
             for (const auto& c : mesh.triangles)
-              meet_triangle(from_m, direction, corner(c[0]), corner(c[1]), corner(c[2]), surface, met);
+              intersect_triangle(from_m, direction, corner(c[0]), corner(c[1]), corner(c[2]), surface, brute);
           }
           for (VehicleId id = 0; id < 5; ++id)
-            meet_vehicle(*shapes[static_cast<std::size_t>(id)], flying(id, t), id, id != 0, from_m, direction, met);
-          const bool is_met = met.range_m < 30.0;
-          nothing += !is_met;
+            intersect_vehicle(*shapes[static_cast<std::size_t>(id)], flying(id, t), id, id != 0, from_m, direction,
+                              brute);
+          const bool is_hit = brute.range_m < 30.0;
+          nothing += !is_hit;
           const SweepSurface& surface = sweep.surfaces()[hits.surface[i]];
-          const bool same =
-              is_met == (hits.range_m[i] > 0.0F) &&
-              (!is_met || (std::abs(hits.range_m[i] - met.range_m) < 1e-3 && surface.vehicle == met.vehicle &&
-                           surface.part == met.part && surface.material == met.material &&
-                           surface.instance == met.instance && std::abs(hits.cos_incidence[i] - met.cosine) < 2e-3));
+          const bool same = is_hit == (hits.range_m[i] > 0.0F) &&
+                            (!is_hit || (std::abs(hits.range_m[i] - brute.range_m) < 1e-3 &&
+                                         surface.vehicle == brute.vehicle && surface.part == brute.part &&
+                                         surface.material == brute.material && surface.instance == brute.instance &&
+                                         std::abs(hits.cos_incidence[i] - brute.cosine) < 2e-3));
           different += !same;
           if (!same) continue;
-          on_vehicles += met.vehicle != kNoVehicle;
-          on_rotors += met.part == VehiclePart::kRotor;
-          on_own += met.vehicle == 0;
-          EXPECT_TRUE(met.vehicle != 0 || (reaches >> i & 1U) != 0);
+          on_vehicles += brute.vehicle != kNoVehicle;
+          on_rotors += brute.part == VehiclePart::kRotor;
+          on_own += brute.vehicle == 0;
+          EXPECT_TRUE(brute.vehicle != 0 || (reaches >> i & 1U) != 0);
         }
       }
       EXPECT_GT(on_vehicles, 200);

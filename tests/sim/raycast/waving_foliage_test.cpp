@@ -79,7 +79,7 @@ class Sweeper {
   StateHistory history_;
 };
 
-// The leaf's middle hangs at three quarters of the tree's height. It is met in the middle of the sweep.
+// The leaf's middle hangs at three quarters of the tree's height. It is hit in the middle of the sweep.
 TEST(WavingFoliage, MatchesClosedFormForLeaves) {
   const FoliageMotion motion(storm(), 42);
   for (const bool coherent : {true, false}) {
@@ -158,17 +158,17 @@ TEST(WavingFoliage, MatchesAForestFrozenInPlace) {
     Sweeper waving(forest, {0.0, 0.0, 6.0}, coherent),
         frozen(frozen_at(forest, to_seconds(kNow)), {0.0, 0.0, 6.0}, coherent);
     Sweeper still(frozen_at(forest, 0.0), {0.0, 0.0, 6.0}, coherent);
-    int met = 0, same = 0, moved = 0;
+    int hits = 0, same = 0, moved = 0;
     for (std::uint32_t k = 0; k < 400; ++k) {
       const auto n = random.normal3(k, 0);
       const Eigen::Vector3f d = Vector3(n[0], n[1], 0.3 * n[2]).normalized().cast<float>();
-      const float there_m = frozen.look(kNow, 0, packet_along(d)).range_m[0];
+      const float frozen_m = frozen.look(kNow, 0, packet_along(d)).range_m[0];
       const float range_m = waving.look(kNow, 0, packet_along(d)).range_m[0];
-      met += there_m > 0.0F;
-      same += std::abs(range_m - there_m) < 1e-3F;
+      hits += frozen_m > 0.0F;
+      same += std::abs(range_m - frozen_m) < 1e-3F;
       moved += std::abs(range_m - still.look(kNow, 0, packet_along(d)).range_m[0]) > 1e-3F;
     }
-    EXPECT_GT(met, 100);
+    EXPECT_GT(hits, 100);
     EXPECT_GE(same, 397) << "of 400: a few graze the edge of a leaf";
     EXPECT_GT(moved, 40) << "elsewhere than at another time";
   }

@@ -64,10 +64,10 @@ TEST(BeamLookup, FindsTheNearestBeamWithoutRows) {
     if (beam < 0) continue;
     ++found;
     // No beam is much nearer (the search measures on the tangent plane).
-    const Eigen::Vector3f wanted = direction(azimuth, elevation);
+    const Eigen::Vector3f target = direction(azimuth, elevation);
     float best = 1e9F;
-    for (const Eigen::Vector3f& d : beams.directions_lidar) best = std::min(best, (d - wanted).norm());
-    EXPECT_LT((beams.directions_lidar[static_cast<std::size_t>(beam)] - wanted).norm(), 1.05F * best + 1e-4F);
+    for (const Eigen::Vector3f& d : beams.directions_lidar) best = std::min(best, (d - target).norm());
+    EXPECT_LT((beams.directions_lidar[static_cast<std::size_t>(beam)] - target).norm(), 1.05F * best + 1e-4F);
   }
   EXPECT_GT(found, 400);
 }

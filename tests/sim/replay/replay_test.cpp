@@ -107,12 +107,12 @@ TEST_F(ReplayOfMadeUpRun, RequestsOverlaysOnlyAtTheirRate) {
   config.overlay_rate_hz = 2.0;
   auto recorder = make_replay_recorder(config, folder_.path() / "a.html");
   recorder->begin(run.info());
-  int asked = 0;
+  int requests = 0;
   for (int k = 1; k <= 400; ++k) {
-    asked += recorder->wants_overlays(k * SyntheticRun::kTick) ? 1 : 0;
+    requests += recorder->wants_overlays(k * SyntheticRun::kTick) ? 1 : 0;
     recorder->write(run.tick(k));
   }
-  EXPECT_NEAR(asked, 8, 1);
+  EXPECT_NEAR(requests, 8, 1);
 }
 
 TEST_F(ReplayOfMadeUpRun, LeavesNothingAfterAnEarlyEnd) {
