@@ -63,7 +63,6 @@ TEST(GuidedGap, SmallVehiclePassesTwice) {
   for (const char* note : {"planning", "primary moving", "secondary moving", "goal reached"}) {
     EXPECT_TRUE(flight.notes.count(note)) << note;
   }
-  std::printf("error within 1 m of the gap: %.3f m\n", flight.error_in_gap_m);
   EXPECT_LT(flight.error_in_gap_m, 0.10) << "[Pritzl 2024, sec. III-A]";
 }
 

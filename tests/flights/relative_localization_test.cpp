@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -27,10 +26,6 @@ struct Figures {
     double sum = 0.0;
     for (const double value : values) sum += value / static_cast<double>(values.size());
     return sum;
-  }
-  void print(const char* what) const {
-    std::printf("%s: known from %.1f s on, MAE %.3f m at %.1f m, heading %.2f deg, NEES %.2f\n", what, first_s,
-                mean(errors_m), mean(distances_m), mean(yaw_errors_rad) * 180.0 / 3.14159265, mean(nees));
   }
 };
 
@@ -54,11 +49,11 @@ class SquareGuide : public Guidance {
     for (const RelativeEstimate& other : input.relatives) {
       if (!left_m_.empty() && (left_m_.front() - other.position_m).norm() < 0.3) left_m_.erase(left_m_.begin());
       path.has_instant = true;
-      path.t = other.heard_stamp;
-      const Eigen::AngleAxisd turn(-other.heard_yaw_rad, Vector3::UnitZ());
+      path.t = other.report_stamp;
+      const Eigen::AngleAxisd turn(-other.report_yaw_rad, Vector3::UnitZ());
       for (const Vector3& corner_m : left_m_) {
-        const Vector3 p_body_m = turn * (corner_m - other.heard_position_m);
-        path.waypoints.push_back({p_body_m.cast<float>(), static_cast<float>(-other.heard_yaw_rad)});
+        const Vector3 p_body_m = turn * (corner_m - other.report_position_m);
+        path.waypoints.push_back({p_body_m.cast<float>(), static_cast<float>(-other.report_yaw_rad)});
       }
     }
     write_message(path, outbox.add(1));
@@ -111,7 +106,6 @@ Scenario scenario_of(std::vector<std::pair<std::string, std::string>> changes) {
 // [Pritzl 2024, sec. III-A]: 0.10 m in the mean at about 5 m.
 TEST(RelativeLocalization, FindsAVehicleToFiveCentimeters) {
   const Figures figures = fly(scenario_of({}), [](const Simulation&) {});
-  figures.print("hovering observer");
   ASSERT_FALSE(figures.errors_m.empty());
   EXPECT_LT(figures.first_s, 15.0);
   EXPECT_LT(Figures::mean(figures.errors_m), 0.05);
@@ -144,15 +138,13 @@ TEST(RelativeLocalizationInFull, GuidedVehicleReachesItsPlaces) {
     }
     last_m = p_m;
   });
-  figures.print("guided");
   for (const double nearest : nearest_m) {
-    std::printf("corner reached to %.3f m\n", nearest);
     EXPECT_LT(nearest, 0.45) << "0.3 m count as visited, the rest is error";
   }
   EXPECT_LT(flown_in_silence_m, 0.15) << "it hovers";
-  const auto told = [&](const char* note) { return std::count(notes.begin(), notes.end(), note); };
-  EXPECT_EQ(told("hovers: the link to its guide is lost"), 1);
-  EXPECT_EQ(told("follows its guide"), 2) << "before and after";
+  const auto count_of = [&](const char* note) { return std::count(notes.begin(), notes.end(), note); };
+  EXPECT_EQ(count_of("hovers: the link to its guide is lost"), 1);
+  EXPECT_EQ(count_of("follows its guide"), 2) << "before and after";
 }
 
 }  // namespace

@@ -69,19 +69,6 @@ TEST(Determinism, AnotherSeedGivesAnotherRun) {
   EXPECT_NE(fly(load_scenario(kMixedTeam, {{"seed", "12"}}), 2), reference_hash());
 }
 
-// A detector that steers nothing leaves its mark in the hash all the same.
-TEST(Determinism, AnotherDetectorGivesAnotherRun) {
-  const auto hash_with = [](const char* latency_s) {
-    return fly(
-        load_scenario("forest_patrol", {{"duration_s", "0.6"},
-                                        {"snapshots", "[]"},
-                                        {"recorders", "[]"},
-                                        {"vehicles[0].agent.detector.timing.classification_latency_s", latency_s}}),
-        2);
-  };
-  EXPECT_NE(hash_with("0.05"), hash_with("0.1"));
-}
-
 TEST(Determinism, ResolvedScenarioReproducesTheRun) {
   const TemporaryDirectory folder;
   const std::string path = folder.path() / "resolved.yaml";
@@ -138,7 +125,7 @@ std::map<std::string, std::string> files_of(const std::filesystem::path& folder)
 
 TEST(Determinism, FilesAreIndependentOfLocale) {
   const auto fly_both = [](const std::filesystem::path& folder) {
-    Scenario mixed = load_scenario(kMixedTeam, {{"duration_s", "0.3"}});
+    Scenario mixed = load_scenario(kMixedTeam, {{"duration_s", "0.15"}});
     for (const char* type : recorders_of_any_run()) mixed.recorders.emplace_back(recorder_module_types(), type);
     std::filesystem::create_directories(folder / "mixed");
     fly(mixed, 1, folder / "mixed");

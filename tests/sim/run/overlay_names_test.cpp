@@ -34,7 +34,7 @@ std::set<std::string> drawn_in(const std::string& name, double duration_s) {
   return names;
 }
 
-std::vector<std::string> told_of(const char* scenario) {
+std::vector<std::string> listed_overlays_of(const char* scenario) {
   return overlays_of(load_scenario(scenario).vehicles[0].agent).value();
 }
 
@@ -48,20 +48,20 @@ TEST(OverlayNames, CoverEverythingThatIsDrawn) {
                                              {"submap_navigation", 2.0},
                                              {"campus_slam", 1.0},
                                              {"reproduce/rbl_crossing", 1.0}}) {
-    const std::vector<std::string> told = told_of(scenario);
-    for (const std::string& name : drawn_in(scenario, duration_s)) EXPECT_THAT(told, Contains(name)) << scenario;
+    const std::vector<std::string> listed = listed_overlays_of(scenario);
+    for (const std::string& name : drawn_in(scenario, duration_s)) EXPECT_THAT(listed, Contains(name)) << scenario;
   }
 }
 
 TEST(OverlayNames, AreListedByEveryStageType) {
-  const auto tell = [](const auto& rows) {
+  const auto expect_listed = [](const auto& rows) {
     for (const auto& row : rows) EXPECT_NE(row.overlays, nullptr) << row.module.name;
   };
-  tell(estimator_registry().rows());
-  tell(detector_registry().rows());
-  tell(relative_localizer_registry().rows());
-  tell(mapper_registry().rows());
-  tell(guidance_registry().rows());
+  expect_listed(estimator_registry().rows());
+  expect_listed(detector_registry().rows());
+  expect_listed(relative_localizer_registry().rows());
+  expect_listed(mapper_registry().rows());
+  expect_listed(guidance_registry().rows());
 }
 
 }  // namespace

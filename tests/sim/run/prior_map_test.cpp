@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -16,6 +17,23 @@
 namespace swiftlet::sim {
 namespace {
 
+class PriorMapTest : public ::testing::Test {
+ protected:
+  std::string write(const char* name, const std::string& text) const {
+    std::ofstream(directory_.path() / name) << text;
+    return (directory_.path() / name).string();
+  }
+  /// A cloud of points in text.
+  std::string write_cloud(const char* name, const std::string& points) const {
+    const auto count = std::to_string(std::count(points.begin(), points.end(), '\n'));
+    return write(name, "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count +
+                           "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA ascii\n" + points);
+  }
+
+ private:
+  TemporaryDirectory directory_;
+};
+
 Scene one_triangle() {
   Scene scene;
   Mesh mesh;
@@ -28,7 +46,7 @@ Scene one_triangle() {
   return scene;
 }
 
-TEST(PriorMap, SurfacesAreSampledDensely) {
+TEST_F(PriorMapTest, SamplesSurfacesDensely) {
   PriorConfig config;
   config.world = true;
   const auto prior = make_prior_map(config, 0.25, one_triangle());
@@ -49,76 +67,45 @@ TEST(PriorMap, SurfacesAreSampledDensely) {
   }
 }
 
-TEST(PriorMap, NothingAskedForIsNothingKnown) { EXPECT_EQ(make_prior_map({}, 0.25, one_triangle()), nullptr); }
+TEST_F(PriorMapTest, IsAbsentUnlessRequested) { EXPECT_EQ(make_prior_map({}, 0.25, one_triangle()), nullptr); }
 
-TEST(PriorMap, ReadsRecordedCloudsByIndex) {
-  const TemporaryDirectory directory;
-  const auto write = [&](const char* name, const std::string& text) {
-    std::ofstream(directory.path() / name) << text;
-    return (directory.path() / name).string();
-  };
-  const std::string header =
-      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n"
-      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n";
-  write("000000.pcd", header + "1 2 3\n");
-  write("000001.pcd", header + "4 5 6\n");
+TEST_F(PriorMapTest, ReadsClouds) {
+  write_cloud("000000.pcd", "1 2 3\n");
+  write_cloud("000001.pcd", "4 5 6\n");
   PriorConfig config;
   config.recorded = write("pcd_index.csv", "file,stamp_s\n000000.pcd,0.0\n000001.pcd,0.1\n");
-  config.free = write("free.pcd", header + "7 8 9\n");
+  config.free = write_cloud("free.pcd", "7 8 9\n");
   const auto prior = make_prior_map(config, 0.25, Scene{});
   ASSERT_NE(prior, nullptr);
   EXPECT_EQ(prior->occupied_world_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}));
   EXPECT_EQ(prior->free_world_m, (std::vector<Eigen::Vector3f>{{7.0F, 8.0F, 9.0F}}));
+  config = {};
+  config.occupied = write_cloud("two.pcd", "1 2 3\n-4 5 6\n");
+  EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->occupied_world_m,
+            (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {-4.0F, 5.0F, 6.0F}}));
   config.recorded = write("other.csv", "x,y,z\n1,2,3\n");
   EXPECT_THROW(make_prior_map(config, 0.25, Scene{}), InputError);
 }
 
-TEST(PriorMap, UsesCloudsAndSamplesMeshes) {
-  const TemporaryDirectory directory;
-  const auto write = [&](const char* name, const std::string& text) {
-    std::ofstream(directory.path() / name) << text;
-    return (directory.path() / name).string();
-  };
+TEST_F(PriorMapTest, SamplesMeshesAndCountsSkippedFaces) {
+  const std::string wall = "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\n";
   PriorConfig config;
-  config.occupied = write("two.pcd",
-                          "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
-                          "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 3\n-4 5 6\n");
-  const auto cloud = make_prior_map(config, 0.25, Scene{});
-  ASSERT_NE(cloud, nullptr);
-  EXPECT_EQ(cloud->occupied_world_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {-4.0F, 5.0F, 6.0F}}));
-
-  config = {};
-  config.mesh = write("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\n");
+  config.mesh = write("wall.obj", wall);
   const auto mesh = make_prior_map(config, 0.25, Scene{});
   ASSERT_NE(mesh, nullptr);
-  std::set<std::pair<int, int>> cells;
-  for (const Eigen::Vector3f& p : mesh->occupied_world_m) {
-    EXPECT_NEAR(p.y(), 0.0F, 1e-5F);
-    cells.emplace(static_cast<int>(std::floor(p.x() / 0.25F)), static_cast<int>(std::floor(p.z() / 0.25F)));
-  }
-  for (int x = 0; x < 16; ++x) {
-    for (int z = 0; z < 8; ++z) EXPECT_TRUE(cells.contains({x, z})) << x << ' ' << z;
-  }
+  EXPECT_GT(mesh->occupied_world_m.size(), 100U);
+  for (const Eigen::Vector3f& p : mesh->occupied_world_m) EXPECT_NEAR(p.y(), 0.0F, 1e-5F);
   ASSERT_EQ(mesh->counters.size(), 1U);
   EXPECT_EQ(mesh->counters[0].count, 0U);
-  config.mesh = write("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\nf 1 2\n");
+  config.mesh = write("wall.obj", wall + "f 1 2\n");
   EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->counters.at(0).count, 1U);
   EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->counters.at(0).setting, "prior.mesh");
 }
 
-TEST(PriorMap, RefusesFilesWithoutFinitePoints) {
-  const TemporaryDirectory directory;
-  const auto write = [&](const char* name, const std::string& text) {
-    std::ofstream(directory.path() / name) << text;
-    return (directory.path() / name).string();
-  };
-  const std::string nan =
-      write("nan.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\nnan nan nan\nnan nan nan\n");
-  const std::string index = write("pcd_index.csv", "file,stamp_s\nnan.pcd,0.0\n");
+TEST_F(PriorMapTest, RefusesFilesWithoutFinitePoints) {
   PriorConfig occupied, free, recorded;
-  occupied.occupied = nan;
-  free.free = nan;
-  recorded.recorded = index;
+  occupied.occupied = free.free = write_cloud("nan.pcd", "nan nan nan\nnan nan nan\n");
+  recorded.recorded = write("pcd_index.csv", "file,stamp_s\nnan.pcd,0.0\n");
   for (const PriorConfig& config : {occupied, free, recorded}) {
     try {
       make_prior_map(config, 0.25, Scene{});

@@ -124,13 +124,6 @@ TEST_F(RunDirectoryTest, SparesLiveRunsAndForeignDirectories) {
   EXPECT_FALSE(fs::is_empty(root_ / "renamed"));
 }
 
-TEST_F(RunDirectoryTest, HoldsOnlyTheRunAfterCommit) {
-  RunDirectory run(root_ / "a");
-  write_file(run.path() / "summary.json", "{}");
-  run.commit();
-  EXPECT_EQ(std::distance(fs::directory_iterator(root_ / "a"), fs::directory_iterator()), 1);
-}
-
 TEST_F(RunDirectoryTest, KeepsConcurrentFilesAndRenamesRun) {
   RunDirectory run(root_ / "a");
   write_file(run.path() / "summary.json", "new");
