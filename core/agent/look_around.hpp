@@ -20,14 +20,14 @@ class LookAround {
       hold_->position_m = estimate.T_local_body.translation();
       hold_->yaw_rad = yaw_of(estimate.T_local_body.linear());
     }
-    const bool looks = search == StateEstimator::Search::kLooks;
-    hold_->yaw_rate_radps = looks ? kTurn_radps : 0.0;
+    const bool is_searching = search == StateEstimator::Search::kActive;
+    hold_->yaw_rate_radps = is_searching ? kTurn_radps : 0.0;
     hold_->yaw_rad = std::remainder(hold_->yaw_rad + hold_->yaw_rate_radps * dt_s, 2.0 * kPi);
     output = {};
     output.goal = *hold_;
-    output.mission = looks ? MissionStatus::kRunning : MissionStatus::kFailed;
-    output.note = looks ? "searches for its pose in the map of an earlier flight"
-                        : "no pose found in the map of an earlier flight";
+    output.mission = is_searching ? MissionStatus::kRunning : MissionStatus::kFailed;
+    output.note = is_searching ? "searches for its pose in the map of an earlier flight"
+                               : "no pose found in the map of an earlier flight";
   }
 
  private:

@@ -90,8 +90,8 @@ class FollowGuide : public Guidance {
   void take(const GuidingPath& received, const Pose& T_local_body, const StateEstimate& estimate) {
     newest_path_ = received.path;
     num_visited_ = 0;
-    command_ = received.word;
-    moves_within_m_ = received.word == GuidingPath::Word::kMove ? std::min(received.radius_m, kFigure_m) : 0.0;
+    command_ = received.command;
+    moves_within_m_ = received.command == GuidingPath::Command::kMove ? std::min(received.radius_m, kFigure_m) : 0.0;
     const bool flew = !path_.empty();
     path_.clear();
     const double yaw_rad = yaw_of(T_local_body.linear());
@@ -162,9 +162,9 @@ class FollowGuide : public Guidance {
   }
 
   void choose_goal(const GuidanceInput& input, GuidanceOutput& output) {
-    output.mission = command_ == GuidingPath::Word::kDone     ? MissionStatus::kDone
-                     : command_ == GuidingPath::Word::kFailed ? MissionStatus::kFailed
-                                                              : MissionStatus::kEndless;
+    output.mission = command_ == GuidingPath::Command::kDone     ? MissionStatus::kDone
+                     : command_ == GuidingPath::Command::kFailed ? MissionStatus::kFailed
+                                                                 : MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     output.goal = path_.empty() ? goal_ : path_.front();
     output.note = lost_                   ? "hovers: the link to its guide is lost"
@@ -214,7 +214,7 @@ class FollowGuide : public Guidance {
   bool started_ = false;
   bool linked_ = false, lost_ = false, was_guided_ = false;
   TimeNs last_received_ = 0, next_report_ = 0;
-  GuidingPath::Word command_ = GuidingPath::Word::kGuide;
+  GuidingPath::Command command_ = GuidingPath::Command::kGuide;
   double moves_within_m_ = 0.0;  // 0: no motion requested
   std::uint32_t newest_path_ = 0;
   std::uint16_t num_visited_ = 0;

@@ -127,7 +127,7 @@ class Guide : public Guidance {
       guided.known_well =
           guided.estimate &&
           std::sqrt(guided.estimate->covariance.topLeftCorner<3, 3>().diagonal().maxCoeff()) < config_.sigma_max_m;
-      guided.linked = guided.estimate && now_ - guided.estimate->heard < from_seconds(config_.link_timeout_s);
+      guided.linked = guided.estimate && now_ - guided.estimate->report_t < from_seconds(config_.link_timeout_s);
       guided.was_known = guided.was_known || guided.ready();
       if (!guided.estimate) continue;
       guided.last_place_local_m = guided.estimate->position_m;
@@ -371,7 +371,7 @@ class Guide : public Guidance {
   bool path_is_blocked(const GuidanceInput& input) {
     const ClearPathConfig& rules = config_.planner.secondary;
     double skipped_m =
-        rules.clearance_m + kOwnRadius_m + there().velocity_mps.norm() * to_seconds(now_ - there().heard);
+        rules.clearance_m + kOwnRadius_m + there().velocity_mps.norm() * to_seconds(now_ - there().report_t);
     std::vector<Vector3> corners_local_m = {there().position_m};
     for (const PlannedPose& pose : path_) {
       const Vector3 leg_m = pose.p_local_m - corners_local_m.back();
@@ -517,10 +517,10 @@ class Guide : public Guidance {
       if (guides) append_path(input, report);
       was_path_sent_ = guides;
     }
-    report.word = is_done()                     ? GuidingPath::Word::kDone
-                  : has_failed()                ? GuidingPath::Word::kFailed
-                  : its_turn && figure_m_ > 0.0 ? GuidingPath::Word::kMove
-                                                : GuidingPath::Word::kGuide;
+    report.command = is_done()                     ? GuidingPath::Command::kDone
+                     : has_failed()                ? GuidingPath::Command::kFailed
+                     : its_turn && figure_m_ > 0.0 ? GuidingPath::Command::kMove
+                                                   : GuidingPath::Command::kGuide;
     report.radius_m = its_turn ? figure_m_ : 0.0;
     write_message(report, outbox.add(team_[i].id));
   }
@@ -528,15 +528,15 @@ class Guide : public Guidance {
   /// The path in the level body frame at the time of the newest odometry, so that the radio's delay does not shift it.
   void append_path(const GuidanceInput& input, GuidingPath& report) const {
     report.has_instant = true;
-    report.t = there().heard_stamp;
-    const double yaw_rad = there().heard_yaw_rad;
+    report.t = there().report_stamp;
+    const double yaw_rad = there().report_yaw_rad;
     const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
     const std::size_t num_sent = config_.motion == GuideConfig::Motion::kTogether
                                      ? num_in_sight(*input.map, input.estimate.T_local_body.translation())
                                      : path_.size();
     report.waypoints.reserve(num_sent);
     for (const PlannedPose& pose : std::span(path_).first(num_sent)) {
-      const Vector3 d_m = pose.p_local_m - there().heard_position_m;
+      const Vector3 d_m = pose.p_local_m - there().report_position_m;
       GuidingWaypoint& waypoint = report.waypoints.emplace_back();
       waypoint.p_body_m = Vector3(c * d_m.x() + s * d_m.y(), c * d_m.y() - s * d_m.x(), d_m.z()).cast<float>();
       waypoint.yaw_rad = static_cast<float>(std::remainder(pose.yaw_rad - yaw_rad, 2.0 * std::numbers::pi));

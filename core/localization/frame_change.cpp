@@ -54,8 +54,8 @@ RelativeEstimate FrameChange::relative(const RelativeEstimate& r) const {
   out.position_m = point(r.position_m);
   out.velocity_mps = direction(r.velocity_mps);
   out.yaw_rad = yaw(r.yaw_rad);
-  out.heard_position_m = point(r.heard_position_m);
-  out.heard_yaw_rad = yaw(r.heard_yaw_rad);
+  out.report_position_m = point(r.report_position_m);
+  out.report_yaw_rad = yaw(r.report_yaw_rad);
   RelativeEstimate::Covariance R = RelativeEstimate::Covariance::Identity();
   for (int i = 0; i < 6; i += 3) R.block<3, 3>(i, i) = T_to_from_.linear();
   out.covariance = R.lazyProduct(RelativeEstimate::Covariance(r.covariance.lazyProduct(R.transpose())));

@@ -268,10 +268,10 @@ RelativeEstimate RelativeFilter::at(TimeNs t) const {
   const double turned_rad = config_.yaw_rate_sigma_degps * kRadPerDeg * since_s;
   out.covariance(6, 6) = state.P(kYaw, kYaw) + sigma_rad * sigma_rad + turned_rad * turned_rad;
   out.seen = state.seen;
-  out.heard = state.odometry.t;
-  out.heard_stamp = state.odometry.stamp;
-  out.heard_position_m = state.x.segment<3>(kAnchor);
-  out.heard_yaw_rad = std::remainder(state.x(kYaw) + state.odometry.yaw_rad, 2.0 * kPi);
+  out.report_t = state.odometry.t;
+  out.report_stamp = state.odometry.stamp;
+  out.report_position_m = state.x.segment<3>(kAnchor);
+  out.report_yaw_rad = std::remainder(state.x(kYaw) + state.odometry.yaw_rad, 2.0 * kPi);
   return out;
 }
 

@@ -262,10 +262,10 @@ class SharedWorld : public RelativeLocalizer {
     estimate.covariance.setZero();
     estimate.covariance.diagonal() << Vector3::Constant(config_.sigma_m * config_.sigma_m),
         Vector3::Constant(config_.sigma_m * config_.sigma_m), sigma_rad * sigma_rad;
-    estimate.seen = estimate.heard = newest.t;
-    estimate.heard_stamp = newest.stamp;
-    estimate.heard_position_m = newest.p_other_local_m;
-    estimate.heard_yaw_rad = newest.yaw_rad;
+    estimate.seen = estimate.report_t = newest.t;
+    estimate.report_stamp = newest.stamp;
+    estimate.report_position_m = newest.p_other_local_m;
+    estimate.report_yaw_rad = newest.yaw_rad;
     return estimate;
   }
 

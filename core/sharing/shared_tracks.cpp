@@ -392,9 +392,9 @@ class SharedTracks : public Tracker {
     out.covariance.topLeftCorner<6, 6>() = now.covariance;
     out.covariance(6, 6) = alignment.covariance(3, 3) + kHeadingNoise_rad * kHeadingNoise_rad;
     out.seen = peer.link.measured();
-    out.heard = out.heard_stamp = peer.newest;
-    out.heard_position_m = at_report.p_m();
-    out.heard_yaw_rad = std::remainder(alignment.yaw_rad + peer.yaw_rad, 2.0 * kPi);
+    out.report_t = out.report_stamp = peer.newest;
+    out.report_position_m = at_report.p_m();
+    out.report_yaw_rad = std::remainder(alignment.yaw_rad + peer.yaw_rad, 2.0 * kPi);
     return out;
   }
 

@@ -32,8 +32,8 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
         place_known_(setup.start_known != StartKnown::kNothing),
         blend_(config.global.blend) {
     if (config.global.enabled) global_.emplace(config.global, setup.start_known == StartKnown::kPose);
-    const bool looks = global_ && config.global.loaded_map != nullptr && setup.start_known != StartKnown::kPose;
-    if (looks) search_ = Search::kLooks;
+    const bool searches = global_ && config.global.loaded_map != nullptr && setup.start_known != StartKnown::kPose;
+    if (searches) search_ = Search::kActive;
     if (global_ && config.global.share.enabled) {
       sharing_.emplace(config.global.share, setup.self, setup.num_vehicles);
     }
@@ -135,7 +135,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
     if (search_ != Search::kNone && global_->search_failed()) {
-      search_ = is_placed() ? Search::kNone : Search::kInVain;  // continues with compass and GNSS
+      search_ = is_placed() ? Search::kNone : Search::kFailed;  // continues with compass and GNSS
     }
     if (blend_.is_done() && !learned) return;
     if (learned && search_ != Search::kNone) {  // relocalized: goals in the world frame are usable now

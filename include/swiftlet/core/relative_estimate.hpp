@@ -16,11 +16,11 @@ struct RelativeEstimate {
   Vector3 velocity_mps = Vector3::Zero();
   double yaw_rad = 0.0;
   Covariance covariance = Covariance::Identity();  ///< position [m], velocity [m/s], heading [rad]
-  TimeNs seen = 0;         ///< time of the last sighting; earlier than now: the estimate is coasting
-  TimeNs heard = 0;        ///< validity time of the newest odometry report, by the observer's clock
-  TimeNs heard_stamp = 0;  ///< validity time of that report, by the teammate's clock
-  Vector3 heard_position_m = Vector3::Zero();  ///< position then; origin of a GuidingPath's frame
-  double heard_yaw_rad = 0.0;
+  TimeNs seen = 0;          ///< time of the last sighting; earlier than now: the estimate is coasting
+  TimeNs report_t = 0;      ///< validity time of the newest odometry report, by the observer's clock
+  TimeNs report_stamp = 0;  ///< validity time of that report, by the teammate's clock
+  Vector3 report_position_m = Vector3::Zero();  ///< position then; origin of a GuidingPath's frame
+  double report_yaw_rad = 0.0;
 
   static void visit(auto& r, auto& v) {
     v.time("t_s", r.t, "[s] time of validity");
@@ -30,10 +30,10 @@ struct RelativeEstimate {
     v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from the x axis of that world");
     v.covariance("cov_*_m2", r.covariance, "[m^2] covariance of the position");
     v.time("seen_s", r.seen, "[s] time of the last sighting");
-    v.time("heard_s", r.heard, "[s] time of validity of its newest odometry");
-    v.time("heard_stamp_s", r.heard_stamp, "[s] time of validity of that odometry, by the teammate's clock");
-    v.field("heard_*_m", r.heard_position_m, "[m] position at that instant, in the same world");
-    v.field("heard_yaw_rad", r.heard_yaw_rad, "[rad] heading at that instant");
+    v.time("heard_s", r.report_t, "[s] time of validity of its newest odometry");
+    v.time("heard_stamp_s", r.report_stamp, "[s] time of validity of that odometry, by the teammate's clock");
+    v.field("heard_*_m", r.report_position_m, "[m] position at that instant, in the same world");
+    v.field("heard_yaw_rad", r.report_yaw_rad, "[rad] heading at that instant");
   }
 };
 

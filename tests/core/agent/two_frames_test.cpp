@@ -40,7 +40,7 @@ class LateEstimator : public StateEstimator {
   const char* warning() const override { return seeks || estimate_.t < learns_at_ ? "" : "half lost"; }
   Search search() const override {
     if (!seeks || estimate_.t >= learns_at_) return Search::kNone;
-    return estimate_.t < in_vain_from ? Search::kLooks : Search::kInVain;
+    return estimate_.t < in_vain_from ? Search::kActive : Search::kFailed;
   }
 
   bool seeks = false;  // until then, in a map

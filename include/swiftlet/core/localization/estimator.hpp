@@ -36,7 +36,7 @@ class StateEstimator {
   virtual const char* warning() const { return ""; }
   /// State of global relocalization in a prior map, for a vehicle with an unknown start pose. Until it succeeds, the
   /// vehicle cannot use positions in the world frame.
-  enum class Search { kNone, kLooks, kInVain };
+  enum class Search { kNone, kActive, kFailed };
   virtual Search search() const { return Search::kNone; }
   virtual void append_counters(std::vector<Counter>&) const {}
   /// Submap poses of an estimator with a pose graph, as of the last update; null: no pose graph. Owned by the

@@ -21,18 +21,18 @@ struct GuidingWaypoint {
 
 /// Path for a guided vehicle, relative to the vehicle itself [Pritzl 2024, sec. II-A]. The frame is its level body
 /// frame (origin in the body, heading of the body, z up) at the time of one of its odometry reports, or at reception.
-/// No other common frame is needed. An empty path means hover. `word` is the command.
+/// No other common frame is needed. An empty path means hover.
 struct GuidingPath {
   static constexpr const char* kTopic = "guiding_path";
   static constexpr int kVersion = 2;
   static constexpr const char* kDoc = "waypoints for its receiver, in the receiver's own level body frame";
 
   /// kMove: the guide has lost sight of the receiver, which may fly a small pattern to be detected again.
-  enum class Word { kGuide, kMove, kDone, kFailed };
-  static constexpr std::array<const char*, 4> kWords = {"guide", "move", "done", "failed"};
+  enum class Command { kGuide, kMove, kDone, kFailed };
+  static constexpr std::array<const char*, 4> kCommands = {"guide", "move", "done", "failed"};
 
   std::uint32_t path = 0;
-  Word word = Word::kGuide;
+  Command command = Command::kGuide;
   double radius_m = 0.0;
   bool has_instant = false;
   TimeNs t = 0;
@@ -40,7 +40,7 @@ struct GuidingPath {
 
   static void visit(auto& m, auto& v) {
     v.field("path", m.path, "[-] number of the path; grows with every message");
-    v.choice("word", m.word, kWords,
+    v.choice("word", m.command, kCommands,
              "[-] guide: follow the path; move: fly a pattern to be detected; else the mission is over");
     v.field("radius_m", m.radius_m, "[m] radius of the clear space around the receiver, for move");
     v.field("has_instant", m.has_instant, "[-] 1: the body frame is that of an instant, 0: that of reception");
