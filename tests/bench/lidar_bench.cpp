@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One LiDAR scan of a forest of about a million triangles with four moving vehicles, compared with the bare cost of the
 // same rays in two ray tracers: Embree (packets of 16 in the tiles of the sensor, coherent where possible, in the
-// two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios, from
-// alternating runs.
+// two-level scene that its manual suggests) and Bullet's rayTest. One thread, processor time.
 #include <benchmark/benchmark.h>
 #include <btBulletCollisionCommon.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
-#include <functional>
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -25,6 +19,7 @@
 #include "swiftlet/sim/sensors/lidar.hpp"
 #include "swiftlet/sim/world/forest.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/bench/processor_time.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {
@@ -61,28 +56,14 @@ struct Stage {
     forest.size_m = {70.0, 70.0};
     forest.surroundings_m = 0.0;
     forest.detail = 0.5;
-    const auto start = std::chrono::steady_clock::now();
     scene = std::make_shared<const Scene>(make_forest(forest, 1));
-    const auto made = std::chrono::steady_clock::now();
     world = std::make_shared<const StaticScene>(*scene);
-    const auto ready = std::chrono::steady_clock::now();
-    std::printf("forest: %zu triangles, generated in %.2f s, ready to trace %.2f s later\n", world->num_triangles(),
-                std::chrono::duration<double>(made - start).count(),
-                std::chrono::duration<double>(ready - made).count());
   }
 
   SensorSetup setup() const {
-    SensorSetup setup;
-    setup.seed = 1;
-    setup.vehicle = 0;
-    setup.name = "lidar";
-    setup.entity = "uav1/lidar";
-    setup.world = world;
+    SensorSetup setup = sensor_setup("lidar", 1, kVehicles, world);
     setup.scene = scene;
-    for (int v = 0; v < kVehicles; ++v) {
-      setup.vehicle_shapes.push_back(shape);
-      setup.vehicle_names.push_back("uav" + std::to_string(v + 1));
-    }
+    setup.vehicle_shapes.assign(kVehicles, shape);
     return setup;
   }
 };
@@ -127,7 +108,6 @@ class CompleteScan {
     observation_.clear();
     lidar_->measure(now_, history_, observation_);
   }
-  const Scan& last() const { return *observation_.scans.front(); }
 
  private:
   std::unique_ptr<Sensor> lidar_;
@@ -140,30 +120,50 @@ class CompleteScan {
 // ----------------------------------------------------------------------------------------------
 
 /// The rays of the sweep [0, 100 ms] in tiles of 16, as the sensor traces them.
-std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_of(const LidarConfig& config) {
+std::vector<Rays> rays_of(const LidarConfig& config) {
   const auto pattern = make_lidar_pattern(config.pattern, 0.1);
   BeamTable beams;
   pattern->fill(0, beams);
   LidarTiler tiler(*pattern, beams, true);
   std::vector<LidarTile> tiles;
   tiler.arrange(beams, tiles);
-  std::vector<std::array<std::array<float, 6>, kPacketSize>> rays(tiles.size());
+  std::vector<Rays> rays(tiles.size());
   const Pose T_body_lidar = config.mount.T_body_lidar();
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     tiler.load(beams, tiles[t]);
     for (int i = 0; i < kPacketSize; ++i) {
       const int beam = std::max(tiles[t].beam[i], 0);
-      const TimeNs time = from_seconds(beams.offset_s(beam));
-      const Pose T_world_lidar = state_of(0, time).T_world_body() * T_body_lidar;
+      const Pose T_world_lidar = state_of(0, from_seconds(beams.offset_s(beam))).T_world_body() * T_body_lidar;
       const Vector3 origin = T_world_lidar * beams.origins_lidar[beam].cast<double>();
       const Vector3 direction = T_world_lidar.linear() * beams.directions_lidar[beam].cast<double>();
-      for (int k = 0; k < 3; ++k) {
-        rays[t][i][k] = static_cast<float>(origin[k]);
-        rays[t][i][3 + k] = static_cast<float>(direction[k]);
-      }
+      rays[t].set(i, origin.cast<float>(), direction.cast<float>());
     }
   }
   return rays;
+}
+
+/// Nearest hits of a packet in Embree alone.
+RTCRayHit16 hits_of(const Rays& rays, RTCScene scene, float range_max_m, bool coherent) {
+  alignas(64) static constexpr std::array<int, kPacketSize> kAll = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                                    -1, -1, -1, -1, -1, -1, -1, -1};
+  EmbreeQuery options;
+  options.coherent = coherent;
+  RTCRayHit16 query;
+  std::copy_n(rays.origin_x.data(), kPacketSize, query.ray.org_x);
+  std::copy_n(rays.origin_y.data(), kPacketSize, query.ray.org_y);
+  std::copy_n(rays.origin_z.data(), kPacketSize, query.ray.org_z);
+  std::copy_n(rays.direction_x.data(), kPacketSize, query.ray.dir_x);
+  std::copy_n(rays.direction_y.data(), kPacketSize, query.ray.dir_y);
+  std::copy_n(rays.direction_z.data(), kPacketSize, query.ray.dir_z);
+  for (int i = 0; i < kPacketSize; ++i) {
+    query.ray.tnear[i] = query.ray.time[i] = 0.0F;
+    query.ray.tfar[i] = range_max_m;
+    query.ray.mask[i] = ~0U;
+    query.ray.id[i] = query.ray.flags[i] = 0;
+    query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  intersect(kAll.data(), scene, options, query);
+  return query;
 }
 
 /// Lower bound with Embree: prepared packets of rays, no processing of hits, vehicles as frozen instances.
@@ -181,51 +181,21 @@ class BareEmbree {
       add_instance(device, bodies_.back()->triangles.scene.get(), state_of(v, kSweep / 2).T_world_body());
     }
     rtcCommitScene(scene_.get());
-    for (const auto& tile : rays_of(config)) {
-      Packet packet{};
-      for (int i = 0; i < kPacketSize; ++i) {
-        for (int k = 0; k < 6; ++k) packet.values[k][i] = tile[i][k];
-      }
-      packets_.push_back(packet);
-    }
+    rays_ = rays_of(config);
     range_max_m_ = static_cast<float>(config.range_max_m);
     coherent_ = make_lidar_pattern(config.pattern, 0.1)->is_image();
   }
 
   float scan() const {
-    alignas(64) static constexpr std::array<int, kPacketSize> kAll = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                                      -1, -1, -1, -1, -1, -1, -1, -1};
     float sum = 0.0F;
-    for (const Packet& packet : packets_) {
-      EmbreeQuery options;
-      options.coherent = coherent_;
-      RTCRayHit16 query;
-      for (int i = 0; i < kPacketSize; ++i) {
-        query.ray.org_x[i] = packet.values[0][i];
-        query.ray.org_y[i] = packet.values[1][i];
-        query.ray.org_z[i] = packet.values[2][i];
-        query.ray.dir_x[i] = packet.values[3][i];
-        query.ray.dir_y[i] = packet.values[4][i];
-        query.ray.dir_z[i] = packet.values[5][i];
-        query.ray.tnear[i] = 0.0F;
-        query.ray.tfar[i] = range_max_m_;
-        query.ray.time[i] = 0.0F;
-        query.ray.mask[i] = ~0U;
-        query.ray.id[i] = query.ray.flags[i] = 0;
-        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-      }
-      intersect(kAll.data(), scene_.get(), options, query);
+    for (const Rays& rays : rays_) {
+      const RTCRayHit16 query = hits_of(rays, scene_.get(), range_max_m_, coherent_);
       for (int i = 0; i < kPacketSize; ++i) sum += query.ray.tfar[i];
     }
     return sum;
   }
 
  private:
-  struct alignas(64) Packet {
-    std::array<std::array<float, kPacketSize>, 6> values;
-  };
-
   void add_instance(RTCDevice device, RTCScene of, const Pose& pose) {
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, of);
@@ -238,7 +208,7 @@ class BareEmbree {
 
   std::vector<std::shared_ptr<const VehicleBody>> bodies_;
   EmbreeScene scene_;
-  std::vector<Packet> packets_;
+  std::vector<Rays> rays_;
   float range_max_m_ = 0.0F;
   bool coherent_ = true;
 };
@@ -267,15 +237,7 @@ class EqualBits {
     rtcCommitScene(plain_.get());
     surfaces_.reserve(world_->size());
     for (const Facet& facet : world_->facets) surfaces_.push_back(facet.surface);
-    const auto tiles = rays_of(config);
-    rays_.reserve(tiles.size());
-    for (const auto& tile : tiles) {
-      Rays rays;
-      for (int i = 0; i < kPacketSize; ++i) {
-        rays.set(i, {tile[i][0], tile[i][1], tile[i][2]}, {tile[i][3], tile[i][4], tile[i][5]});
-      }
-      rays_.push_back(rays);
-    }
+    rays_ = rays_of(config);
   }
 
   float by_rule() const {
@@ -294,27 +256,9 @@ class EqualBits {
   }
 
   float plain() const {
-    alignas(64) static constexpr std::array<int, kPacketSize> kAll = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                                      -1, -1, -1, -1, -1, -1, -1, -1};
     float sum = 0.0F;
     for (const Rays& rays : rays_) {
-      EmbreeQuery options;
-      options.coherent = true;
-      RTCRayHit16 query;
-      std::copy_n(rays.origin_x.data(), kPacketSize, query.ray.org_x);
-      std::copy_n(rays.origin_y.data(), kPacketSize, query.ray.org_y);
-      std::copy_n(rays.origin_z.data(), kPacketSize, query.ray.org_z);
-      std::copy_n(rays.direction_x.data(), kPacketSize, query.ray.dir_x);
-      std::copy_n(rays.direction_y.data(), kPacketSize, query.ray.dir_y);
-      std::copy_n(rays.direction_z.data(), kPacketSize, query.ray.dir_z);
-      for (int i = 0; i < kPacketSize; ++i) {
-        query.ray.tnear[i] = query.ray.time[i] = 0.0F;
-        query.ray.tfar[i] = range_max_m_;
-        query.ray.mask[i] = ~0U;
-        query.ray.id[i] = query.ray.flags[i] = 0;
-        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-      }
-      intersect(kAll.data(), plain_.get(), options, query);
+      const RTCRayHit16 query = hits_of(rays, plain_.get(), range_max_m_, true);
       for (int i = 0; i < kPacketSize; ++i) {
         if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         const Eigen::Vector3f normal(query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]);
@@ -359,10 +303,11 @@ class BareBullet {
 
   double scan() const {
     double sum = 0.0;
-    for (const auto& tile : rays_) {
-      for (const auto& ray : tile) {
-        const btVector3 from(ray[0], ray[1], ray[2]);
-        const btVector3 to = from + range_max_m_ * btVector3(ray[3], ray[4], ray[5]);
+    for (const Rays& rays : rays_) {
+      for (int i = 0; i < kPacketSize; ++i) {
+        const btVector3 from(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+        const btVector3 to =
+            from + range_max_m_ * btVector3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
         btCollisionWorld::ClosestRayResultCallback result(from, to);
         world_.rayTest(from, to, result);
         sum += result.m_closestHitFraction * range_max_m_;
@@ -373,7 +318,7 @@ class BareBullet {
 
  private:
   double range_max_m_;
-  std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_;
+  std::vector<Rays> rays_;
   std::vector<Eigen::Vector3f> corners_m_;
   std::vector<int> corner_numbers_;
   btTriangleIndexVertexArray mesh_;
@@ -388,99 +333,35 @@ class BareBullet {
 // ---- rows of the table
 // ------------------------------------------------------------------------------------------------
 
-void run_complete(CompleteScan& scan, benchmark::State& state) {
-  for (auto _ : state) {
-    state.PauseTiming();
-    scan.fly();
-    state.ResumeTiming();
-    scan.scan();
-  }
-}
-
-void complete_os1(benchmark::State& state) {
-  CompleteScan scan(os1_config());
-  run_complete(scan, state);
-  state.SetItemsProcessed(state.iterations() * scan.last().size());
-}
-void complete_mid360(benchmark::State& state) {
-  CompleteScan scan(mid360_config());
-  run_complete(scan, state);
-  state.SetItemsProcessed(state.iterations() * scan.last().size());
-}
-void bare_embree_os1(benchmark::State& state) {
-  const BareEmbree bare(os1_config());
-  for (auto _ : state) benchmark::DoNotOptimize(bare.scan());
-}
-void bare_embree_mid360(benchmark::State& state) {
-  const BareEmbree bare(mid360_config());
-  for (auto _ : state) benchmark::DoNotOptimize(bare.scan());
-}
-void bullet_os1(benchmark::State& state) {
-  const BareBullet bullet(os1_config());
-  for (auto _ : state) benchmark::DoNotOptimize(bullet.scan());
-}
-
-// Processor time of this thread: other load on the machine only affects its caches.
-double seconds(const std::function<void()>& work) {
-  const auto now = [] {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  };
-  const double start = now();
-  work();
-  return now() - start;
-}
-
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
 }
 
 // Runs alternate, so that other load on the machine affects all alike.
-void ratios_os1(benchmark::State& state) {
-  CompleteScan complete(os1_config());
-  const BareEmbree embree(os1_config());
-  const BareBullet bullet(os1_config());
+void ratios(benchmark::State& state, const LidarConfig& config, bool with_bullet) {
+  CompleteScan complete(config);
+  const BareEmbree embree(config);
+  const auto bullet = with_bullet ? std::make_unique<BareBullet>(config) : nullptr;
   std::vector<double> complete_s, embree_s, bullet_s;
   for (auto _ : state) {
     for (int i = 0; i < 25; ++i) {
-      embree_s.push_back(seconds([&] { benchmark::DoNotOptimize(embree.scan()); }));
+      embree_s.push_back(time_of_s([&] { benchmark::DoNotOptimize(embree.scan()); }));
       complete.fly();
-      complete_s.push_back(seconds([&] { complete.scan(); }));
-      if (i % 8 == 0) bullet_s.push_back(seconds([&] { benchmark::DoNotOptimize(bullet.scan()); }));
+      complete_s.push_back(time_of_s([&] { complete.scan(); }));
+      if (bullet && i % 8 == 0) bullet_s.push_back(time_of_s([&] { benchmark::DoNotOptimize(bullet->scan()); }));
     }
   }
   state.counters["complete_ms"] = 1e3 * median(complete_s);
   state.counters["embree_ms"] = 1e3 * median(embree_s);
-  state.counters["bullet_ms"] = 1e3 * median(bullet_s);
   state.counters["complete/embree"] = median(complete_s) / median(embree_s);
+  if (!bullet) return;
+  state.counters["bullet_ms"] = 1e3 * median(bullet_s);
   state.counters["bullet/complete"] = median(bullet_s) / median(complete_s);
 }
 
 // One core: the ratios compare work, not parallelism.
 const bool kOneThread = (omp_set_num_threads(1), true);
-
-BENCHMARK(complete_os1)->Unit(benchmark::kMillisecond);
-BENCHMARK(bare_embree_os1)->Unit(benchmark::kMillisecond);
-BENCHMARK(bullet_os1)->Unit(benchmark::kMillisecond);
-BENCHMARK(complete_mid360)->Unit(benchmark::kMillisecond);
-BENCHMARK(bare_embree_mid360)->Unit(benchmark::kMillisecond);
-void ratios_mid360(benchmark::State& state) {
-  CompleteScan complete(mid360_config());
-  const BareEmbree embree(mid360_config());
-  std::vector<double> complete_s, embree_s;
-  for (auto _ : state) {
-    for (int i = 0; i < 50; ++i) {
-      embree_s.push_back(seconds([&] { benchmark::DoNotOptimize(embree.scan()); }));
-      complete.fly();
-      complete_s.push_back(seconds([&] { complete.scan(); }));
-    }
-  }
-  state.counters["complete_ms"] = 1e3 * median(complete_s);
-  state.counters["embree_ms"] = 1e3 * median(embree_s);
-  state.counters["complete/embree"] = median(complete_s) / median(embree_s);
-}
 
 // Share of a scan's time spent on equal bits, compared with the same scan by Embree alone.
 void equal_bits_os1(benchmark::State& state) {
@@ -489,10 +370,10 @@ void equal_bits_os1(benchmark::State& state) {
   std::vector<double> complete_s, by_rule_s, plain_s;
   for (auto _ : state) {
     for (int i = 0; i < 25; ++i) {
-      plain_s.push_back(seconds([&] { benchmark::DoNotOptimize(world.plain()); }));
-      by_rule_s.push_back(seconds([&] { benchmark::DoNotOptimize(world.by_rule()); }));
+      plain_s.push_back(time_of_s([&] { benchmark::DoNotOptimize(world.plain()); }));
+      by_rule_s.push_back(time_of_s([&] { benchmark::DoNotOptimize(world.by_rule()); }));
       complete.fly();
-      complete_s.push_back(seconds([&] { complete.scan(); }));
+      complete_s.push_back(time_of_s([&] { complete.scan(); }));
     }
   }
   const double price_s = median(by_rule_s) - median(plain_s);
@@ -503,8 +384,8 @@ void equal_bits_os1(benchmark::State& state) {
 }
 
 BENCHMARK(equal_bits_os1)->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK(ratios_mid360)->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK(ratios_os1)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(ratios, mid360, mid360_config(), false)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(ratios, os1, os1_config(), true)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 }  // namespace swiftlet::sim

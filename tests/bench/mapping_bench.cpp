@@ -7,8 +7,6 @@
 #include <omp.h>
 
 #include <cmath>
-#include <queue>
-#include <unordered_map>
 #include <vector>
 
 #include "swiftlet/core/localization/local_cloud.hpp"
@@ -164,68 +162,6 @@ void path(benchmark::State& state, bool distances_are_known) {
   state.counters["corners"] = static_cast<double>(found);
 }
 
-/// Textbook A* without cutting corners: the same cells, the same clearance.
-std::size_t plain_search(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_m,
-                         const Vector3& goal_m) {
-  struct Node {
-    double cost = std::numeric_limits<double>::infinity();
-    bool closed = false;
-  };
-  const auto cell_at = [&](const Vector3& p_m) { return Cell((p_m / view.edge_m()).array().floor().cast<int>()); };
-  const auto key_of = [](const Cell& c) {
-    return std::uint64_t(c.x() & 0x1FFFFF) | std::uint64_t(c.y() & 0x1FFFFF) << 21 |
-           std::uint64_t(c.z() & 0x1FFFFF) << 42;
-  };
-  const Cell goal = cell_at(goal_m);
-  const ClearSpace space(view, config, start_m);
-  std::unordered_map<std::uint64_t, Node> nodes;
-  using Open = std::pair<double, std::array<int, 3>>;
-  std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
-  const auto rest = [&](const Cell& cell) { return (cell - goal).cast<double>().matrix().norm(); };
-  const Cell start = cell_at(start_m);
-  nodes[key_of(start)].cost = 0.0;
-  open.push({rest(start), {start.x(), start.y(), start.z()}});
-  std::size_t expansions = 0;
-  while (!open.empty()) {
-    const auto [estimate, at] = open.top();
-    open.pop();
-    const Cell cell(at[0], at[1], at[2]);
-    Node& node = nodes[key_of(cell)];
-    if (node.closed) continue;
-    node.closed = true;
-    if (cell == goal) break;
-    ++expansions;
-    const double cost = node.cost;
-    for (int i = 0; i < 27; ++i) {
-      const Cell step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      if (step.isZero()) continue;
-      const Cell to = cell + step;
-      if (!space.is_clear((to.cast<double>().array() + 0.5) * view.edge_m())) continue;
-      Node& neighbor = nodes[key_of(to)];
-      const double longer = cost + step.cast<double>().matrix().norm();
-      if (neighbor.closed || longer >= neighbor.cost) continue;
-      neighbor.cost = longer;
-      open.push({longer + rest(to), {to.x(), to.y(), to.z()}});
-    }
-  }
-  return expansions;
-}
-
-void plain_path(benchmark::State& state) {
-  const std::vector<Rays>& scans = forest_scans();
-  ClearPathConfig config;
-  config.unknown_is_free = true;
-  OccupancyMap map({});
-  for (int i = 0; i < kScans; ++i) map.insert(scans[static_cast<std::size_t>(i)], i);
-  const Vector3 start_m = scans.back().front().origin_local_m.cast<double>();
-  std::size_t expansions = 0;
-  for (auto _ : state) {
-    state.SetIterationTime(
-        time_of_s([&] { expansions = plain_search(map, config, start_m, start_m + Vector3(10.0, -6.0, -1.0)); }));
-  }
-  state.counters["expansions"] = static_cast<double>(expansions);
-}
-
 // Search for a viewpoint of a path of 4 m, after every scan, so that distances are computed anew.
 void viewpoint(benchmark::State& state, ViewpointRules::Sight sight) {
   const std::vector<Rays>& scans = forest_scans();
@@ -271,7 +207,6 @@ BENCHMARK_CAPTURE(distances, of_10_m_10_m_3_2_m, Cell(6, 6, 2))
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(path, after_a_scan, false)->UseManualTime()->Iterations(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(path, again, true)->UseManualTime()->Iterations(20)->Unit(benchmark::kMillisecond);
-BENCHMARK(plain_path)->UseManualTime()->Iterations(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(viewpoint, in_space, ViewpointRules::Sight::kInSpace)
     ->UseManualTime()
     ->Iterations(20)

@@ -37,7 +37,7 @@ void track_before_detect(benchmark::State& state, const LidarConfig& lidar) {
   std::sort(took_s.begin(), took_s.end());
   state.counters["median_ms"] = 1e3 * took_s[took_s.size() / 2];
   state.counters["p99_ms"] = 1e3 * took_s[took_s.size() * 99 / 100];
-  state.counters["told"] = static_cast<double>(detections.size());
+  state.counters["reported"] = static_cast<double>(detections.size());
 }
 BENCHMARK_CAPTURE(track_before_detect, os1_128, LidarConfig{})
     ->UseManualTime()

@@ -71,7 +71,7 @@ const Recording& recording() {
   return recorded;
 }
 
-CloudTrackerConfig told_at_once() {
+CloudTrackerConfig published_at_once() {
   CloudTrackerConfig config;
   config.min_detections = 1;
   return config;
@@ -80,7 +80,7 @@ CloudTrackerConfig told_at_once() {
 /// newPointCloud() with five tracks.
 void new_cloud(benchmark::State& state, bool imm) {
   const Recording& r = recording();
-  CloudTracker tracker(told_at_once(), imm ? make_imm_filter({}) : make_kalman_filter({}));
+  CloudTracker tracker(published_at_once(), imm ? make_imm_filter({}) : make_kalman_filter({}));
   const Hall hall;
   tracker.new_cloud(r.clouds[0], &hall);
   tracker.new_detections(r.detections[0], &hall);
@@ -107,7 +107,7 @@ BENCHMARK_CAPTURE(new_cloud, imm, true)->Unit(benchmark::kMillisecond);
 /// newDetections() with five detections delayed by three clouds.
 void new_detections(benchmark::State& state) {
   const Recording& r = recording();
-  CloudTracker tracker(told_at_once(), make_kalman_filter({}));
+  CloudTracker tracker(published_at_once(), make_kalman_filter({}));
   const Hall hall;
   for (int k = 0; k < 20; ++k) {
     tracker.new_cloud(r.clouds[k], &hall);
@@ -122,7 +122,7 @@ BENCHMARK(new_detections)->Unit(benchmark::kMillisecond);
 void new_cloud_as_printed(benchmark::State& state) {
   const Recording& r = recording();
   const Hall hall;
-  CloudTrackerConfig printed = told_at_once();
+  CloudTrackerConfig printed = published_at_once();
   printed.assignment = CloudTrackerConfig::Assignment::kNearest;
   printed.association_radius_min_m = printed.merge_radius_max_m = printed.max_size_m = 0.0;
   for (auto _ : state) {
