@@ -65,7 +65,7 @@ TEST_F(CloudFiles, ReadNumbersOfAsciiPcd) {
   EXPECT_THAT(pcd_refusal(head + "POINTS 1\nDATA ascii\n1 7 8 2 3x\n"), HasSubstr("'z'"));
   EXPECT_THAT(pcd_refusal(head + "POINTS 99\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("point 1: "));
   EXPECT_THAT(pcd_refusal(head + "POINTS 2\nDATA ascii\n1 7 8 2 3\n1 7 8 x 3\n"), HasSubstr("a.pcd:12: point 1: "));
-  EXPECT_THAT(pcd_refusal(head + "POINTS 9999\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("promises 9999 points"));
+  EXPECT_THAT(pcd_refusal(head + "POINTS 9999\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("announces 9999 points"));
 }
 
 TEST_F(CloudFiles, SkipPcdFieldsOfZeroCount) {
