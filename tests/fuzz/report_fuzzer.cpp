@@ -20,18 +20,18 @@ struct File {
 };
 
 /// Each run has only the recorders that are read: states replace trajectories, and figures take most of the time.
-constexpr File kFiles[] = {{"told", "summary.json", kSummary},
-                           {"told", "scenario.yaml", "duration_s: 1\n"},
+constexpr File kFiles[] = {{"written", "summary.json", kSummary},
+                           {"written", "scenario.yaml", "duration_s: 1\n"},
                            {"states", "csv/uav1/state.csv", "t_s,x_m,y_m,z_m\n1,0,0,5\n"},
                            {"paths", "trajectories/uav1.tum", kPath},
-                           {"told", "events.jsonl", ""},
+                           {"written", "events.jsonl", ""},
                            {"paths", "trajectories/uav1.estimate.tum", kPath}};
 
 /// Finished runs, in memory.
 class Runs {
  public:
   Runs() {
-    for (const char* run : {"told", "states", "paths"}) folder_.write(std::string(run) + "/summary.json", kSummary);
+    for (const char* run : {"written", "states", "paths"}) folder_.write(std::string(run) + "/summary.json", kSummary);
     for (const File& file : kFiles) write(file, file.content);
   }
   std::filesystem::path damaged(std::size_t which, std::string_view content) {

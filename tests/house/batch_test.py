@@ -33,7 +33,7 @@ SHARD_VARIABLES = ("SLURM_", "OMPI_", "PMI_", "JOB_COMPLETION_INDEX")
 
 
 def rows(database):
-    """Every row of every table, save what belongs to the machine; read by a library that nobody here wrote."""
+    """Every row of every table, save what belongs to the machine; read by a foreign library."""
     with contextlib.closing(sqlite3.connect(database)) as connection:
         tables = [name for name, in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name")]
         assert "episodes" in tables and "metrics" in tables
@@ -109,7 +109,7 @@ class Batch(unittest.TestCase):
         self.assertEqual(rows(database), expected)
         self.assertFalse(list((self.path / "killed").glob("results.sqlite-*")), "the journal is folded in")
 
-    def test_ctrl_c_stores_what_is_done_leaves_no_process_and_tells_how_to_go_on(self):
+    def test_ctrl_c_stores_finished_episodes_leaves_no_process_and_names_the_option_to_resume(self):
         (self.path / "hover.yaml").write_text(SCENARIO.format(duration=20))
         batch = self.start("batch", "batch.yaml", "--out", "out", "--jobs", 2)
         for _ in range(600):
@@ -117,9 +117,9 @@ class Batch(unittest.TestCase):
                 break
             time.sleep(0.1)
         batch.send_signal(signal.SIGINT)
-        _, said = batch.communicate(timeout=30)
+        _, message = batch.communicate(timeout=30)
         self.assertEqual(batch.returncode, 1)
-        self.assertIn("--resume", said)
+        self.assertIn("--resume", message)
         self.assertGreaterEqual(count(self.path / "out/results.sqlite"), 2)
         children = subprocess.run(["ps", "-o", "pid=", "--ppid", str(batch.pid)], capture_output=True, text=True).stdout
         self.assertEqual(children, "")
@@ -160,7 +160,7 @@ class Batch(unittest.TestCase):
         self.assertIn("--replays", part.stderr)
         self.assertFalse((self.path / "part").exists())
 
-    def test_shards_told_by_hand_and_by_the_environment_merge_to_the_whole(self):
+    def test_shards_of_options_and_of_the_environment_merge_to_the_whole(self):
         expected = self.undisturbed()
         self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--shard", "1/3", "--jobs", 1, "-q", check=True)
         self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--jobs", 1, "-q", check=True, more={
@@ -175,13 +175,13 @@ class Batch(unittest.TestCase):
 
     @unittest.skipIf(any(init in pathlib.Path(SWIFTLET).read_bytes() for init in (b"__asan_init", b"__tsan_init")),
                      "sanitizers live on more memory than that")
-    def test_too_little_memory_is_told_as_that(self):
+    def test_exhausted_memory_is_reported_as_such(self):
         result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--memory-limit", 5, "--set", "seeds.count=1")
         self.assertEqual(result.returncode, 1)
         with contextlib.closing(sqlite3.connect(self.path / "out/results.sqlite")) as connection:
             self.assertEqual(set(connection.execute("SELECT status FROM episodes")), {("out_of_memory",)})
 
-    def test_damaged_results_are_told_as_such(self):
+    def test_damaged_results_are_reported_as_such(self):
         self.undisturbed()
         database = self.path / "undisturbed/results.sqlite"
         whole = database.read_bytes()
@@ -194,13 +194,7 @@ class Batch(unittest.TestCase):
                 self.assertIn("expected results of a batch", result.stderr)
                 self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
 
-    def test_finished_results_are_one_file_that_needs_no_writing_to_be_read(self):
-        self.undisturbed()
-        database = self.path / "undisturbed/results.sqlite"
-        with contextlib.closing(sqlite3.connect(f"file:{database}?mode=ro", uri=True)) as connection:
-            self.assertEqual(connection.execute("PRAGMA journal_mode").fetchone(), ("delete",))
-
-    def test_a_full_disk_is_told_and_what_was_stored_before_stays(self):
+    def test_a_full_disk_is_reported_and_stored_episodes_stay(self):
         def no_room():  # a limit of the process in place of a full disk: the same path through the program
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (120_000, resource.RLIM_INFINITY))
@@ -233,7 +227,7 @@ class Batch(unittest.TestCase):
         self.assertEqual(result.returncode, 2)
         self.assertIn("another meaning (the scenario, or a model or file that it names)", result.stderr)
 
-    def test_episodes_that_fail_are_told_with_their_command_and_the_status_says_so(self):
+    def test_failed_episodes_are_reported_with_their_command_and_by_the_exit_status(self):
         (self.path / "batch.yaml").write_text(
             "name: fails\nscenario: hover\ntimeout_s: 0.7\nseeds: {count: 1}\n"
             "sweep: {parameters: [{key: duration_s, values: [0.2, 1000000]}]}\n")

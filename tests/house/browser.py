@@ -101,8 +101,8 @@ class Browser:
     def hover(self, x, y):
         self.pointer(move(x, y))
 
-    def click(self, x, y, times=1):
-        self.pointer(move(x, y), *times * [DOWN, UP])
+    def click(self, x, y):
+        self.pointer(move(x, y), DOWN, UP)
 
     def drag(self, x, y, dx, dy):
         self.pointer(move(x, y), DOWN, move(x + dx, y + dy, 50), UP)

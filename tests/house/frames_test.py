@@ -5,7 +5,7 @@ What counts is a parameter, or a member of a class that is not private by its na
 three numbers, or a list of them: its name has a word of FRAMES (`p_world_m`), or a frame of a transform in the same file
 (`p_from_m` beside `T_to_from`). What needs none:
 - a size, a standard deviation, a color, a geodetic datum, the value of a visitor: NO_FRAME;
-- a member that a user sees by a key of its own name, whose text tells the frame: `v.field("position_m", position_m, ...`;
+- a member that a user sees by a key of its own name, whose text states the frame: `v.field("position_m", position_m, ...`;
 - whatever follows a comment with one of PHRASES: a class or a function, or the whole file when it stands before the namespace.
 """
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Random scenarios have the same bits whatever instructions Embree is told to use, on 1 and on 2 threads.
+"""Random scenarios have the same bits whatever instructions Embree is set to use, on 1 and on 2 threads.
 
     instruction_sets_test.py SWIFTLET COUNT [FIRST_SEED]
 """

@@ -41,11 +41,11 @@ def faults(root):
     for path in tracked(root, "*.cpp", "*.hpp", "*.md"):
         name = str(path.relative_to(root))
         if path.suffix in (".cpp", ".hpp"):
-            for number, said, begins in code_comments(path.read_text()):
-                if begins and HEADLESS.match(said):
-                    yield name, number, said
-                elif PEOPLE.search(said):
-                    yield name, number, said
+            for number, comment, begins in code_comments(path.read_text()):
+                if begins and HEADLESS.match(comment):
+                    yield name, number, comment
+                elif PEOPLE.search(comment):
+                    yield name, number, comment
             for number, line in enumerate(path.read_text().splitlines(), 1):
                 for test in TEST.findall(line):
                     if len(WORD.findall(test)) > MOST_WORDS:
@@ -62,7 +62,7 @@ def faults(root):
 
 
 def main():
-    found = [f"{name}:{number}: {said}" for name, number, said in faults(pathlib.Path(sys.argv[1]).resolve())]
+    found = [f"{name}:{number}: {comment}" for name, number, comment in faults(pathlib.Path(sys.argv[1]).resolve())]
     print("\n".join(found))
     return 1 if found else 0
 

@@ -98,7 +98,7 @@ def compiler_lets_pass(build):
             yield f"{target} {'cannot' if allowed else 'can'} include {header}\n{probe.stderr}"
 
 
-def rooms_that_nobody_describes(root):
+def undescribed_rooms(root):
     page = (root / "docs/architecture.md").read_text()
     rooms = re.findall(r"swiftlet_room\((\S+?)[ )]", (root / "CMakeLists.txt").read_text())
     yield from (f"docs/architecture.md: no row about {room}" for room in rooms if f"| `{room}` |" not in page)
@@ -106,7 +106,7 @@ def rooms_that_nobody_describes(root):
 
 def main():
     root, build = (pathlib.Path(path) for path in sys.argv[1:3])
-    found = [*forbidden_packages(root), *compiler_lets_pass(build), *rooms_that_nobody_describes(root)]
+    found = [*forbidden_packages(root), *compiler_lets_pass(build), *undescribed_rooms(root)]
     print("\n".join(found))
     sys.exit(1 if found else 0)
 

@@ -77,10 +77,10 @@ class Made(unittest.TestCase):
 
 
 class Command(Made):
-    def refused(self, *arguments, tells):
+    def refused(self, *arguments, expected):
         result = swiftlet(self.path, *arguments)
         self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
-        for text in tells:
+        for text in expected:
             self.assertIn(text, result.stderr)
 
     def test_a_finished_run_is_flown_again_into_the_same_page(self):
@@ -89,11 +89,11 @@ class Command(Made):
         self.assertEqual((self.path / "again.html").read_bytes(), self.page.read_bytes())
 
     def test_what_is_no_run_is_refused(self):
-        self.refused("replay", tells=["run"])
-        self.refused("replay", "nowhere", tells=["nowhere: expected the directory of a finished run"])
-        self.refused("replay", "run", "-o", "no/such/folder/a.html", tells=["no/such/folder/a.html", "directory"])
-        self.refused("replay", "run", "-o", "run", tells=["found a directory"])
-        self.refused("replay", "run", "--scan-rate", "-1", tells=["--scan-rate"])
+        self.refused("replay", expected=["run"])
+        self.refused("replay", "nowhere", expected=["nowhere: expected the directory of a finished run"])
+        self.refused("replay", "run", "-o", "no/such/folder/a.html", expected=["no/such/folder/a.html", "directory"])
+        self.refused("replay", "run", "-o", "run", expected=["found a directory"])
+        self.refused("replay", "run", "--scan-rate", "-1", expected=["--scan-rate"])
         self.assertFalse((self.path / "no").exists())
 
     def test_a_run_that_this_program_flies_otherwise_is_refused_and_no_page_is_left(self):
@@ -103,21 +103,21 @@ class Command(Made):
         summary["state_hash"] = "0123456789abcdef"
         (other / "summary.json").write_text(json.dumps(summary))
         (other / "scenario.yaml").write_text((self.path / "run/scenario.yaml").read_text())
-        self.refused("replay", "other", tells=["other:", "state hash"])
+        self.refused("replay", "other", expected=["other:", "state hash"])
         self.assertEqual(sorted(p.name for p in other.iterdir()), ["scenario.yaml", "summary.json"])
 
-    def test_a_wrong_key_of_the_recorder_is_told_with_its_place(self):
+    def test_a_wrong_key_of_the_recorder_is_reported_with_its_place(self):
         self.refused("run", "yard.yaml", "--out", "b", "--set", "recorders=[{type: replay, rate_hz: 0}]",
-                     tells=["recorders[0].rate_hz"])
+                     expected=["recorders[0].rate_hz"])
         self.refused("run", "yard.yaml", "--out", "b", "--set", "recorders=[{type: replay, ratehz: 10}]",
-                     tells=["rate_hz"])
+                     expected=["rate_hz"])
 
     def test_the_run_is_the_same_with_and_without_a_replay(self):
         swiftlet(self.path, "run", "yard.yaml", "--out", "plain", "-q", "--threads", 1)
         hashes = {json.loads((self.path / d / "summary.json").read_text())["state_hash"] for d in ("run", "plain")}
         self.assertEqual(len(hashes), 1)
 
-    def test_a_report_shows_the_replay_or_tells_how_to_make_one(self):
+    def test_a_report_shows_the_replay_or_the_command_that_makes_one(self):
         self.assertEqual(swiftlet(self.path, "report", "run").returncode, 0)
         frame = re.search('<iframe src="replay.html"[^>]*>', (self.path / "run/report.html").read_text()).group(0)
         self.assertIn('sandbox="allow-scripts allow-downloads"', frame)  # the page of an unknown run reads no other file
@@ -179,17 +179,6 @@ class View(Made):
                 time.sleep(0.05)
         self.assertEqual(self.run_.wait(60), 0)
 
-    def test_a_page_that_asks_for_the_same_block_again_and_again_does_not_hold_a_finished_run(self):
-        self.stop()
-        self.fly(1)
-        for _ in range(1200):
-            try:
-                self.ask(f"/{self.token}/blocks/0")
-            except (OSError, http.client.HTTPException):
-                break  # the server has ended
-            time.sleep(0.05)
-        self.assertEqual(self.run_.wait(60), 0)
-
     def stop(self):
         self.run_.send_signal(signal.SIGINT)
         self.run_.wait(60)
@@ -202,7 +191,7 @@ class View(Made):
         answer = connection.getresponse()
         return answer.status, answer.read()
 
-    def test_only_this_machine_with_the_address_can_read_and_nobody_can_write(self):
+    def test_only_this_machine_with_the_address_can_read_and_writing_is_refused(self):
         page = f"/{self.token}/"
         status, text = self.ask(page)
         self.assertEqual(status, 200)
@@ -227,7 +216,7 @@ class View(Made):
         self.assertFalse((self.path / "live").exists())
 
     @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
-    def test_a_page_that_comes_too_late_says_so(self):
+    def test_a_page_opened_after_the_run_reports_so(self):
         (self.path / "late").mkdir()
         (self.path / "late/index.html").write_bytes(self.ask(f"/{self.token}/")[1])
         class Quiet(http.server.SimpleHTTPRequestHandler):
@@ -244,7 +233,7 @@ class View(Made):
             server.shutdown()
 
     @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
-    def test_the_page_follows_the_run_and_tells_when_it_stops(self):
+    def test_the_page_follows_the_run_and_shows_when_it_stops(self):
         with browser.Browser() as window:
             window.open(f"http://{self.host}:{self.port}/{self.token}/")
             window.wait("window.swiftlet && swiftlet.begun && swiftlet.t > 0.5 && swiftlet.run.scans.length > 3")
@@ -342,21 +331,6 @@ class Phone(Browsing):
     def test_nothing_reaches_out_of_the_window(self):
         self.check_that_nothing_reaches_out()
 
-    def test_the_picture_takes_the_width_and_most_of_the_height(self):
-        self.assertEqual(self.value("innerWidth"), 412)
-        _, _, width, height = self.box("view")
-        self.assertGreaterEqual(width, 0.9 * 412)
-        self.assertGreaterEqual(height, 0.6 * 839)
-        self.browser.run("document.getElementById('layered').click(); swiftlet.draw()")
-        _, _, width, height = self.box("view")
-        self.assertGreaterEqual(width, 0.9 * 412)
-        self.assertGreaterEqual(height, 0.3 * 839)
-
-    def test_controls_have_room_for_a_finger(self):
-        for button in ("play", "back", "next", "speed", "camera", "plotted", "layered", "listed"):
-            _, _, width, height = self.box(button)
-            self.assertGreaterEqual(min(width, height), 30, button)
-
     def test_a_pinch_zooms_and_does_not_turn(self):
         before = self.camera()
         self.fingers([(-40, 0), (40, 0)], [(-120, 0), (120, 0)])
@@ -394,25 +368,6 @@ class Phone(Browsing):
         self.assertAlmostEqual(last - first, 1.0, delta=0.1)  # a third of the run
         self.browser.run("const c = document.getElementById('whole'); if (c.hidden) throw Error('no control shows the whole run'); c.click()")
         self.assertEqual(self.value("swiftlet.plot.span"), [0, 3])
-
-
-class HalfScreen(Browsing):
-    window = {"width": 700, "height": 800}
-
-    def test_nothing_reaches_out_of_the_window(self):
-        self.check_that_nothing_reaches_out()
-
-    def test_the_picture_and_the_time_line_have_room(self):
-        self.assertEqual(self.value("innerWidth"), 700)
-        self.assertGreaterEqual(self.box("view")[2], 0.9 * 700)
-        self.assertGreaterEqual(self.box("track")[2], 200)
-
-    def test_the_legend_leaves_the_picture_free(self):
-        self.browser.run("swiftlet.scene.choices.color = 'label'; swiftlet.draw()")
-        _, _, width, height = self.box("legend")
-        _, _, view_width, view_height = self.box("view")
-        self.assertGreater(width * height, 0)
-        self.assertLess(width * height, 0.12 * view_width * view_height)
 
 
 class Page(Browsing):
@@ -495,15 +450,6 @@ class Page(Browsing):
         self.browser.press(" ")
         self.assertTrue(self.value("swiftlet.playing"))
 
-    def test_keys_work_after_a_click_on_a_control(self):
-        self.browser.click(*self.place("plotted", 0.5, 0.5))
-        self.browser.click(*self.place("layer-names", 0.5, 0.5))
-        self.assertFalse(self.value("swiftlet.scene.layers.names"))
-        self.browser.press(TAB)
-        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav2")
-        self.browser.click(*self.place("color", 0.5, 0.5))
-        self.assertEqual(self.value("document.activeElement.id"), "color")
-
     def test_escape_leads_to_the_controls_and_back(self):
         self.browser.press(ESCAPE)
         self.browser.press(TAB)
@@ -529,39 +475,6 @@ class Page(Browsing):
         for key in keys:
             self.browser.press(codes.get(key, key))
             self.assertEqual(len(self.browser.run("return asked.splice(0)")), 1, key)
-
-    def test_layers_have_names_for_readers_and_hints(self):
-        texts = self.value("[...document.querySelectorAll('#layers label')].filter(l => l.querySelector('[id^=layer-], [id^=overlay-]')).map(l => [l.textContent, l.title])")
-        self.assertGreater(len(texts), 8)
-        for text, hint in texts:
-            self.assertRegex(text, r"^[^._]+$")
-            self.assertRegex(hint, r"\w+ \w+")
-
-    def test_overlays_of_plugins_read_well(self):
-        self.browser.run("""swiftlet.run.overlays.set('0/survey.next_goal', [{t_s: 0, count: 0, about: {kind: 'points', size: 1, palette: [], vehicle: 0,
-            legend: [{meaning: 'goals of the survey', color: [0, 0, 0]}]}}]); swiftlet.panel.update();""")
-        label = self.value("(l => [l.textContent, l.title])(document.getElementById('overlay-survey.next_goal').closest('label'))")
-        self.assertEqual(label[0], "survey: next goal")
-        self.assertIn("goals of the survey", label[1])
-        self.assertIn("survey.next_goal", label[1])
-
-    def test_heights_of_a_forest_use_the_whole_scale(self):
-        # Nine of ten returns come from the ground, the others from trees of 12 m, and one from a bird.
-        low, high = self.browser.run("""const p = [], add = (x, y, z) => p.push(x, y, z); let k = 0;
-            const random = () => { k = (1103515245 * k + 12345) % 2147483648; return k / 2147483648; };
-            for (let i = 0; i < 27000; ++i) { const r = 20 * random() ** 2, a = 6.28 * random(); add(r * Math.cos(a), r * Math.sin(a), 0.1 * random()); }
-            for (let tree = 0; tree < 40; ++tree) { const x = 40 * random() - 20, y = 40 * random() - 20; for (let i = 0; i < 75; ++i) add(x + random(), y + random(), 12 * random()); }
-            add(0, 0, 300);
-            const scan = {count: p.length / 3, p_world_m: Float32Array.from(p), range_m: new Float32Array(p.length / 3)};
-            return (s => [s.low, s.high])(new Points(null, {scans: [scan]}, {}).measure());""")
-        self.assertGreaterEqual(low, 0)
-        self.assertLess(low, 0.5)
-        self.assertGreater(high, 8)
-        self.assertLess(high, 12.5)
-
-    def test_scales_belong_to_the_whole_run_once_it_is_read(self):
-        self.browser.run("swiftlet.draw()")
-        self.assertEqual(self.value("swiftlet.scene.points.scale"), self.value("swiftlet.scene.points.measure()"))
 
     def test_the_event_log_is_text_and_seeks(self):
         events = self.value("swiftlet.run.events")
@@ -593,27 +506,14 @@ class Page(Browsing):
     def test_the_time_of_the_plots_zooms_by_wheel_and_drag(self):
         x, y = self.place("plot", 0.2, 0.5)
         self.browser.hover(x, y)
-        t = self.value("swiftlet.plot.pointer")
         self.browser.wheel(x, y, -400)
         first, last = self.value("swiftlet.plot.span")
         self.assertLess(last - first, 2)
-        self.assertLess(first, t)
-        self.assertGreater(last, t)
-        self.browser.hover(x, y)
-        self.assertAlmostEqual(self.value("swiftlet.plot.pointer"), t, delta=0.02)  # what was under the pointer stays there
-        # The driver waits for a picture after each press, which may take too long for a double click.
-        self.browser.run("for (const layer in swiftlet.scene.layers) swiftlet.scene.layers[layer] = false; swiftlet.draw()")
-        for _ in range(10):
-            self.browser.click(x, y, times=2)
-            if self.value("swiftlet.plot.span") == [0, 3]:
-                break
-        self.assertEqual(self.value("swiftlet.plot.span"), [0, 3])
-        from_, to = (self.value(f"swiftlet.plot.timeAt({a}, 60)") for a in (x, x + 60))
-        before = self.value("swiftlet.t")
+        self.assertTrue(first < self.value("swiftlet.plot.pointer") < last)
+        dragged = [self.value(f"swiftlet.plot.timeAt({a}, 60)") for a in (x, x + 60)]
         self.browser.drag(x, y, 60, 0)
-        for bound, wanted in zip(self.value("swiftlet.plot.span"), (from_, to)):
-            self.assertAlmostEqual(bound, wanted, delta=0.02)
-        self.assertEqual(self.value("swiftlet.t"), before)
+        for bound, expected in zip(self.value("swiftlet.plot.span"), dragged):
+            self.assertAlmostEqual(bound, expected, delta=0.02)
 
     def test_the_time_line_and_the_plots_seek(self):
         for element, share in (("track", 0.5), ("plot", 0.25)):
@@ -627,10 +527,10 @@ class Page(Browsing):
         self.assertEqual(self.value("[swiftlet.t, swiftlet.cameraText()]"), [1.5, "follow:uav2"])
         self.browser.run("swiftlet.seek(2.25); swiftlet.setCamera('onboard:uav1')")
         self.assertEqual(self.value("location.hash"), "#t=2.25&cam=onboard:uav1")
-        self.open("#t=never&cam=nobody:uav9")
+        self.open("#t=never&cam=nowhere:uav9")
         self.assertEqual(self.value("swiftlet.t"), 0)
 
-    def test_a_click_tells_of_a_vehicle_and_of_a_point(self):
+    def test_a_click_shows_facts_of_a_vehicle_and_of_a_point(self):
         self.browser.run("swiftlet.seek(2)")
         place = "(a => { const b = document.getElementById('view').getBoundingClientRect(); return [a[0] + b.left, a[1] + b.top]; })"
         self.browser.run("swiftlet.setCamera('follow:uav2'); swiftlet.draw()")
@@ -681,8 +581,8 @@ class Page(Browsing):
             about = json.loads(raw[4:4 + length])
             about["about"]["scenario"] = HOSTILE
             about["about"]["vehicles"][0] = HOSTILE
-            told = json.dumps(about).encode()
-            packed = base64.b64encode(gzip.compress(len(told).to_bytes(4, "little") + told + raw[4 + length:])).decode()
+            head_bytes = json.dumps(about).encode()
+            packed = base64.b64encode(gzip.compress(len(head_bytes).to_bytes(4, "little") + head_bytes + raw[4 + length:])).decode()
             page.write_text(text.replace(head.group(1), packed, 1))
         else:
             page = self.path / "hostile/replay.html"

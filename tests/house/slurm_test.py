@@ -76,7 +76,7 @@ def wait_for(what, condition, seconds=240):
         if condition():
             return
         time.sleep(0.2)
-    raise RuntimeError(f"waited in vain for {what}\n{run('squeue', check=False).stdout}")
+    raise RuntimeError(f"timed out waiting for {what}\n{run('squeue', check=False).stdout}")
 
 
 @contextlib.contextmanager
@@ -125,9 +125,9 @@ def active(*jobs):
 
 
 def submit(folder):
-    said = run(SWIFTLET, "batch", "batch.yaml", "--out", "shared", "--slurm", "--submit", cwd=folder).stdout
-    say(said)
-    words = said[said.index("submitted: array"):].replace(",", "").split()
+    output = run(SWIFTLET, "batch", "batch.yaml", "--out", "shared", "--slurm", "--submit", cwd=folder).stdout
+    say(output)
+    words = output[output.index("submitted: array"):].replace(",", "").split()
     return words[2], words[4]
 
 
@@ -147,7 +147,7 @@ def test(folder):
     wait_for("the array and the merge", lambda: not active(array, merge))
     say("ended:", states(array), states(merge))
     assert states(array)[victim] != "COMPLETED", "the task should have been killed"
-    assert states(merge)[""] == "FAILED", "the merge should tell that episodes are missing"
+    assert states(merge)[""] == "FAILED", "the merge should report missing episodes"
     assert len(rows(folder / "shared/results.sqlite")["episodes"]) < 64
 
     # The user resubmits the task, then the merge.

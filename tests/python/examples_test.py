@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The examples of examples/python, run as a user would. Usage: support.py tells."""
+"""The examples of examples/python, run as a user would. Usage: see support.py."""
 import os
 import pathlib
 import subprocess

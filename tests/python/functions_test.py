@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The onboard software and functions of core alone, on arrays of one's own. Usage: support.py tells."""
+"""The onboard software and functions of core alone, on arrays of one's own. Usage: see support.py."""
 import math
 import threading
 
@@ -294,7 +294,6 @@ class Uncertainty(support.InFolder):
         self.assertAlmostEqual(got, wanted, places=6)
         voxel = functions.correct_voxel_probabilities([[0.05, 0.05, 0.05]], [np.eye(3) * 1e-6], 0.1)
         self.assertAlmostEqual(voxel[0], 1.0, places=5)
-
 
     def test_odd_arguments_are_refused_by_name(self):
         point, C = [[1.0, 0, 0]], [np.eye(3)]

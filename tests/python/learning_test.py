@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
-"""Environments for learning, batches and datasets. Usage: support.py tells."""
-import subprocess
-
+"""Environments for learning, batches and datasets. Usage: see support.py."""
 import numpy as np
 
 import support
@@ -16,7 +14,7 @@ THREE = dict(ONE, world={"type": "empty", "ground": True}, metrics={"stop_on_cra
 
 
 class Fails(Reach):
-    def judge(self, simulator):
+    def evaluate(self, simulator):
         raise ValueError("this task fails")
 
 
@@ -61,7 +59,7 @@ class Gymnasium(support.InFolder):
             self.assertRaises(TypeError, lambda: env.reset(seed=seed))
         env.reset(seed=np.int64(3))
 
-    def test_a_seed_that_nobody_chose_is_told_and_gives_the_episode_again(self):
+    def test_a_drawn_seed_is_reported_and_repeats_the_episode(self):
         env = VehicleEnv(ONE)
         _, seed, state_hash = episode(env, None, self.actions())
         self.assertEqual(episode(env, seed, self.actions())[2], state_hash)
@@ -80,7 +78,6 @@ class Gymnasium(support.InFolder):
         self.assertEqual(len(ends), 10)  # 1 s, an action every 0.1 s
         self.assertEqual(ends[-1], (False, True))
         env.close()
-
 
     def test_an_action_outside_of_the_action_space_is_refused(self):
         env = VehicleEnv(ONE)
@@ -108,7 +105,7 @@ class Gymnasium(support.InFolder):
 
 
 class PettingZoo(support.InFolder):
-    def test_a_team_is_told_by_names_and_who_crashes_leaves(self):
+    def test_a_team_acts_by_names_and_crashed_vehicles_leave(self):
         env = TeamEnv(THREE, changes={"duration_s": 4})
         seen, infos = env.reset(seed=2)
         self.assertEqual(set(seen), {"a", "b", "c"})
@@ -145,7 +142,7 @@ class Vector(support.InFolder):
         self.assertFalse(truncated.any() or terminated.any() or reward.any())
         self.assertTrue(all("seed" in i for i in infos))
 
-    def test_an_error_in_a_worker_is_told_with_its_traceback(self):
+    def test_an_error_in_a_worker_is_raised_with_its_traceback(self):
         envs = VectorEnv(failing_env, 2, workers=1)
         self.addCleanup(envs.close)
         envs.reset(seed=1)
@@ -167,8 +164,8 @@ class Results(support.InFolder):
         (self.path / "batch.yaml").write_text(
             "name: b\nscenario: team.yaml\nset: {duration_s: 0.1, \"vehicles[eye].sensors\": [], "
             "\"vehicles[eye].agent.detector\": none, \"vehicles[eye].agent.tracker\": none}\nseeds: {first: 1, count: 2}\n")
-        told = self.program("batch", "batch.yaml", "--out", "results", "--jobs", "1")
-        self.assertEqual(told.returncode, 0, told.stderr)
+        result = self.program("batch", "batch.yaml", "--out", "results", "--jobs", "1")
+        self.assertEqual(result.returncode, 0, result.stderr)
         batch = swiftlet.read_batch(self.path / "results")
         self.assertEqual([(e["seed"], e["status"]) for e in batch.episodes], [(1, "done"), (2, "done")])
         self.assertIn("flight_time_s.eye", batch.wide[0])
@@ -181,9 +178,9 @@ class Results(support.InFolder):
         self.assertEqual(list(batch.wide.to_frame()["seed"]), [1, 2])
 
     def test_a_dataset_is_read_frame_by_frame(self):
-        told = self.program("dataset", support.SOURCE / "tests/dataset/small/small.yaml", "--out", "data", "--jobs", "1", "--set",
+        result = self.program("dataset", support.SOURCE / "tests/dataset/small/small.yaml", "--out", "data", "--jobs", "1", "--set",
                             "recorders=[]", "--set", "splits=[{name: train, flights: 1, first_seed: 100}]")
-        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertEqual(result.returncode, 0, result.stderr)
         data = swiftlet.datasets.Dataset(self.path / "data", "train")
         self.assertGreater(len(data), 3)
         for frame in data:

@@ -48,8 +48,8 @@ def calls():
     for call in ("simulator.states.position_m", "simulator.t_s", "simulator.vehicle(0)", "vehicle.estimate.local_pose",
                  "vehicle.tracks.position_m", "simulator.commands"):
         count = 20000
-        told = seconds(lambda: timeit.timeit(call, number=count, globals=names)) / count * 1e6
-        print(f"{call:32s} {told:6.2f} us")
+        call_us = seconds(lambda: timeit.timeit(call, number=count, globals=names)) / count * 1e6
+        print(f"{call:32s} {call_us:6.2f} us")
 
 
 def two_threads():
@@ -86,9 +86,9 @@ def environment():
 
 if __name__ == "__main__":
     calls()
-    for told, source in (("square, 1 vehicle", "square"), ("10 vehicles", TEAM)):
+    for name, source in (("square, 1 vehicle", "square"), ("10 vehicles", TEAM)):
         ratio, steps_per_s = share(source)
-        print(f"{told}: watched {ratio:.0%} of the speed of C++, {steps_per_s:,.0f} vehicle-steps a processor second")
+        print(f"{name}: watched {ratio:.0%} of the speed of C++, {steps_per_s:,.0f} vehicle-steps a processor second")
     ratio, _ = share("field", duration_s=2)
     print(f"field, with LiDAR: watched {ratio:.0%} of the speed of C++")
     print(f"environment: {environment():,.0f} vehicle-steps a processor second")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Guidance, detectors and agents written in Python. Usage: support.py tells."""
+"""Guidance, detectors and agents written in Python. Usage: see support.py."""
 import math
 import re
 import traceback
@@ -15,7 +15,7 @@ class Orbit:
     center_m = swiftlet.key((0.0, 0.0, 4.0), "[m] of the circle, world")
     radius_m = swiftlet.key(3.0, "[m] of the circle", min=0.5)
     speed_mps = swiftlet.key(1.5, "[m/s] along it", min=0.0)
-    sense = swiftlet.key("left", "[-] which way round", words=("left", "right"))
+    sense = swiftlet.key("left", "[-] sense of rotation", words=("left", "right"))
 
     def __init__(self, setup):
         self.angle_rad = 0.0
@@ -193,7 +193,7 @@ class Modules(support.InFolder):
                     lambda: swiftlet.Goal((0, 0, 0), frame="body"), lambda: swiftlet.Goal((0, 0, 0), mission="over")):
             self.assertRaises(ValueError, act)
 
-    def test_what_a_step_is_told_is_gone_after_it(self):
+    def test_the_input_of_a_step_is_gone_after_it(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "keeps"}}))
         simulator.tick()
         with self.assertRaisesRegex(RuntimeError, "copy what is to stay"):
@@ -225,7 +225,7 @@ class Modules(support.InFolder):
         self.assertIn((0, b"1"), HEARD)
         self.assertIn((1, b"0"), HEARD)
 
-    def test_a_class_may_be_told_again_but_takes_no_name_of_the_library(self):
+    def test_a_class_may_be_registered_again_but_takes_no_name_of_the_library(self):
         class Other:
             def step(self, now):
                 return (0.0, 0.0, 9.0)

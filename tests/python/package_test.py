@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The package as such: stubs, docstrings, what it imports. Usage: support.py tells."""
+"""The package as such: stubs, docstrings, what it imports. Usage: see support.py."""
 import ast
 import inspect
 import runpy
@@ -12,7 +12,7 @@ import swiftlet.learning
 
 
 class Package(support.InFolder):
-    def test_stubs_are_what_the_module_tells(self):
+    def test_stubs_match_the_docstrings_of_the_module(self):
         written = (support.SOURCE / "sim/python/swiftlet/_core.pyi").read_text()
         ast.parse(written)
         made = runpy.run_path(str(support.SOURCE / "tests/python/stubs.py"))["stubs"]()
@@ -27,10 +27,10 @@ class Package(support.InFolder):
                     self.assertTrue(value.__doc__, f"{module.__name__}.{name}")
 
     def test_it_imports_numpy_and_nothing_else(self):
-        told = subprocess.run([sys.executable, "-c", "import sys, swiftlet; print(sorted({m.split('.')[0] for m in sys.modules} & "
+        result = subprocess.run([sys.executable, "-c", "import sys, swiftlet; print(sorted({m.split('.')[0] for m in sys.modules} & "
                                "{'pandas', 'matplotlib', 'gymnasium', 'pettingzoo', 'yaml', 'scipy'}))"], capture_output=True,
                               text=True, check=True)
-        self.assertEqual(told.stdout, "[]\n")
+        self.assertEqual(result.stdout, "[]\n")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scenarios, runs and their arrays from Python, beside the program. Usage: support.py tells."""
+"""Scenarios, runs and their arrays from Python, beside the program. Usage: see support.py."""
 import gc
 import json
 import math
@@ -10,7 +10,6 @@ import subprocess
 import sys
 import threading
 import time
-import unittest
 
 import numpy as np
 
@@ -26,9 +25,9 @@ class Scenarios(support.InFolder):
             file.write_text(f"name: wrong\n{wrong}\n")
             with self.assertRaises(swiftlet.InputError) as raised:
                 swiftlet.check(file)
-            told = self.program("check", file)
-            self.assertEqual(told.returncode, 2)
-            self.assertEqual(f"swiftlet: {raised.exception}\n", told.stderr)
+            result = self.program("check", file)
+            self.assertEqual(result.returncode, 2)
+            self.assertEqual(f"swiftlet: {raised.exception}\n", result.stderr)
 
     def test_a_mistake_that_shows_only_before_the_first_tick_is_found_by_check(self):
         self.team.write_text(support.TEAM.replace("[6, 1, 4]", "[0.1, 0, 4]"))
@@ -50,9 +49,9 @@ class Scenarios(support.InFolder):
         first = swiftlet.load(self.team, {"vehicles[0].start.yaw_deg": 30}, seed=7)
         second = swiftlet.load(first, {"vehicles[eye].start.position_m": np.array([1.0, 2.0, 3.0])}, name="other")
         self.assertEqual((first.name, second.name, second.seed), ("team", "other", 7))
-        told = self.program("run", self.team, "--out", "out", "--set", "vehicles[0].start.yaw_deg=30", "--seed", "7", "--set",
+        result = self.program("run", self.team, "--out", "out", "--set", "vehicles[0].start.yaw_deg=30", "--seed", "7", "--set",
                             "vehicles[eye].start.position_m=[1.0, 2.0, 3.0]", "--set", "name=other", "-q")
-        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual((self.path / "out/scenario.yaml").read_text(), second.yaml)
         self.assertEqual(second.vehicle_names, ["eye", "other"])
 
@@ -75,9 +74,9 @@ class Scenarios(support.InFolder):
 
 class Runs(support.InFolder):
     def hash_of_the_program(self):
-        told = self.program("run", self.team, "--out", "told", "-q")
-        self.assertEqual(told.returncode, 0, told.stderr)
-        return json.loads((self.path / "told/summary.json").read_text())["state_hash"]
+        result = self.program("run", self.team, "--out", "program", "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads((self.path / "program/summary.json").read_text())["state_hash"]
 
     def test_a_run_has_the_hash_of_the_command_line_for_any_threads_and_watched_or_not(self):
         wanted = self.hash_of_the_program()
@@ -97,7 +96,7 @@ class Runs(support.InFolder):
         self.assertFalse((self.path / "out").exists())  # not before it is complete
         simulator.finish()
         for name in ("scenario.yaml", "events.jsonl", "trajectories/eye.tum", "trajectories/other.estimate.tum"):
-            self.assertEqual((self.path / "out" / name).read_bytes(), (self.path / "told" / name).read_bytes(), name)
+            self.assertEqual((self.path / "out" / name).read_bytes(), (self.path / "program" / name).read_bytes(), name)
         self.assertEqual(json.loads((self.path / "out/summary.json").read_text())["outcome"], simulator.summary()["outcome"])
 
     def test_a_world_is_shared_by_runs(self):
@@ -187,14 +186,14 @@ class Forks(support.InFolder):
         child.start()
         try:
             self.assertTrue(ours.poll(120), "the forked process hangs")
-            told = ours.recv()
+            result = ours.recv()
             child.join(60)
             self.assertEqual(child.exitcode, 0)
-            return told
+            return result
         finally:
             child.kill()
 
-    def test_after_a_simulator_forked_processes_refuse_to_fly_and_say_what_to_do(self):
+    def test_after_a_simulator_forked_processes_refuse_to_fly_and_name_the_remedy(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team), threads=2)
         simulator.tick()
         for act in (lambda: swiftlet.fly(self.team, threads=1), lambda: swiftlet.check(self.team), lambda: simulator.tick(),
@@ -229,7 +228,7 @@ class Forks(support.InFolder):
         self.assertTrue((self.path / "out/summary.json").is_file())
 
     def test_before_the_first_simulator_forked_processes_fly(self):
-        told = subprocess.run([sys.executable, "-c", f"""
+        result = subprocess.run([sys.executable, "-c", f"""
 import multiprocessing, swiftlet
 def fly(threads):
     return swiftlet.fly({str(self.team)!r}, threads=threads)["state_hash"]
@@ -237,7 +236,7 @@ swiftlet.load("square")
 with multiprocessing.get_context("fork").Pool(2) as pool:
     print(len(set(pool.map_async(fly, [1, 2]).get(timeout=120))))
 """], capture_output=True, text=True, timeout=240)
-        self.assertEqual((told.stdout, told.returncode), ("1\n", 0), told.stderr)
+        self.assertEqual((result.stdout, result.returncode), ("1\n", 0), result.stderr)
 
 
 class Arrays(support.InFolder):

@@ -36,15 +36,15 @@ def function(name, text, indent=""):
         return []
     inside = re.sub(r"self: [^,)]*", "self", plain(match.group(1)))
     out = [f"{indent}def {name}{inside} -> {plain(match.group(2))}:"]
-    told = " ".join(line for line in lines[1:] if line)
-    return [*out, f'{indent}    """{told}"""' if told else f"{indent}    ..."]
+    text = " ".join(line for line in lines[1:] if line)
+    return [*out, f'{indent}    """{text}"""' if text else f"{indent}    ..."]
 
 
 def of_class(cls):
     yield f"class {cls.__name__}:"
-    told = " ".join((cls.__doc__ or "").split())
-    if told:
-        yield f'    """{told}"""'
+    text = " ".join((cls.__doc__ or "").split())
+    if text:
+        yield f'    """{text}"""'
     if cls.__name__ == "Table":
         yield "    def __getattr__(self, name: str) -> numpy.ndarray: ..."
     count = 0
@@ -52,12 +52,12 @@ def of_class(cls):
         if isinstance(value, property) and not name.startswith("_"):
             lines = (value.fget.__doc__ or "").strip().split("\n")
             kind = plain(lines[0].rsplit("->", 1)[1].strip()) if "->" in lines[0] else "typing.Any"
-            told = " ".join((value.__doc__ or "").replace(lines[0], "").split())
-            if kind == "object" and told.startswith("("):
+            text = " ".join((value.__doc__ or "").replace(lines[0], "").split())
+            if kind == "object" and text.startswith("("):
                 kind = "typing.Optional[numpy.ndarray]"
             yield "    @property"
             yield f"    def {name}(self) -> {kind}:"
-            yield f'        """{told}"""' if told else "        ..."
+            yield f'        """{text}"""' if text else "        ..."
         elif (name in HIDDEN or not name.startswith("_")) and inspect.isroutine(value):
             made_here = function(name, value.__doc__, "    ")
             if inspect.isfunction(value):  # added in Python
@@ -65,7 +65,7 @@ def of_class(cls):
                              f'        """{" ".join(value.__doc__.split())}"""']
             yield from made_here
             count += len(made_here)
-    if not told and count == 0:
+    if not text and count == 0:
         yield "    ..."
 
 

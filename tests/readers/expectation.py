@@ -281,7 +281,7 @@ class RosCheck:
 
     def tracks(self, message, where, t, track):
         number, stamp = track["id"], track["t_ns"]
-        place, spread, way, name = self.markers(message, where, t, [
+        place, spread, path, name = self.markers(message, where, t, [
             ("tracks", number, 2, stamp), ("covariance", number, 2, stamp), ("velocity", number, 0, stamp),
             ("names", number, 9, stamp)])
         self.pose(place["pose"], where, track["p"], [0, 0, 0, 1])
@@ -290,7 +290,7 @@ class RosCheck:
         sigma = np.array([spread["scale"][k] for k in "xyz"]) / 6
         self.result.equal(axes @ np.diag(sigma**2) @ axes.T, np.reshape(track["covariance"], (3, 3)),
                           where + " covariance", 1e-9)
-        self.result.equal([[p[k] for k in "xyz"] for p in way["points"]],
+        self.result.equal([[p[k] for k in "xyz"] for p in path["points"]],
                           [track["p"], np.add(track["p"], track["v"])], where + " velocity", 1e-12)
         self.result.equal(name["text"], str(number), where + " name")
 

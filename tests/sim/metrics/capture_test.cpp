@@ -47,7 +47,7 @@ TEST(CaptureMetric, DeterminesOutcomeByCapturesAlone) {
       run.tick();
     }
     EXPECT_EQ(run.metrics.outcome(), wanted == 1 ? "done" : "timeout") << wanted;
-    EXPECT_TRUE(std::isnan(run.value("time_to_done_s"))) << "the agent has not said so";
+    EXPECT_TRUE(std::isnan(run.value("time_to_done_s"))) << "the agent has not reported it";
     run.states[0].crashed = true;
     run.tick();
     EXPECT_EQ(run.metrics.outcome(), "crashed");

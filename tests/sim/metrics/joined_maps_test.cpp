@@ -70,12 +70,12 @@ TEST(JoinedMaps, AreOffByTheFrameError) {
 TEST(JoinedMaps, CountMessagesByKind) {
   JoinedPair run;
   run.joiner->maps.clear();
-  std::vector<Message>& said = run.actions[1].messages;
-  write_message(SubmapChunk{}, said.emplace_back());
-  write_message(SubmapRequest{}, said.emplace_back());
+  std::vector<Message>& sent = run.actions[1].messages;
+  write_message(SubmapChunk{}, sent.emplace_back());
+  write_message(SubmapRequest{}, sent.emplace_back());
   run.tick();
-  EXPECT_EQ(run.value("map_clouds_bytes", "uav2"), static_cast<double>(said[0].size_bytes()));
-  EXPECT_EQ(run.value("map_words_bytes", "uav2"), static_cast<double>(said[1].size_bytes()));
+  EXPECT_EQ(run.value("map_clouds_bytes", "uav2"), static_cast<double>(sent[0].size_bytes()));
+  EXPECT_EQ(run.value("map_words_bytes", "uav2"), static_cast<double>(sent[1].size_bytes()));
   EXPECT_EQ(run.value("map_looks_bytes", "uav2"), 0.0);
   EXPECT_TRUE(std::isnan(run.value("joined_s", "uav2")));
   EXPECT_EQ(run.metrics.report().find("joined_s", "uav1"), nullptr) << "it says nothing of maps";
