@@ -15,7 +15,7 @@ SCENARIO = {"name": "reach", "duration_s": 6.0, "world": {"type": "empty"},
 
 
 def act(policies, seen):
-    """Velocity from the way to the goal and the own velocity; one policy an environment, (3,): two gains and a yaw rate."""
+    """Velocity from the displacement to the goal and the own velocity; one policy per environment, (3,): two gains and a yaw rate."""
     move = policies[:, 0:1] * seen[:, 0:3] + policies[:, 1:2] * seen[:, 3:6]
     return np.clip(np.concatenate([move, policies[:, 2:3]], axis=1), -1.0, 1.0)  # the action space
 

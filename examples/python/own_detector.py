@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A detector of one's own in Python against `vofod`: the same flight, scored by the simulator.
+"""A detector written in Python against `vofod`: the same flight, scored by the simulator.
 
     python3 examples/python/own_detector.py
 """

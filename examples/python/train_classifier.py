@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A small dataset and the training of a classifier in numpy: is a point of the ground, or of something that stands on it?
+"""A small dataset and the training of a classifier in numpy: ground points against all others.
 
     python3 examples/python/train_classifier.py build/release/swiftlet [FOLDER]
 """
@@ -39,7 +39,7 @@ def generate(program, folder):
 
 
 def features(frame, every=7):
-    """Of every seventh point: height in the world, slant of its ray, and how much its surroundings rise."""
+    """(n, features) of every seventh point: height in the world, elevation of its ray, and height range of its surroundings."""
     points = frame.points_lidar_m[::every].astype(float)
     world = points @ frame.T_world_lidar[:3, :3].T + frame.T_world_lidar[:3, 3]
     range_m = np.linalg.norm(points, axis=1)
@@ -75,7 +75,7 @@ if __name__ == "__main__":
         if not folder.exists():
             generate(pathlib.Path(sys.argv[1]).resolve(), folder)
         train_set, valid_set = (swiftlet.datasets.Dataset(folder, split) for split in ("train", "valid"))
-        print(f"{len(train_set)} frames to train, {len(valid_set)} to judge")
+        print(f"{len(train_set)} frames to train, {len(valid_set)} to validate")
         w = train(*gather(train_set))
         x, y = gather(valid_set)
         right = ((x @ w > 0) == (y > 0.5)).mean()

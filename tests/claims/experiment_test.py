@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the experiments share: tables, verdicts, flights that resume, files, the command line. Usage: experiment_test.py SOURCE_DIR"""
+"""Common parts of the experiments: tables, verdicts, flights that resume, files, the command line. Usage: experiment_test.py SOURCE_DIR"""
 import json
 import math
 import pathlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Three targets, one behind a wall again and again [Vrba 2025, Figs. 9 and 10]
+"""Three targets, one repeatedly behind a wall [Vrba 2025, Figs. 9 and 10]
 
 Flights of 517 s in a hall of 15 x 10 m; the wall hides one target for 5 to 7 of every 21 s. The observer has an OS0-128, an IMU and
 an odometry that drifts by 0.2 to 0.3 m. Without the IMU its attitude would be wrong by up to 49°. A track nearer than 1 m follows

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Does reflectivity explain the lower recall of real flights? [Vrba 2025, Fig. 11]
+"""Effect of reflectivity on the lower recall of real flights [Vrba 2025, Fig. 11]
 
 The same three flights with and without the returns that a dark, oblique or far surface does not give back. Up to 20 m they make no
 difference; the difference grows with the distance.

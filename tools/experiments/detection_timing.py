@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each stage of detector and tracker costs [Vrba 2025, Table VI]
+"""Processor time of each stage of detector and tracker [Vrba 2025, Table VI]
 
 Processor time of one core, on the scans of 60 s of the flight of detection-noisy. The published figures are of a Ryzen 3900X with
 twelve cores. The latencies of the detector are such that each of its stages works in a tick of its own. The tracker works on the

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a bad GNSS does to the pose graph [Orsulic 2021, Fig. 8]
+"""Effect of a poor GNSS receiver on the pose graph [Orsulic 2021, Fig. 8]
 
 Up, twice around a building and down again, with the receiver `gnss_m8p`, whose model drifts by 2 m in a minute. The compass gives
 the initial heading and the first fix the initial position [sec. III-C]. The graph is optimized every minute. Height at landing:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What planning for two vehicles costs [Pritzl 2024, sec. III-B]
+"""Processor time of planning for two vehicles [Pritzl 2024, sec. III-B]
 
 Plans of the guide during five flights of 32 m through forests, on a map of 0.1 m, on one core of another computer than the
 published one, so the tolerance is a factor. The time of a plan is the processor time of the tick in which the guide plans; one tick

@@ -5,7 +5,7 @@ The document reports captures of targets of up to 5 m/s without figures. The pro
 trajectory of 100 s, a net of 2 m radius, perfect knowledge of the target, and a start 5 to 20 m from it; 100 trajectories with 5
 starts each. The paper's trajectories and the interceptor's limits are not public, two accounts differ about the target (up to 8 or
 10 m/s), and published figures are from a transcription by others. So no row has a verdict. FRPN captures more often than published
-and proportional navigation less often. [interception.md](../interception.md#compared-with-the-laws) has the MPC beside the laws.
+and proportional navigation less often. [interception.md](../interception.md#compared-with-the-laws) compares the MPC with the laws.
 """
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same on nothing but a LiDAR: captures by speed and method, noise, wind and latency [Vrba 2025, sec. VI-B]
+"""Interception by LiDAR alone: captures by speed and method, noise, wind and latency [Vrba 2025, sec. VI-B]
 
 The interceptor has a map of the field and detects the intruder with its LiDAR only. Each flight draws its field, both starts and
 the intruder's trajectory, and lasts 60 s at most. A capture counts in a flight without contact. The document gives no figures, so

@@ -3,7 +3,7 @@
 
 Each case is flown with neighbors measured as by UVDAR and with perfect ones, which have no noise; 1.0 m is the sum of two
 encumbrances. The document flies ten repetitions of each case. Its text prints a radius of 5 m, but its lengths need 10 m. Times are
-not judged, because the published flights use another reference tracker. The gain of the z-rule over clipped 3D does not appear with
+not compared, because the published flights use another reference tracker. The gain of the z-rule over clipped 3D does not appear with
 fifteen vehicles: clipped 3D is already 15 % faster than 2D here, and 9 % in the document.
 """
 import math
@@ -30,7 +30,7 @@ def fly_case(experiment, seeds, shape, num_vehicles, radius_m, guidance, **optio
                      **options)
 
 
-def judge_table(experiment, case):
+def compare_table(experiment, case):
     """The rows of one line of the document's tables. Less than published is better; up to 10 % more is reproduced."""
     experiment.at_least(f"{case.name}: success [-]", case.success, 1.0, 3,
                         f"{len(case.flights)} flights, least distance {case.least_distance_m:.2f} m")
@@ -44,15 +44,15 @@ def judge_table(experiment, case):
                        value=mean, tolerance="+ 10 %")
 
 
-def judge_safety(experiment, case):
+def check_safety(experiment, case):
     """With perfect neighbors no vehicle enters the space of another, for any seed."""
     experiment.claim(f"{case.name}, perfect neighbors: least distance [m], success [-]",
                      f"{case.least_distance_m:.3f}, {case.success:.2f}", case.least_distance_m >= SPACE_M and case.success == 1.0,
                      "1.0: the sum of the encumbrances")
 
 
-def judge_gain(experiment, what, fast, slow):
-    """Relative gain in time over flights from the same starts. Only its sign is judged, unless its 95 % interval contains zero."""
+def compare_gain(experiment, what, fast, slow):
+    """Relative gain in time over flights from the same starts. Only its sign is compared, unless its 95 % interval contains zero."""
     gains_percent = [100.0 * (1.0 - fast.mean_time_s[seed] / time_s) for seed, time_s in slow.mean_time_s.items()
                      if seed in fast.mean_time_s]
     gain_percent, deviation_percent, count = mean_and_deviation(gains_percent)
@@ -70,16 +70,16 @@ def run(experiment):
     cases = {(n, variant): fly_case(experiment, seeds, "circle", n, RADIUS_M, thesis(variant))
              for n in NUMBERS for variant in VARIANTS}
     for case in cases.values():
-        judge_table(experiment, case)
+        compare_table(experiment, case)
     mean_s = {key: mean_and_deviation(case.time_s)[0] for key, case in cases.items()}
     experiment.at_least("N=15: 3D with z-rule faster than 2D by [%]", 100.0 * (1.0 - mean_s[15, "3d_z"] / mean_s[15, "2d"]), 4.0, 3,
                         "of the published means it is 12.5 %")
     for n in (10, 15):
-        judge_gain(experiment, f"N={n}: 3D with z-rule faster than 3D clipped by [%]", cases[n, "3d_z"], cases[n, "3d_clipped"])
+        compare_gain(experiment, f"N={n}: 3D with z-rule faster than 3D clipped by [%]", cases[n, "3d_z"], cases[n, "3d_clipped"])
     perfect = [fly_case(experiment, seeds, "circle", n, RADIUS_M, thesis(variant), perfect=True)
                for n in NUMBERS for variant in VARIANTS]
     for case in perfect:
-        judge_safety(experiment, case)
+        check_safety(experiment, case)
     write_flights(experiment, [*cases.values(), *perfect])
     published_s = {key: experiment.published(f"{case.name}: t [s]").value for key, case in cases.items()}
     experiment.write_figure("rbl-circle.svg", draw_times({"published": published_s, "ours": mean_s}))

@@ -3,7 +3,7 @@
 
 Samples, planes, rates, thresholds and signs are those of the authors' files, where known. Other conditions are as in rbl-circle.
 """
-from rbl_circle import NUMBERS, RADIUS_M, VARIANTS, fly_case, judge_gain, judge_table
+from rbl_circle import NUMBERS, RADIUS_M, VARIANTS, fly_case, compare_gain, compare_table
 from shared.crossing import write_flights
 
 AZIMUTH_RETURN_2D_RADPS = 1.5  # [rad/s] at which the destination turns back in 2D; in 3D twice that
@@ -21,8 +21,8 @@ def run(experiment):
     for n in NUMBERS:
         cases = {variant: fly_case(experiment, seeds, "circle", n, RADIUS_M, files(variant)) for variant in VARIANTS}
         for case in cases.values():
-            judge_table(experiment, case)
+            compare_table(experiment, case)
         for slow, name in (("2d", "2D"), ("3d_clipped", "3D clipped")):
-            judge_gain(experiment, f"N={n}: 3D with z-rule faster than {name} by [%]", cases["3d_z"], cases[slow])
+            compare_gain(experiment, f"N={n}: 3D with z-rule faster than {name} by [%]", cases["3d_z"], cases[slow])
         flown += cases.values()
     write_flights(experiment, flown)

@@ -30,7 +30,7 @@ def write_flights(experiment, rows):
                          [[math.nan if cell is None else cell for cell in row] for row in rows])
 
 
-def judge_forest(experiment, changes):
+def compare_forest(experiment, changes):
     """The rows of rbl-forest, with some changes of the scenario."""
     runs = [{"seed": seed, **changes} for seed in range(1, experiment.repetitions(100, 1) + 1)]
     rows, success, lengths_m, times_s = fly_forest(experiment, "forest", runs)
@@ -44,4 +44,4 @@ def judge_forest(experiment, changes):
 
 
 def run(experiment):
-    judge_forest(experiment, {})
+    compare_forest(experiment, {})

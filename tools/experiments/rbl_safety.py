@@ -75,7 +75,7 @@ def fly_batch(experiment):
     return swiftlet.read_batch(folder).wide
 
 
-def judge_batch(experiment):
+def compare_batch(experiment):
     flights = fly_batch(experiment)
     for flight in flights:
         flight["kind"], flight["predicted_m"] = predict(flight)
@@ -117,4 +117,4 @@ def draw(kinds):
 
 def run(experiment):
     fly_conditions(experiment)
-    judge_batch(experiment)
+    compare_batch(experiment)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Closures shown little by little, in three forms and at once [Orsulic 2021, Figs. 1 and 2]
+"""Corrections of closures, blended in three forms and at once [Orsulic 2021, Figs. 1 and 2]
 
 A correction of 1 m is blended in three forms, by their equations. Then vehicles circle a building twice and close their loops.
 Eq. 2 as printed moves the pose by 7 % of the correction at once, and as the authors released it by 1.1 %. The limited form, a
@@ -36,7 +36,7 @@ def blend(form, distance_m=1.0):
     return t_s, distance_m * left
 
 
-def judge_blends(experiment):
+def compare_blends(experiment):
     for form in ("printed", "released", "limited"):
         t_s, left_m = blend(form)
         at_once_percent = 100 * (1 - left_m[0])
@@ -51,7 +51,7 @@ def judge_blends(experiment):
             experiment.row(what, short_number(at_once_percent, 3), note=note, value=at_once_percent)
 
 
-def judge_flights(experiment, flights):
+def compare_flights(experiment, flights):
     """flights: by the form."""
     for form, its in flights.items():
         worst = {name: max(flight[name] for flight in its) for name in ("largest_m", "step_m", "speed_mps", "acceleration_mps2")}
@@ -103,8 +103,8 @@ def run(experiment):
     flown = experiment.map(fly_on_slam, [{"source": SCENARIO, "changes": {
         "seed": seed, "vehicles[0].agent.localization.global.blend.form": form}} for form, seed in runs])
     flights = {form: [flight for (its_form, _), flight in zip(runs, flown) if its_form == form] for form in FORMS}
-    judge_blends(experiment)
-    judge_flights(experiment, flights)
+    compare_blends(experiment)
+    compare_flights(experiment, flights)
     columns = ["outcome", "corrections", "largest_m", "step_m", "speed_mps", "acceleration_mps2", "rms_local_after_m",
                "rms_after_m"]
     experiment.write_csv("flights.csv", ["form", "seed", *columns],

@@ -24,7 +24,7 @@ import tempfile as _tempfile
 
 
 def _explain():
-    """Why this interpreter cannot import the compiled part, and what helps; None: for another reason."""
+    """Reason why this interpreter cannot import the compiled part, with a remedy; None: another reason."""
     here = _pathlib.Path(__file__).parent
     built = sorted(path.name for path in here.glob("_core.*.so"))
     this = f"{_platform.python_implementation()} {_platform.python_version()} ({_sys.executable})"
@@ -62,14 +62,14 @@ _MEANS_MORE = {"true", "false", "yes", "no", "on", "off", "null", "nan", "inf"}
 
 
 def _yaml(value):
-    """A value as a scenario would have it."""
+    """A value in the syntax of a scenario."""
     if isinstance(value, str):
         return value if _PLAIN.fullmatch(value) and value.lower() not in _MEANS_MORE else _json.dumps(value)
     return _json.dumps(value, default=_plain)
 
 
 def _plain(value):
-    """What json does not know: arrays and numbers of numpy, and paths."""
+    """Converts types that json lacks: arrays and numbers of numpy, and paths."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, _os.PathLike):
@@ -103,13 +103,13 @@ def load(source, changes=None, **keys):
 
 
 def check(source, changes=None, **keys):
-    """Does all that a run does before its first tick, and leaves nothing behind. Raises InputError as `load` does."""
+    """Checks a scenario: everything before the first tick of a run, without output. Raises InputError as `load` does."""
     with _tempfile.TemporaryDirectory() as folder:
         Simulator(load(source, changes, **keys), out=f"{folder}/run")
 
 
 def _summary(self):
-    """What the run came to so far: the content of summary.json."""
+    """Summary of the run so far: the content of summary.json."""
     return _json.loads(self._summary_json())
 
 
@@ -132,7 +132,7 @@ Table.to_frame = _to_frame
 
 
 def fly(source, changes=None, *, out=None, threads=0, watch=None, **keys):
-    """Flies one run to its end and tells its summary.
+    """Flies one run to its end and returns its summary.
 
     out: run directory, as of `swiftlet run --out`; None: nothing is written.
     watch: called as watch(simulator) after every tick.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions of `core` on one's own arrays: uncertainty of points, rule-based Lloyd, random numbers of the simulator."""
+"""Functions of `core` on arrays: uncertainty of points, rule-based Lloyd, random numbers of the simulator."""
 import json as _json
 
 from . import _core
@@ -18,7 +18,7 @@ class Rbl:
     def step(self, position_m, neighbors_m, goal_m, dt_s, *, z_min_m=0.0, z_max_m=100.0, obstacles_m=(), obstacle_edge_m=0.2):
         """One update; all places in one frame. neighbors_m (n, 3); obstacles_m (m, 3), centers of occupied voxels of that edge.
 
-        Returns centroid_m (3,), where to go, sensing_centroid_m, destination_m, empty_cell, and what the rules keep: beta_m,
+        Returns centroid_m (3,), the point to fly to, sensing_centroid_m, destination_m, empty_cell, and the state of the rules: beta_m,
         theta_rad, phi_rad.
         """
         return self._rbl.step(position_m, neighbors_m, goal_m, dt_s, z_min_m=z_min_m, z_max_m=z_max_m, obstacles_m=obstacles_m,

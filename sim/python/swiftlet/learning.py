@@ -53,9 +53,9 @@ __all__ = ["Box", "Reach", "TeamEnv", "VectorEnv", "VehicleEnv"]
 class Reach:
     """A task: every vehicle flies to a goal of its own, which is drawn around its start.
 
-    An observation is, in meters and m/s, world axes: the way to the goal (3), the velocity (3), and the way to the nearest other
+    An observation is, in meters and m/s, world axes: the displacement to the goal (3), the velocity (3), and that to the nearest other
     vehicle (3, zero when there is none), all divided by `scale_m`. The reward is the progress in meters; arriving gives 10, a crash
-    costs 10 and both end the episode of that vehicle. A task of one's own has the same five methods.
+    costs 10 and both end the episode of that vehicle. Other tasks have the same five methods.
     """
 
     def __init__(self, distance_m=8.0, arrived_m=0.5, scale_m=10.0):
@@ -81,8 +81,8 @@ class Reach:
             nearest = apart[np.arange(len(p)), far.argmin(axis=1)]
         return (np.concatenate([self.goals - p, v, nearest], axis=1) / self.scale_m).astype(np.float32)
 
-    def judge(self, simulator):
-        """Reward, and is it over, of every vehicle."""
+    def evaluate(self, simulator):
+        """(reward, is the episode over) of every vehicle."""
         left = np.linalg.norm(self.goals - simulator.states.position_m, axis=1)
         arrived, crashed = left < self.arrived_m, simulator.states.crashed
         reward = self.left_m - left + 10.0 * arrived - 10.0 * crashed
@@ -94,7 +94,7 @@ class Reach:
 
 
 class _Episodes:
-    """What both interfaces share: runs of a scenario, one after another."""
+    """Runs of a scenario, one after another; common to both interfaces."""
 
     def __init__(self, scenario, task, decision_s, speed_max_mps, yaw_rate_max_radps, threads, changes):
         self.scenario = load(scenario, changes)
@@ -169,7 +169,7 @@ class VehicleEnv(_Env):
         self._actions[0] = self._runs.checked(0, action)
         self._runs.step(self._actions)
         task = self._runs.task
-        reward, over = task.judge(self.simulator)
+        reward, over = task.evaluate(self.simulator)
         return (task.observe(self.simulator)[0], float(reward[0]), bool(over[0]), self.simulator.finished and not over[0],
                 task.info(self.simulator, 0))
 
@@ -181,7 +181,7 @@ class VehicleEnv(_Env):
 
 
 class TeamEnv(_ParallelEnv):
-    """All vehicles of a scenario, as pettingzoo.ParallelEnv: dicts by the vehicles' names. Who is done leaves `agents` and hovers."""
+    """All vehicles of a scenario, as pettingzoo.ParallelEnv: dicts by the vehicles' names. A vehicle that is done leaves `agents` and hovers."""
 
     metadata = {"render_modes": [], "name": "swiftlet_team"}
     render_mode = None
@@ -216,13 +216,13 @@ class TeamEnv(_ParallelEnv):
             rows[self._number[name]] = self._runs.checked(self._number[name], action)
         self._runs.step(rows)
         task, finished = self._runs.task, self.simulator.finished
-        reward, over = task.judge(self.simulator)
+        reward, over = task.evaluate(self.simulator)
         seen = task.observe(self.simulator)
-        told = {a: self._number[a] for a in self.agents}
-        result = ({a: seen[i] for a, i in told.items()}, {a: float(reward[i]) for a, i in told.items()},
-                  {a: bool(over[i]) for a, i in told.items()}, {a: bool(finished and not over[i]) for a, i in told.items()},
-                  {a: task.info(self.simulator, i) for a, i in told.items()})
-        self.agents = [] if finished else [a for a, i in told.items() if not over[i]]
+        numbers = {a: self._number[a] for a in self.agents}
+        result = ({a: seen[i] for a, i in numbers.items()}, {a: float(reward[i]) for a, i in numbers.items()},
+                  {a: bool(over[i]) for a, i in numbers.items()}, {a: bool(finished and not over[i]) for a, i in numbers.items()},
+                  {a: task.info(self.simulator, i) for a, i in numbers.items()})
+        self.agents = [] if finished else [a for a, i in numbers.items() if not over[i]]
         return result
 
     def render(self):
@@ -238,16 +238,16 @@ def _work(pipe, make, arguments, count):
         envs = [make(*arguments) for _ in range(count)]
         over = [False] * count
         while True:
-            what, told = pipe.recv()
+            what, values = pipe.recv()
             if what == "close":
                 return
             rows = []
             for i, env in enumerate(envs):
                 if what == "reset" or over[i]:
-                    seen, info = env.reset(seed=told[i] if what == "reset" else None)
+                    seen, info = env.reset(seed=values[i] if what == "reset" else None)
                     rows.append((seen, 0.0, False, False, info))
                 else:
-                    rows.append(env.step(told[i]))
+                    rows.append(env.step(values[i]))
                 over[i] = rows[-1][2] or rows[-1][3]
             pipe.send(("rows", rows))
     except (EOFError, KeyboardInterrupt):
@@ -259,8 +259,8 @@ def _work(pipe, make, arguments, count):
 class VectorEnv:
     """Many environments in worker processes, as gymnasium.vector.VectorEnv.
 
-    make(*arguments) makes one and can be pickled, such as VehicleEnv and its scenario. What is over is reset by the next step, whose
-    action it does not fly (`metadata["autoreset_mode"]` is NEXT_STEP). Seeds of reset are seed, seed + 1, ... by environment.
+    make(*arguments) makes one and can be pickled, such as VehicleEnv and its scenario. An environment whose episode is over is reset by the next step, whose
+    action is ignored (`metadata["autoreset_mode"]` is NEXT_STEP). Seeds of reset are seed, seed + 1, ... by environment.
     """
 
     metadata = {"autoreset_mode": "NextStep"}
@@ -281,31 +281,31 @@ class VectorEnv:
         self.single_action_space, self.single_observation_space = one.action_space, one.observation_space
         one.close()
 
-    def _ask(self, what, told):
+    def _request(self, what, values):
         first = 0
         for _, pipe, share in self._workers:
-            pipe.send((what, told[first:first + share]))
+            pipe.send((what, values[first:first + share]))
             first += share
         rows = []
         for _, pipe, _ in self._workers:
             try:
-                kind, answer = pipe.recv()
+                kind, reply = pipe.recv()
             except EOFError:
-                kind, answer = "error", "a worker process ended"
+                kind, reply = "error", "a worker process ended"
             if kind == "error":
                 self.close()
-                raise RuntimeError(f"in a worker process:\n{answer}")
-            rows += answer
+                raise RuntimeError(f"in a worker process:\n{reply}")
+            rows += reply
         seen, rewards, terminated, truncated, infos = zip(*rows)
         return np.stack(seen), np.array(rewards), np.array(terminated), np.array(truncated), list(infos)
 
     def reset(self, *, seed=None, options=None):
         seeds = [None if seed is None else seed + i for i in range(self.num_envs)]
-        seen, _, _, _, infos = self._ask("reset", seeds)
+        seen, _, _, _, infos = self._request("reset", seeds)
         return seen, infos
 
     def step(self, actions):
-        return self._ask("step", np.asarray(actions))
+        return self._request("step", np.asarray(actions))
 
     def close(self):
         for process, pipe, _ in self._workers:

@@ -13,8 +13,7 @@
             ...
             return swiftlet.Goal(position_m, velocity_mps=v, yaw_rad=yaw)
 
-Then `guidance: {type: orbit, radius_m: 4}` in a scenario means it, and a misspelt key is refused as any other. Every vehicle has
-an object of its own. An exception ends the run: its traceback comes out of `Simulator.tick` or `run`.
+A scenario selects it by `guidance: {type: orbit, radius_m: 4}`; misspelt keys are rejected. Every vehicle has its own object. An exception ends the run: its traceback comes out of `Simulator.tick` or `run`.
 """
 import math as _math
 import types as _types
@@ -40,7 +39,7 @@ def key(default, doc, *, min=None, max=None, words=()):
     if not isinstance(doc, str):
         raise TypeError(f'doc: expected a text such as "[m] of the circle", found {doc!r}')
     if not doc.startswith("["):
-        raise ValueError(f'a key is told with its unit in brackets first, such as "[m] of the circle"; found "{doc}"')
+        raise ValueError(f'the doc of a key begins with its unit in brackets, such as "[m] of the circle"; found "{doc}"')
     if isinstance(words, str) or not all(isinstance(word, str) for word in words):
         raise TypeError(f"words: expected a tuple of texts, found {words!r}")
     default = default.tolist() if hasattr(default, "tolist") else default  # numpy number or array
@@ -93,8 +92,8 @@ def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=T
         keys = {}
         for base in reversed(cls.__mro__):
             keys.update((word, value) for word, value in vars(base).items() if isinstance(value, _Key))
-        told = [(word, k.doc, k.default, k.low, k.high, k.words) for word, k in keys.items()]
-        _core._add_class(kind, name, doc or (cls.__doc__ or name).strip().split("\n")[0], cls, told, needs)
+        described = [(word, k.doc, k.default, k.low, k.high, k.words) for word, k in keys.items()]
+        _core._add_class(kind, name, doc or (cls.__doc__ or name).strip().split("\n")[0], cls, described, needs)
         return cls
 
     return add
@@ -103,8 +102,8 @@ def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=T
 def guidance(name, *, doc="", clouds=False, map=False, relatives=False, world=True, true_pose=False,
              true_neighbors=False):
     """Makes a class the guidance `name`. Its step(now) returns a Goal, 3 numbers (a place in the world), or None: the last goal
-    holds. clouds, map, relatives: what it asks of the stages before it. world=False: it flies without knowing where in
-    the world it is. true_pose, true_neighbors: truth, by name."""
+    holds. clouds, map, relatives: required inputs of earlier stages. world=False: it needs no pose in
+    the world. true_pose, true_neighbors: truth, by name."""
     return _register("guidance", name, doc, clouds=clouds, map=map, relatives=relatives, world=world, true_pose=true_pose,
                      true_neighbors=true_neighbors)
 

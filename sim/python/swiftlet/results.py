@@ -38,9 +38,8 @@ def _fly_one(source, changes):
 def fly_many(source, runs, jobs=None):
     """Flies one run for each dict of changes in `runs`, such as {"seed": 3}; rows in their order, whatever the number of jobs.
 
-    source: as of `load`, but no Scenario. A row has the changes, outcome, state_hash and the metrics. Guidance and the like of
-    Python are known in the workers when their module is imported by the program's own (below `if __name__ == "__main__"`, a
-    program flies, above it, it tells its classes).
+    source: as of `load`, but no Scenario. A row has the changes, outcome, state_hash and the metrics. Modules written in
+    Python are available in the workers if the main program imports or defines them above `if __name__ == "__main__"`.
     """
     runs = [dict(run) for run in runs]
     for run in runs:
@@ -51,7 +50,7 @@ def fly_many(source, runs, jobs=None):
 
 
 class Batch:
-    """What `swiftlet batch` wrote: `episodes`, `metrics` and `parameters` as Rows, and `wide`, one row an episode."""
+    """Results of `swiftlet batch`: `episodes`, `metrics` and `parameters` as Rows, and `wide`, one row an episode."""
 
     def __init__(self, folder):
         path = _pathlib.Path(folder)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the experiments share: tables and verdicts (experiment), parallel flights (flights), figures (figures)."""
+"""Common parts of the experiments: tables and verdicts (experiment), parallel flights (flights), figures (figures)."""

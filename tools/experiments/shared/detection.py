@@ -14,7 +14,7 @@ VEHICLE = 300  # class of vehicles in true_class
 OS1_DEG, OS0_DEG, MID360_DEG = (-22.5, 22.5), (-45.0, 45.0), (-7.0, 52.0)  # lowest and highest beam
 
 # One target in one scan. t_s: middle of the sweep; visible: in the vertical field of view, nothing in between; x_m, y_m, z_m: the
-# target in the world as the observer believes it to be; error_m, track, est_x_m ...: of the nearest estimate in that world; without
+# target in the observer's estimate of the world; error_m, track, est_x_m ...: of the nearest estimate in that world; without
 # any, the error is infinite.
 COLUMNS = ["t_s", "target", "range_m", "visible", "x_m", "y_m", "z_m", "error_m", "track", "est_x_m", "est_y_m", "est_z_m"]
 
@@ -71,7 +71,7 @@ def fly_sightings(source, changes, fov_deg):
     simulator = swiftlet.Simulator(scenario, threads=1)
     observer = simulator.vehicle(0)
     result = {"detector": [], "tracker": [], "reported": {"detector": 0, "tracker": 0}, "false": {"detector": 0, "tracker": 0}}
-    truth = []  # per tick: pose of the observer, transformation to the believed world, places of the targets
+    truth = []  # per tick: pose of the observer, transformation to the estimated world, places of the targets
     newest = waiting = processed = None  # sightings of scans: the newest one; those of the detector
     tracks_due = False  # no tracks since the newest scan
     identities = set()

@@ -141,19 +141,19 @@ class Experiment:
                           "verdict": verdict if figure else "no published figure", "note": note,
                           **({"value": value} if math.isfinite(value) else {})})
 
-    def _judge(self, what, ours, digits, holds, note, tolerance):
+    def _compare(self, what, ours, digits, holds, note, tolerance):
         self.row(what, short_number(ours, digits), "reproduced" if holds else "differs", note, value=ours, tolerance=tolerance)
 
     def within(self, what, ours, tolerance, digits, note=""):
         """Reproduced when |ours - published| <= tolerance * |published|."""
         wanted = self.published(what).value
-        self._judge(what, ours, digits, abs(ours - wanted) <= tolerance * abs(wanted), note, f"± {100 * tolerance:.3g} %")
+        self._compare(what, ours, digits, abs(ours - wanted) <= tolerance * abs(wanted), note, f"± {100 * tolerance:.3g} %")
 
     def at_most(self, what, ours, limit, digits, note=""):
-        self._judge(what, ours, digits, ours <= limit, note, f"<= {limit:g}")
+        self._compare(what, ours, digits, ours <= limit, note, f"<= {limit:g}")
 
     def at_least(self, what, ours, limit, digits, note=""):
-        self._judge(what, ours, digits, ours >= limit, note, f">= {limit:g}")
+        self._compare(what, ours, digits, ours >= limit, note, f">= {limit:g}")
 
     def claim(self, what, ours, holds, note=""):
         """A statement that holds or does not; ours: text."""

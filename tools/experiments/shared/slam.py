@@ -8,7 +8,7 @@ import swiftlet
 from shared.experiment import result_of
 
 SAMPLE_S = 0.5  # between the samples of a course, for figures
-JUDGED_S = 0.1  # between the instants of errors: period of the scans
+SAMPLE_S = 0.1  # between the instants of errors: period of the scans
 
 
 def record(source, changes, out=None):
@@ -44,7 +44,7 @@ def changed(log):
     return np.diff(log.revision.astype(int), prepend=log.revision[0]) != 0
 
 
-def judge_corrections(log):
+def measure_corrections(log):
     """How corrections move the vehicle's position in the world: their number, the largest [m], the largest step [m] in a tick in
     which one begins or ends, without the motion that goes on, and the greatest speed and acceleration in all other ticks."""
     dt_s = log.t_s[1] - log.t_s[0]
@@ -62,22 +62,22 @@ def judge_corrections(log):
             "acceleration_mps2": float(leap_mps[smooth].max(initial=0.0) / dt_s)}
 
 
-def judge_errors(log):
+def measure_errors(log):
     """Root mean square errors of the position [m] from the first correction on (the whole flight if there is none): by local SLAM
     alone, and in the world."""
-    every = ticks(log, JUDGED_S)
+    every = ticks(log, SAMPLE_S)
     after = slice(np.argmax(changed(log)) if changed(log).any() else 0, None)
-    judged = np.arange(len(log.t_s))[after]
-    judged = judged[(judged + 1) % every == 0]
+    sampled = np.arange(len(log.t_s))[after]
+    sampled = sampled[(sampled + 1) % every == 0]
     rms_m = {}
     for name, p_m in (("rms_local_after_m", log.T_local[:, :3, 3]), ("rms_after_m", log.p_shown_m)):
-        rms_m[name] = float(np.sqrt(np.mean(np.sum((p_m - log.p_true_m)[judged]**2, axis=1))))
+        rms_m[name] = float(np.sqrt(np.mean(np.sum((p_m - log.p_true_m)[sampled]**2, axis=1))))
     return rms_m
 
 
 def drift_percent(log, length_m):
     """Median relative error of local SLAM over sections of the path [%], one every length_m / 10. NaN: the path is too short."""
-    every = slice(ticks(log, JUDGED_S) - 1, None, ticks(log, JUDGED_S))
+    every = slice(ticks(log, SAMPLE_S) - 1, None, ticks(log, SAMPLE_S))
     p_true_m, R_true, T_local = log.p_true_m[every], rotations(log.q_true_xyzw[every]), log.T_local[every]
     way_m = np.insert(np.cumsum(np.linalg.norm(np.diff(p_true_m, axis=0), axis=1)), 0, 0.0)
     drifts, next_m = [], 0.0
@@ -119,4 +119,4 @@ def fly_on_slam(source, changes):
 
 
 def describe(simulator, log):
-    return {**result_of(simulator.summary()), **judge_corrections(log), **judge_errors(log), "course": course(log)}
+    return {**result_of(simulator.summary()), **measure_corrections(log), **measure_errors(log), "course": course(log)}
