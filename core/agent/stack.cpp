@@ -331,7 +331,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
   std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
   LookAround look_around_;
-  bool looks_around_ = false;  // instead of guidance
+  bool looks_around_ = false;  // the vehicle searches for its pose; guidance does not run
 
   TrackOverlays track_overlays_;
   Trail trail_;

@@ -70,7 +70,7 @@ bool is_viable(const Motion<N>& m, const AxisLimits& limits, double dt) {
   return (m.v + m.a * (velocity_until_level(a, limits.jerk, dt) / a)).squaredNorm() <= limit_sq;
 }
 
-/// The jerk between levelling off and the wanted one, nearest to the latter, that leads to a viable state.
+/// Jerk between that of levelling off and the wanted one: as near to the wanted one as a viable next state allows.
 template <int N>
 Vec<N> viable_jerk(const Motion<N>& m, const Vec<N>& wanted, const AxisLimits& limits, double dt) {
   if (is_viable(m.after(wanted, dt), limits, dt)) return wanted;
@@ -91,7 +91,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const Vec<N> to_goal = goal.p - m.p;
   const Vec<N> w = m.v - goal.v;
 
-  // Braking has the acceleration that the goal's own leaves.
+  // The goal's own acceleration reduces the one available for braking.
   const double braking = kBrakingShare * std::max(limits.acceleration - goal.a.norm(), 0.25 * limits.acceleration);
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;

@@ -20,7 +20,7 @@ constexpr float kWide = 1.0001F;
 constexpr int kAxisBits = 21;
 constexpr std::int64_t kHalfAxis = std::int64_t{1} << (kAxisBits - 1);
 constexpr std::int64_t kRow = std::int64_t{1} << kAxisBits;  // one step along y in a key
-constexpr std::int64_t kLayer = kRow << kAxisBits;           // and along z
+constexpr std::int64_t kLayer = kRow << kAxisBits;           // one step along z in a key
 
 /// Index of the point's cell along one axis, or -1 when it is out of range.
 std::int64_t axis_cell(float coordinate_m, double cells_per_m) {

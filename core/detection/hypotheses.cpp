@@ -21,7 +21,7 @@ constexpr double kGateMost_m = 8.0;       // largest Euclidean gate
 constexpr double kReach_sigma = 2.5;
 constexpr double kRateMemory = 0.95;      // factor of the weight of past returns in a target's return rate, per sweep
 constexpr double kPriorShots = 20.0;      // weight of the expected share of returns, in beams
-constexpr double kLeastDetection = 0.02;  // least probability of detection of something that returned a beam
+constexpr double kLeastDetection = 0.02;  // least probability of detection of an object that returned a beam
 // correlated share of the variance of a single return: all returns come from the same side
 constexpr double kSameSide = 0.1;
 // least existence probability of a former target, which may be silent because it is hidden
@@ -267,7 +267,7 @@ void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
   h.existence = existence_after(h.existence, h.sight.weigh(h.rate.none(exposure.shots)));
 }
 
-// Each part of a large body begins a hypothesis of its own. Joins those whose returns show a single body.
+// Each part of a large body begins its own hypothesis. Joins those whose returns show a single body.
 void Hypotheses::join_parts(const LocalCloud& cloud) {
   parts_.begin_sweep();
   for (std::size_t k = 0; k < hypotheses_.size(); ++k) split_body(k);
@@ -397,8 +397,8 @@ void Hypotheses::begin(const LocalCloud& cloud) {
 }
 
 // Associates a new hypothesis with a former target. Each former target without returns in this sweep may be here, by
-// its existence and predicted position. The most likely one is weighed against all others and against strangers. Within
-// the gate, the new hypothesis continues its state.
+// its existence and predicted position. The most likely one is weighed against all others and against new targets.
+// Within the gate, the new hypothesis continues its state.
 double Hypotheses::remember(Hypothesis& new_hypothesis, const Measurement& m) const {
   /// Match of one former target with the measurement.
   struct Meeting {
@@ -423,7 +423,7 @@ double Hypotheses::remember(Hypothesis& new_hypothesis, const Measurement& m) co
   if (!(likeliest.here_per_m3 >= 0.5 * (sum_per_m3 + config_.target.strangers_per_m3))) return sum_per_m3;
   if (likeliest.of == nullptr) return sum_per_m3;
   const Hypothesis& h = *likeliest.of;
-  new_hypothesis.heir_of = h.identity;
+  new_hypothesis.former_identity = h.identity;
   new_hypothesis.rate = h.rate;
   new_hypothesis.small = h.small;
   new_hypothesis.size_m = h.size_m;
@@ -439,24 +439,25 @@ double Hypotheses::remember(Hypothesis& new_hypothesis, const Measurement& m) co
 
 // A new hypothesis that has become a target takes the identity of its former target, unless that was seen meanwhile.
 void Hypotheses::inherit() {
-  for (Hypothesis& heir : hypotheses_) {
-    if (heir.existence < kTarget) continue;
-    heir.was_target = true;
-    if (heir.heir_of == 0) continue;
-    const auto is_the_other = [&](const Hypothesis& h) { return h.identity == heir.heir_of; };
-    const auto hidden = std::find_if(hidden_.begin(), hidden_.end(), is_the_other);
-    const auto missed = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_the_other);
-    const bool is_missed = missed != hypotheses_.end() && missed->seen < heir.begun;
-    const std::uint32_t identity = hidden != hidden_.end() || is_missed ? heir.heir_of : heir.identity;
+  for (Hypothesis& successor : hypotheses_) {
+    if (successor.existence < kTarget) continue;
+    successor.was_target = true;
+    if (successor.former_identity == 0) continue;
+    const auto is_former = [&](const Hypothesis& h) { return h.identity == successor.former_identity; };
+    const auto hidden = std::find_if(hidden_.begin(), hidden_.end(), is_former);
+    const auto missed = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_former);
+    const bool is_missed = missed != hypotheses_.end() && missed->seen < successor.begun;
+    const std::uint32_t identity =
+        hidden != hidden_.end() || is_missed ? successor.former_identity : successor.identity;
     if (hidden != hidden_.end()) hidden_.erase(hidden);
     if (is_missed) {
       missed->existence = 0.0;
       missed->was_target = false;
     }
     for (Hypothesis& h : hypotheses_) {
-      if (&h == &heir || h.heir_of == identity) h.heir_of = 0;
+      if (&h == &successor || h.former_identity == identity) h.former_identity = 0;
     }
-    heir.identity = identity;
+    successor.identity = identity;
   }
 }
 

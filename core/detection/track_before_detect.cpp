@@ -19,7 +19,7 @@ class TrackBeforeDetect : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // Ends come before begins; a step of zero latency does both.
+    // A step that is due ends before the next one begins. One of zero latency also ends in this tick.
     end(input.t, output);
     begin(input.t);
     end(input.t, output);

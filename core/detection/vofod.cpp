@@ -34,7 +34,7 @@ class VofodDetector : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // Ends come before begins; a step of zero latency does both.
+    // A step that is due ends before the next one begins. One of zero latency also ends in this tick.
     end_classification(input.t, output);
     begin_classification(input.t);
     end_classification(input.t, output);

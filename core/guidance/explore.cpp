@@ -80,7 +80,7 @@ class Explore : public Guidance {
     unknown_in_sight(*input.map, config_.view, box(input.estimate), given_up_, p_local_m, num_rays, dark_local_m_);
   }
 
-  /// Space that is still unknown after some scans from here is given up: it is not visible from here, and hardly from
+  /// Abandons space that is still unknown after some scans from here: it is not visible from here, and hardly from
   /// elsewhere.
   void look(const GuidanceInput& input) {
     const bool hovers = input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps;
@@ -135,7 +135,7 @@ class Explore : public Guidance {
     }
   }
 
-  /// Is most of the space that the view promised known before arrival?
+  /// Is most of the unknown space expected in the view known before arrival?
   bool shows_enough(const GuidanceInput& input) {
     if (tested_revision_ == input.map->revision()) return false;
     tested_revision_ = input.map->revision();
@@ -185,7 +185,7 @@ class Explore : public Guidance {
   NextView found_;
   PathFollower follower_;
   double expected_share_ = 0.0;        // share of the rays that end in unknown space at the view
-  std::uint64_t tested_revision_ = 0;  // revision of the map
+  std::uint64_t tested_revision_ = 0;  // map revision at the last test
   Reference hold_;
   std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };

@@ -81,7 +81,7 @@ class FollowGuide : public Guidance {
     return is_new;
   }
 
-  /// Pose of a sent report, by its time stamp on the own clock: over a slow radio, the answer arrives seconds later.
+  /// Pose of a sent report, by its time stamp on the own clock: over a slow radio, the reply arrives seconds later.
   const Pose* pose_at(TimeNs t) const {
     const auto sent = std::find_if(reported_.begin(), reported_.end(), [t](const Reported& r) { return r.t == t; });
     return sent == reported_.end() ? nullptr : &sent->T_local_body;

@@ -135,8 +135,8 @@ class Guide : public Guidance {
     }
   }
 
-  /// The heading of a hovering vehicle is not observable. If the moving vehicle has no estimate any more, it is asked
-  /// to fly a figure where its surroundings are clear, as before it was first found.
+  /// The heading of a hovering vehicle is not observable. If the moving vehicle has no estimate any more, it is
+  /// requested to fly a figure where its surroundings are clear, as before it was first found.
   void search(const GuidanceInput& input) {
     figure_m_ = 0.0;
     const Guided& lost = moving();

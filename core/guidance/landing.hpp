@@ -5,8 +5,8 @@
 
 namespace swiftlet {
 
-/// Descends at constant speed until the vehicle stands on the ground: the goal gets ahead of the vehicle, which no
-/// longer moves. Needs no height above ground.
+/// Descends at constant speed until the vehicle stands on the ground, which is detected by the growing distance to the
+/// descending goal. Needs no measured height.
 class Landing {
  public:
   explicit Landing(double speed_mps) : speed_mps_(speed_mps) {}

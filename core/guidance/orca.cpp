@@ -48,7 +48,7 @@ Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double
   return v;
 }
 
-bool keeps(std::span<const OrcaPlane> planes, const Vector3& v, double give_way_mps) {
+bool satisfies(std::span<const OrcaPlane> planes, const Vector3& v, double give_way_mps) {
   return std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
     return plane.normal_local.dot(v - plane.point_local_mps) > -give_way_mps - kSlack_mps;
   });
@@ -134,7 +134,7 @@ OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps
     const double along = w.dot(p);
     if (along < 0.0 && along * along > rr * w.squaredNorm()) {
       off_sphere(horizon_s);  // the front of the truncated cone
-    } else {                  // its side
+    } else {                  // the side of the cone
       const double b = p.dot(v), c = v.squaredNorm() - p.cross(v).squaredNorm() / (pp - rr);
       const double t = (b + std::sqrt(std::max(0.0, b * b - pp * c))) / pp;
       const Vector3 off = v - t * p;
@@ -150,7 +150,7 @@ Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_l
   double give_way_mps = 0.0;
   for (int i = 0; i < 12; ++i) {
     const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);
-    if (keeps(planes, v, give_way_mps)) return v;
+    if (satisfies(planes, v, give_way_mps)) return v;
     give_way_mps = give_way_mps > 0.0 ? 1.6 * give_way_mps : 0.05;
   }
   return nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);

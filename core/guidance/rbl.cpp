@@ -30,9 +30,9 @@ constexpr double kLongUnseen_s = 5.0;
 // Smallest cell radius left by the uncertainty of a neighbor unseen for long. At 0 the vehicle retreats indefinitely
 // from a lost neighbor.
 constexpr double kMinCellSize_m = 1.0;
-constexpr double kComing_mps = 0.5;  // lowest closing speed of a neighbor that is evaded
+constexpr double kClosing_mps = 0.5;  // lowest closing speed of a neighbor that is evaded
 // A neighbor counts as approaching if its closing speed exceeds this many of its standard deviations.
-constexpr double kComes_sigmas = 0.5;
+constexpr double kClosing_sigmas = 0.5;
 constexpr double kFaster_sigmas = 0.5;  // standard deviations added to the closing speed of an approaching neighbor
 // Reserved capacity: a track that is lost and found again takes a second entry.
 constexpr std::size_t kDodgedCapacity = 64;
@@ -47,7 +47,7 @@ constexpr double kPledged_s = 1.0;
 constexpr double kLookAround = 2.0;       // waiting time before the start, in longest sample intervals
 constexpr double kShortInterval_s = 0.5;  // shorter sample intervals do not delay the start
 constexpr double kAims_m = 1.0;           // distance of the goal on a straight part of the detour, in view
-constexpr double kUnseen_m = 0.2;         // same out of view: up or down
+constexpr double kUnseen_m = 0.2;         // distance of that goal out of view, above or below
 constexpr double kSeesFree_radii = 2.0;   // range within which a view proves a place free, in sensing radii
 constexpr double kHeightStep_m = 0.2;     // step of the search for free height
 constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // bounds of the elevation of the view's edge
@@ -325,11 +325,11 @@ class Rbl : public Guidance {
       }
       keep_behind(cut, cell_m);
       const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
-      if (meeting_mps > kComing_mps && d - distance_m < kMeetingHorizon_s * meeting_mps)
+      if (meeting_mps > kClosing_mps && d - distance_m < kMeetingHorizon_s * meeting_mps)
         coming_local_m_.push_back(other_local_m);
       // A braking neighbor is already slow. A poorly measured one is taken to be faster: its filter starts at rest.
       const double speed_sigma_mps = sigma(neighbor.velocity_covariance_local_m2ps2);
-      if (closing_mps > std::max(kComing_mps, kComes_sigmas * speed_sigma_mps)) {
+      if (closing_mps > std::max(kClosing_mps, kClosing_sigmas * speed_sigma_mps)) {
         const double faster_mps = closing_mps + kFaster_sigmas * speed_sigma_mps;
         const Braking faster = braking_of(other_local_m, faster_mps / closing_mps * v_local_mps,
                                           reaction_s + neighbor.unpredicted_s, limits_);
@@ -378,7 +378,7 @@ class Rbl : public Guidance {
   /// Standard deviation of the neighbor's lateral position after that time.
   static double side_sigma_m(const Neighbor& neighbor, const Vector3& v_local_mps, double time_s) {
     const Vector3 across(v_local_mps.y(), -v_local_mps.x(), 0.0);
-    if (across.norm() < kComing_mps) return 0.0;
+    if (across.norm() < kClosing_mps) return 0.0;
     const Vector3 side = across.normalized();
     return std::sqrt(side.dot(neighbor.covariance_local_m2 * side) +
                      time_s * time_s * side.dot(neighbor.velocity_covariance_local_m2ps2 * side));
@@ -528,7 +528,7 @@ class Rbl : public Guidance {
   }
 
   // The centroid jumps at every update. The goal moves there linearly until the next one, because the governor would
-  // answer each jump with full jerk. Without ticks between updates the goal jumps, too.
+  // respond to each jump with full jerk. Without ticks between updates the goal jumps, too.
   void glide(TimeNs now, TimeNs tick) {
     const bool jumps = period_ <= tick;
     const double left = jumps ? 0.0 : std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);

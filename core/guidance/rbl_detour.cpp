@@ -24,9 +24,9 @@ constexpr double kLeastPoint_m = 1e-6;  // [m^2] bound of a squared leg length, 
 constexpr double kBeside_m = 2.0;       // least horizontal distance of the viewpoint from a blocked goal
 constexpr double kSteep = 0.7;          // share of the viewing distance below which the goal counts as above or below
 constexpr double kThere_m = 0.5;        // distance at which the viewpoint is reached
-constexpr int kSides = 8;               // directions in which a viewpoint is sought
+constexpr int kSides = 8;               // directions of the search for a viewpoint
 
-// Shares of the lookahead distance that are tried, the farthest first.
+// Shares of the lookahead distance, tested from the farthest on.
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 
 /// Share of the leg before its point nearest to p.

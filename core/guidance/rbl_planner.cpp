@@ -12,7 +12,7 @@ constexpr double kSamePlace_m = 1e-6;  // below this distance the direction is a
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
-  return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
+  return obstacle_offset_m(d, Delta, eta);  // plane of the authors' program: leaves Delta_m to the neighbor
 }
 
 HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
@@ -51,7 +51,8 @@ void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> ne
   for (const Vector3& neighbor_local_m : neighbors_local_m) {
     Vector3 to_local_m = neighbor_local_m - p_local_m;
     if (planar_) to_local_m.z() = 0.0;
-    if (to_local_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m) continue;  // its cut lies beyond S
+    if (to_local_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m)
+      continue;  // the neighbor's plane does not cut S
     cuts_.push_back(neighbor_cut(to_local_m, Delta_m, config_.eta, config_.cut));
     cell_.cut(cuts_.back());
   }

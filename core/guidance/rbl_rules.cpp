@@ -45,8 +45,8 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
   return next >= kMostAzimuth_rad && clear ? 0.0 : next;
 }
 
-// Stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so a destination that was turned up (2.20) would
-// go on turning up. "level" lets the own turn count backwards and keeps the effect of the height limits.
+// Replaces c_S,z - p_z in (2.18). c_S lies towards the destination, so a destination turned up by (2.20) would keep
+// turning up. "level" subtracts the effect of the present turn and keeps that of the height limits.
 double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
   if (rules.elevation_sense != RblRules::ElevationSense::kLevel) return now.sensing_agent_m.z();
   const double goal_rad = elementary::atan2(now.goal_agent_m.z(), length_xy(now.goal_agent_m));

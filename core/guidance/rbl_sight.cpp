@@ -61,7 +61,7 @@ bool RblSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) c
 }
 
 double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                         std::span<const Vector3> coming_local_m, double last_yaw_rad, TimeNs now) {
+                         std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now) {
   if (views_.empty()) return last_yaw_rad;
   look(T_local_body.linear(), now);
   const Vector3 p_local_m = T_local_body.translation();
@@ -69,16 +69,16 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
   const bool flies = ahead_local_m.norm() > kNoDirection_m;
   const auto turn_rad = [](int i) { return std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi); };
   std::array<Matrix3, kHeadings> R_body_local;
-  std::array<bool, kHeadings> blindly{};  // with this heading the flight direction is out of view
+  std::array<bool, kHeadings> is_blind{};  // with this heading the flight direction is out of view
   std::array<std::bitset<kHeadings>, kHeadings> shows{};
   std::bitset<kHeadings> within_reach;
   for (int i = 0; i < kHeadings; ++i) {
     R_body_local[i] = Eigen::AngleAxisd(-(last_yaw_rad + turn_rad(i)), Vector3::UnitZ()).toRotationMatrix();
-    blindly[i] = flies && !sees_beside(R_body_local[i] * ahead_local_m.normalized());
+    is_blind[i] = flies && !sees_beside(R_body_local[i] * ahead_local_m.normalized());
     for (int k = 0; k < kHeadings; ++k) shows[i][k] = sees(R_body_local[i] * azimuth_of(k, kHeadings));
-    if (!blindly[i]) within_reach |= shows[i];
+    if (!is_blind[i]) within_reach |= shows[i];
   }
-  // One azimuth after the other, each until it was in view.
+  // Azimuths are viewed one after the other; the next one is chosen once the present one was in view.
   if (glance_ >= 0 && (looked_[glance_] == now || !within_reach[glance_])) glance_ = -1;
   if (glance_ < 0) {
     for (int k = 0; k < kHeadings; ++k) {
@@ -92,12 +92,12 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
       if (!sees(R_body_local[i] * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / soon_s(neighbor, to_m);
     }
-    for (const Vector3& coming_m : coming_local_m) {
-      if (!sees(R_body_local[i] * (coming_m - p_local_m))) cost += kComesUnseen;
+    for (const Vector3& approaching_m : approaching_local_m) {
+      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += kComesUnseen;
     }
     if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
     // In flight, the heading leaves the flight direction only as far as that stays in view.
-    if (glance_ >= 0 && (blindly[i] || !shows[i][glance_])) {
+    if (glance_ >= 0 && (is_blind[i] || !shows[i][glance_])) {
       const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kFreshView_s);
       cost += std::min(kGlance, kGlancePerS * overdue_s);
     }

@@ -19,9 +19,9 @@ class RblSight {
   /// The heading that keeps neighbors out of the blind sector, those unseen for longest and soonest here first, then
   /// faces the flight direction. It turns to azimuths that were not viewed for long; in flight, only as far as the
   /// flight direction stays in view.
-  /// @param coming_local_m  positions of neighbors that may have to be evaded; they stay in view
+  /// @param approaching_local_m  positions of neighbors that may have to be evaded; they stay in view
   double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                 std::span<const Vector3> coming_local_m, double last_yaw_rad, TimeNs now);
+                 std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now);
 
   /// Are neighbors in the flight direction in view? Tolerates directions slightly outside the view.
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;

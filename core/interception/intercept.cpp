@@ -32,7 +32,7 @@ constexpr double kSureFor_s = 0.5;
 /// Limit of that time for a track that meets the net by its standard deviations. The net hangs where a level LiDAR sees
 /// nothing. Beyond the limit, tracks of maneuvering targets are worse than their covariance.
 constexpr double kPreciseFor_s = 1.0;
-/// Standard deviations of the track inside the rim, and inside the top and bottom, at which a capture is believed.
+/// Standard deviations of the track inside the rim, and inside the top and bottom, required for a capture.
 constexpr double kInsideRimSigmas = 2.0, kInsideHeightSigmas = 1.0;
 constexpr double kReportedSigma_m = 0.5, kReportedSigma_mps = 1.0;  // standard deviations of a reported target
 /// A leader without a capture for longer than the timeout reports its arrival later by the time beyond, up to the
@@ -493,7 +493,7 @@ class Intercept : public Guidance {
   TargetPrediction target_;
   std::uint32_t target_id_ = 0;
   CaptureVolume sure_net_;          // part of the net in which the track must be for a capture
-  std::optional<TimeNs> measured_;  // time of the last measurement of the target; its track goes on without
+  std::optional<TimeNs> measured_;  // time of the last measurement of the target; its track continues by prediction
   TimeNs seen_ = 0;
   bool had_target_ = false;
   Vector3 watch_local_m_;

@@ -12,7 +12,7 @@ namespace swiftlet {
 namespace {
 
 constexpr std::size_t kMaxHistory = 128;
-constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor is forgotten in a minute
+constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor decays within a minute
 // largest squared standard deviations that one sample contributes: a single outlier proves nothing
 constexpr double kMaxInnovation_sq = 25.0;
 

@@ -43,22 +43,22 @@ class SlidingWindow : public RelativeLocalizer {
     share_out();
     find_missing(input.observation.t);
     for (std::size_t i = 0; i < teammates_.size(); ++i) teammates_[i].update(has_report_[i]);
-    for (Teammate& mate : teammates_) {
-      if (const auto estimate = mate.estimate(input.observation.t)) relatives.push_back(*estimate);
+    for (Teammate& teammate : teammates_) {
+      if (const auto estimate = teammate.estimate(input.observation.t)) relatives.push_back(*estimate);
     }
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    for (const Teammate& mate : teammates_) mate.append_overlays(overlays);
+    for (const Teammate& teammate : teammates_) teammate.append_overlays(overlays);
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
     std::uint64_t num_reports = 0, num_late = 0, num_starts = 0, num_lost = 0;
-    for (const Teammate& mate : teammates_) {
-      num_reports += mate.num_reports();
-      num_late += mate.num_late();
-      num_starts += mate.num_starts();
-      num_lost += mate.num_lost();
+    for (const Teammate& teammate : teammates_) {
+      num_reports += teammate.num_reports();
+      num_late += teammate.num_late();
+      num_starts += teammate.num_starts();
+      num_lost += teammate.num_lost();
     }
     counters.push_back(
         {"sightings that were not the guided vehicle's", num_rejected_, num_sightings_, "marker_reflectivity"});
@@ -120,8 +120,8 @@ class SlidingWindow : public RelativeLocalizer {
   /// Sightings that are left, and not near a known vehicle, may be of unlocalized teammates.
   void share_out() {
     left_.clear();
-    num_missing_ = static_cast<std::size_t>(
-        std::count_if(teammates_.begin(), teammates_.end(), [](const Teammate& mate) { return !mate.known(); }));
+    num_missing_ = static_cast<std::size_t>(std::count_if(teammates_.begin(), teammates_.end(),
+                                                          [](const Teammate& teammate) { return !teammate.known(); }));
     if (num_missing_ == teammates_.size()) {
       left_ = seen_;
       return;
@@ -170,8 +170,8 @@ class SlidingWindow : public RelativeLocalizer {
   }
 
   bool is_known_body(const Sighting& sighting) const {
-    return std::ranges::any_of(teammates_, [&](const Teammate& mate) {
-      return mate.known() && (mate.place_local_m() - sighting.p_local_m).norm() < kBody_m;
+    return std::ranges::any_of(teammates_, [&](const Teammate& teammate) {
+      return teammate.known() && (teammate.place_local_m() - sighting.p_local_m).norm() < kBody_m;
     });
   }
 
@@ -186,7 +186,7 @@ class SlidingWindow : public RelativeLocalizer {
     chains_.forget_before(now - from_seconds(kChainGap_s));
     if (std::ranges::none_of(has_report_, [](char has_report) { return has_report != 0; })) return;
     for (const SightingChains::Chain& chain : chains_.chains()) {
-      if (Teammate* mate = explained_by(chain.sightings)) mate->wait_for_new_of(chain.sightings);
+      if (Teammate* teammate = explained_by(chain.sightings)) teammate->wait_for_new_of(chain.sightings);
     }
   }
 
@@ -194,14 +194,14 @@ class SlidingWindow : public RelativeLocalizer {
   /// well. Teammates without odometry for these seconds are skipped.
   Teammate* explained_by(std::span<const Sighting> chain) {
     Teammate* found = nullptr;
-    for (Teammate& mate : teammates_) {
-      if (mate.known()) continue;
-      const MotionMatch match = mate.match(chain);
+    for (Teammate& teammate : teammates_) {
+      if (teammate.known()) continue;
+      const MotionMatch match = teammate.match(chain);
       if (2 * match.count < kLeastMatched || match.residual_sigma > kRefuted_sigma) continue;
       const bool fits = match.count >= kLeastMatched && match.residual_sigma <= config_.alignment.residual_sigma_max &&
                         match.spread_m >= config_.alignment.min_spread_m;
       if (!fits || found != nullptr) return nullptr;
-      found = &mate;
+      found = &teammate;
     }
     return found;
   }

@@ -216,7 +216,7 @@ class ViewpointSearch {
     return found;
   }
 
-  /// No point is far enough from the borders for a guide slightly off its viewpoint to see the same.
+  /// Is the region so narrow that a guide slightly off any viewpoint in it would leave it?
   bool is_narrow(const PlaneRegion& region) const {
     return rules_.margin_m > 0.0 && pole_of_inaccessibility(region, 0.25 * map_.edge_m()).distance_m < rules_.margin_m;
   }

@@ -10,7 +10,7 @@
 /// Operations on paths of straight legs. Any frame, the same for all arguments.
 namespace swiftlet {
 
-/// Joins each corner with the farthest one that a free segment reaches, sought by doubling.
+/// Joins each corner with the farthest one that a free segment reaches, found by doubling.
 /// @param is_free  (a, b): is the segment from a to b free?
 template <class IsFree>
 std::vector<Vector3> cut_corners(const std::vector<Vector3>& path_m, IsFree&& is_free) {

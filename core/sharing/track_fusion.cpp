@@ -60,7 +60,7 @@ void TrackFusion::attach(std::span<const ObservedTrack> observed) {
 }
 
 /// Removes tracks that no longer agree with the other tracks of their target, the worst first, and second tracks of one
-/// observer: a forgotten identity that has come back.
+/// observer: a dropped identity that has reappeared.
 void TrackFusion::separate(std::span<const ObservedTrack> observed) {
   for (std::size_t k = 0; k < targets_.size(); ++k) {
     while (const auto leaves = misfit(targets_[k], observed)) {

@@ -317,9 +317,9 @@ ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& ne
 double quality_of(const ClosureResult& closed) { return closed.overlap * closed.near_share; }
 
 /// Where surfaces nearly meet at two places, a wide reach may find the wrong one and a short reach none, so both are
-/// tried. Along a wall the surfaces give no gradient, and a wrong guess stays where it is. So the newer submap slides
-/// along the wall to where most of it fits. If other places fit about as well, the closure does not constrain that
-/// direction.
+/// tested. Along a wall the surfaces give no gradient, and a wrong guess stays where it is. So the newer submap is
+/// shifted along the wall to where most of it fits. If other places fit about as well, the closure does not constrain
+/// that direction.
 ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
                                 std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
                                 const ClosureConfig& config) {

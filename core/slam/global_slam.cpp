@@ -190,7 +190,7 @@ std::vector<GlobalSlam::Older> GlobalSlam::seek_closures() {
   return joined;
 }
 
-/// Points of the newest submap that older ones do not know.
+/// Points of the newest submap that older ones do not cover.
 std::vector<Eigen::Vector3f> GlobalSlam::unknown_m(std::span<const Older> older) const {
   std::vector<NearPoints> known;
   for (const Older& o : older) known.emplace_back(config_.submap_voxel_m, o.points_older_m);
@@ -220,8 +220,8 @@ void GlobalSlam::forget_known(std::span<const Older> joined) {
   submaps_.back().thinned_out = true;
 }
 
-/// Drops the newest submap if visits_kept others began there and know its points. A submap with a better closure than
-/// the submap before it stays, because it closes a loop.
+/// Drops the newest submap if visits_kept others began there and cover its points. A submap with a better closure than
+/// the one with its predecessor stays, because it closes a loop.
 bool GlobalSlam::drop_known(std::span<const Older> joined) {
   const Submap& newest = submaps_.back();
   if (config_.covered_share >= 1.0 || submaps_.size() < 2) return false;

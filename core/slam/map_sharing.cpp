@@ -164,7 +164,7 @@ bool MapSharing::receive_places(TimeNs t, Peer& from, const Message& message) {
   }
   if (received.num_finished > from.num_finished) {
     from.num_finished = received.num_finished;
-    from.descriptors_requested = t;  // their descriptors are in transit
+    from.descriptors_requested = t;  // the descriptors of new submaps are in transit
   }
   return true;
 }

@@ -67,8 +67,8 @@ bool write_all(int fd, const void* data, std::size_t size) {
   return true;
 }
 
-/// Header of every answer; `size` bytes follow.
-struct AnswerHead {
+/// Header of every reply; `size` bytes follow.
+struct ReplyHeader {
   std::uint64_t status = 0;
   std::uint64_t size = 0;
 };
@@ -105,7 +105,7 @@ JobResult do_job(const Work& work, std::uint64_t job) {
   while (read_all(fd, &job, sizeof job)) {
     const JobResult result = do_job(work, job);
     const std::string& body = result.status == JobStatus::kDone ? result.bytes : result.message;
-    const AnswerHead head{static_cast<std::uint64_t>(result.status), body.size()};
+    const ReplyHeader head{static_cast<std::uint64_t>(result.status), body.size()};
     if (!write_all(fd, &head, sizeof head) || !write_all(fd, body.data(), body.size())) break;
   }
   ::_exit(0);  // skips destructors and buffers, which belong to the parent
@@ -190,7 +190,7 @@ class Worker {
     job_ = job;
     group_ = job.group;
     start_ = Clock::now();
-    answer_.clear();
+    reply_.clear();
     [[maybe_unused]] const int result = ::ftruncate(log_->get(), 0);
     write_all(fd(), &job.id, sizeof job.id);  // a dead worker is detected at the next read
   }
@@ -201,15 +201,15 @@ class Worker {
     const ssize_t n = ::recv(fd(), buffer, sizeof buffer, MSG_DONTWAIT);
     if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) return std::nullopt;
     if (n <= 0) return end_of_worker();
-    answer_.append(buffer, static_cast<std::size_t>(n));
-    AnswerHead head;
-    if (answer_.size() < sizeof head) return std::nullopt;
-    std::memcpy(&head, answer_.data(), sizeof head);
+    reply_.append(buffer, static_cast<std::size_t>(n));
+    ReplyHeader head;
+    if (reply_.size() < sizeof head) return std::nullopt;
+    std::memcpy(&head, reply_.data(), sizeof head);
     if (head.size > kMaxMessage) throw std::logic_error("the reply of a worker process is invalid");
-    if (answer_.size() < sizeof head + head.size) return std::nullopt;
+    if (reply_.size() < sizeof head + head.size) return std::nullopt;
     JobResult result = result_of(static_cast<JobStatus>(head.status));
-    (result.status == JobStatus::kDone ? result.bytes : result.message) = answer_.substr(sizeof head);
-    answer_.clear();
+    (result.status == JobStatus::kDone ? result.bytes : result.message) = reply_.substr(sizeof head);
+    reply_.clear();
     job_.reset();
     ++num_done_;
     return result;
@@ -269,7 +269,7 @@ class Worker {
   std::optional<std::uint64_t> group_;
   int num_done_ = 0;
   Clock::time_point start_;
-  std::string answer_;
+  std::string reply_;
 };
 
 /// Pending jobs by group, in the given order.

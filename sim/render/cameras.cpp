@@ -100,8 +100,8 @@ View top_view(const Eigen::Vector2d& center_world_m, double span_m, double botto
   return view;
 }
 
-Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
-                     const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight)
+CameraController::CameraController(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
+                                   const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight)
     : config_(config),
       vehicle_(vehicle),
       radii_m_(std::move(radii_m)),
@@ -137,12 +137,12 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
   }
 }
 
-void Cameraman::set_size(int width_px, int height_px) {
+void CameraController::set_size(int width_px, int height_px) {
   width_px_ = width_px;
   height_px_ = height_px;
 }
 
-Eigen::Vector3d Cameraman::center_of(std::span<const VehicleState> states) const {
+Eigen::Vector3d CameraController::center_of(std::span<const VehicleState> states) const {
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (looks_at(i)) box.extend(states[i].p_world_m);
@@ -150,8 +150,8 @@ Eigen::Vector3d Cameraman::center_of(std::span<const VehicleState> states) const
   return box.isEmpty() ? bounds_m_.center() : box.center();
 }
 
-double Cameraman::distance_for_all(const Eigen::Vector3d& target_world_m, const Eigen::Vector3d& direction_world,
-                                   std::span<const VehicleState> states) const {
+double CameraController::distance_for_all(const Eigen::Vector3d& target_world_m, const Eigen::Vector3d& direction_world,
+                                          std::span<const VehicleState> states) const {
   const Eigen::Matrix3d R =
       look(target_world_m + direction_world, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
   const double half_y = radians(0.5 * config_.fov_deg);
@@ -168,19 +168,19 @@ double Cameraman::distance_for_all(const Eigen::Vector3d& target_world_m, const 
   return distance;
 }
 
-Eigen::Vector3d Cameraman::Stand::direction_world() const {
+Eigen::Vector3d CameraController::Stand::direction_world() const {
   return {std::cos(elevation_rad) * std::cos(azimuth_rad), std::cos(elevation_rad) * std::sin(azimuth_rad),
           std::sin(elevation_rad)};
 }
 
-double Cameraman::distance_for(const Eigen::Vector3d& target_world_m, const Stand& stand,
-                               std::span<const VehicleState> states) const {
+double CameraController::distance_for(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                                      std::span<const VehicleState> states) const {
   return std::max(stand.reach * config_.position_m.norm(),
                   distance_for_all(target_world_m, stand.direction_world(), states));
 }
 
-double Cameraman::seen_share(const Eigen::Vector3d& target_world_m, const Stand& stand,
-                             std::span<const VehicleState> states) const {
+double CameraController::seen_share(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                                    std::span<const VehicleState> states) const {
   const Eigen::Vector3d direction = stand.direction_world();
   const Eigen::Vector3d eye = target_world_m + distance_for(target_world_m, stand, states) * direction;
   const Eigen::Matrix3d R = look(eye, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
@@ -201,8 +201,8 @@ double Cameraman::seen_share(const Eigen::Vector3d& target_world_m, const Stand&
   return num_rays > 0 ? static_cast<double>(seen) / num_rays : 1.0;
 }
 
-Cameraman::Stand Cameraman::freest_stand(const Eigen::Vector3d& target_world_m,
-                                         std::span<const VehicleState> states) const {
+CameraController::Stand CameraController::freest_stand(const Eigen::Vector3d& target_world_m,
+                                                       std::span<const VehicleState> states) const {
   struct Candidate {
     Stand stand;
     double cost;
@@ -236,7 +236,8 @@ Cameraman::Stand Cameraman::freest_stand(const Eigen::Vector3d& target_world_m,
   return best;
 }
 
-void Cameraman::choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m, std::span<const VehicleState> states) {
+void CameraController::choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m,
+                                    std::span<const VehicleState> states) {
   if (!blocks_sight_ || (started_ && t - tested_at_ < kTestInterval)) return;
   tested_at_ = t;
   const bool at_home = goal_.azimuth_rad == configured_.azimuth_rad &&
@@ -253,7 +254,7 @@ void Cameraman::choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m, st
   if (!started_) stand_ = goal_;
 }
 
-void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
+void CameraController::update(TimeNs t, std::span<const VehicleState> states) {
   if (config_.type != CameraConfig::Type::kFollow) return;
   const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
   const Eigen::Vector3d center = center_of(states);
@@ -270,7 +271,7 @@ void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
   started_ = true;
 }
 
-View Cameraman::view(const PictureScene& picture) const {
+View CameraController::view(const PictureScene& picture) const {
   if (config_.type == CameraConfig::Type::kFollow) return follow(picture);
   if (config_.type == CameraConfig::Type::kTop) return top(picture);
   if (config_.type == CameraConfig::Type::kOnboard || config_.type == CameraConfig::Type::kDepth)
@@ -278,8 +279,8 @@ View Cameraman::view(const PictureScene& picture) const {
   return fixed();
 }
 
-View Cameraman::follow(const PictureScene& picture) const {
-  Cameraman now = *this;
+View CameraController::follow(const PictureScene& picture) const {
+  CameraController now = *this;
   if (!started_ || updated_ < picture.t) now.update(picture.t, picture.states);
   const Eigen::Vector3d direction = now.stand_.direction_world();
   // The picture may have become narrower since the last update.
@@ -288,7 +289,7 @@ View Cameraman::follow(const PictureScene& picture) const {
                           height_px_);
 }
 
-View Cameraman::top(const PictureScene& picture) const {
+View CameraController::top(const PictureScene& picture) const {
   const double aspect = static_cast<double>(width_px_) / height_px_;
   Eigen::AlignedBox2d area;
   for (std::size_t i = 0; i < picture.states.size(); ++i) {
@@ -318,7 +319,7 @@ View Cameraman::top(const PictureScene& picture) const {
                           config_.fov_deg, width_px_, height_px_, Eigen::Vector3d::UnitY());
 }
 
-View Cameraman::on_vehicle(const PictureScene& picture) const {
+View CameraController::on_vehicle(const PictureScene& picture) const {
   const Pose T_world_body = vehicle_ >= 0 && vehicle_ < static_cast<int>(picture.states.size())
                                 ? picture.states[vehicle_].T_world_body()
                                 : Pose::Identity();
@@ -326,7 +327,7 @@ View Cameraman::on_vehicle(const PictureScene& picture) const {
                           width_px_, height_px_, T_world_body.linear().col(2));
 }
 
-View Cameraman::fixed() const {
+View CameraController::fixed() const {
   return perspective_view(config_.position_m, config_.target_m, config_.fov_deg, width_px_, height_px_);
 }
 

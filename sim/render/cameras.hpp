@@ -44,13 +44,13 @@ using BlocksSight = std::function<bool(const Eigen::Vector3d& a_world_m, const E
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view(). By
 /// default a follow camera stands at its configured offset. Where the world blocks the view, it moves around, higher or
 /// nearer, by the least necessary amount, and returns when the view has been free for a while.
-class Cameraman {
+class CameraController {
  public:
   /// @param vehicle       index of the camera's vehicle; kNoVehicle: all of them
   /// @param radii_m       circumscribed radius of each vehicle as drawn
   /// @param blocks_sight  empty: nothing blocks the view
-  Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
-            const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight = {});
+  CameraController(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
+                   const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight = {});
 
   /// Size of the following pictures, where it differs from the configured one [px].
   void set_size(int width_px, int height_px);

@@ -40,7 +40,7 @@ struct Station {
   VehicleId vehicle = kNoVehicle;
   Look look;
   std::vector<float> radii_m;  // radii of the vehicles as drawn
-  Cameraman cameraman;
+  CameraController controller;
   int sidebar_px = 0;  // never shrinks, so that frames of a video keep their layout
 };
 
@@ -125,7 +125,7 @@ void SnapshotRecorder::begin(const RunInfo& info) {
     const BlocksSight blocks =
         camera.type == CameraConfig::Type::kFollow ? sight_in(info_.static_scene) : BlocksSight{};
     stations_.push_back({camera, vehicle, look_of(camera), radii_m,
-                         Cameraman(camera, vehicle, radii_m, info_.scene->bounds_m, blocks)});
+                         CameraController(camera, vehicle, radii_m, info_.scene->bounds_m, blocks)});
   }
   picture_.trails_m.resize(info_.vehicle_names.size());
 }
@@ -204,7 +204,7 @@ void SnapshotRecorder::remember(const TickView& tick) {
   for (std::size_t v = 0; v < tick.states.size(); ++v) {
     extend_trail(picture_.trails_m[v], tick.states[v].p_world_m.cast<float>());
   }
-  for (Station& station : stations_) station.cameraman.update(tick.t, tick.states);
+  for (Station& station : stations_) station.controller.update(tick.t, tick.states);
 }
 
 void SnapshotRecorder::fill_clouds(const TickView& tick) {
@@ -280,7 +280,7 @@ Figure SnapshotRecorder::take_of_scan(const Station& station) const {
 Figure SnapshotRecorder::take_of_depth(Station& station, const std::filesystem::path& stem) {
   PictureStyle style = style_of(station.config);
   style.hidden_vehicle = station.vehicle;
-  const DepthImage depth = renderer().draw_depth(station.cameraman.view(picture_), picture_, style);
+  const DepthImage depth = renderer().draw_depth(station.controller.view(picture_), picture_, style);
   if (video_frames_per_s_ <= 0.0) {
     std::vector<std::uint16_t> millimeters(depth.depth_m.size());
     std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimeters.begin(),
@@ -321,16 +321,16 @@ Figure SnapshotRecorder::take_of_world(Station& station) {
       sidebar.entries.push_back({key.meaning, key.color.head<3>(), sample_of(overlay.kind, key.dashed)});
   }
   if (camera.cloud != CloudColors::kNone) {
-    station.cameraman.set_size(size.x(), size.y());
-    const std::vector<PictureCloud> shown = shown_of(picture_.clouds, station.cameraman.view(picture_), style);
+    station.controller.set_size(size.x(), size.y());
+    const std::vector<PictureCloud> shown = shown_of(picture_.clouds, station.controller.view(picture_), style);
     style.heights = height_scale_of(shown);
     explain_cloud(shown, camera.cloud, info_.vehicle_names, style.heights, sidebar);
   }
   station.sidebar_px =
       std::min(std::max(station.sidebar_px, sidebar_width_px(sidebar, station.look)), size.x() - kLeastWidth_px);
-  station.cameraman.set_size(size.x() - station.sidebar_px, size.y());
+  station.controller.set_size(size.x() - station.sidebar_px, size.y());
 
-  const View view = station.cameraman.view(picture_);
+  const View view = station.controller.view(picture_);
   return {size.x(), size.y(),
           [this, &station, style, sidebar, view, image = renderer().draw(view, picture_, style)](Canvas& canvas) {
             canvas.picture(0, 0, image);

@@ -31,10 +31,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// After the end of a run, time without a further block asked for until the page counts as closed; pages ask far more
-/// often. Longer values delay the end of the program.
+/// After the end of a run, time without a request for a further block until the page counts as closed; pages request
+/// far more often. Longer values delay the end of the program.
 constexpr auto kPageTimeout = std::chrono::seconds(3);
-/// Longest time that one connection takes to send its request, and to receive its answer; then it is closed.
+/// Longest time that one connection takes to send its request, and to receive its reply; then it is closed.
 /// Connections are served one after another, so this is also how long a slow client delays a page.
 constexpr auto kConnectionTimeout = std::chrono::seconds(2);
 constexpr int kPoll_ms = 100;
@@ -52,7 +52,7 @@ std::string random_token() {
   return token;
 }
 
-std::string answer(std::string_view status, std::string_view type, std::string_view body) {
+std::string response(std::string_view status, std::string_view type, std::string_view body) {
   return fmt::format(
       "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n"
       "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nX-Frame-Options: DENY\r\n\r\n{}",
@@ -110,40 +110,40 @@ struct LiveServer::Impl {
       const int connection = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
       if (connection < 0) continue;
       const std::string request = read_request(connection);
-      if (!request.empty()) send_all(connection, answer_to(request));
+      if (!request.empty()) send_all(connection, response_to(request));
       close(connection);
     }
   }
 
-  std::string answer_to(std::string_view request) {
+  std::string response_to(std::string_view request) {
     const std::string_view line = request.substr(0, request.find("\r\n"));
-    if (!line.starts_with("GET ")) return answer("405 Method Not Allowed", "text/plain", "only GET is supported\n");
+    if (!line.starts_with("GET ")) return response("405 Method Not Allowed", "text/plain", "only GET is supported\n");
     // Rejects pages of other origins that resolve another host name to this address.
     if (request.find("\r\nHost: " + host + "\r\n") == std::string_view::npos)
-      return answer("403 Forbidden", "text/plain", "unknown host\n");
+      return response("403 Forbidden", "text/plain", "unknown host\n");
     const std::string_view rest = line.substr(4);
     std::string_view path = rest.substr(0, rest.find(' '));
     const std::string prefix = "/" + token + "/";
-    if (!path.starts_with(prefix)) return answer("404 Not Found", "text/plain", "no such page\n");
+    if (!path.starts_with(prefix)) return response("404 Not Found", "text/plain", "no such page\n");
     path.remove_prefix(prefix.size());
-    if (path.empty()) return answer("200 OK", "text/html; charset=utf-8", page_head(PageUse::kLive) + page_tail());
+    if (path.empty()) return response("200 OK", "text/html; charset=utf-8", page_head(PageUse::kLive) + page_tail());
     constexpr std::string_view kBlocks = "blocks/";
     std::size_t number = 0;
-    if (!path.starts_with(kBlocks)) return answer("404 Not Found", "text/plain", "no such page\n");
+    if (!path.starts_with(kBlocks)) return response("404 Not Found", "text/plain", "no such page\n");
     const char* end = path.data() + path.size();
     const auto parsed = std::from_chars(path.data() + kBlocks.size(), end, number);
-    if (parsed.ec != std::errc() || parsed.ptr != end) return answer("404 Not Found", "text/plain", "no such page\n");
+    if (parsed.ec != std::errc() || parsed.ptr != end) return response("404 Not Found", "text/plain", "no such page\n");
     return block(number);
   }
 
   std::string block(std::size_t number) {
     const std::lock_guard lock(mutex);
     if (!last_is_there) last_request = Clock::now();
-    if (number >= blocks.size()) return answer("204 No Content", "text/plain", "");
+    if (number >= blocks.size()) return response("204 No Content", "text/plain", "");
     if (number >= num_requested) last_request = Clock::now();
     num_requested = std::max(num_requested, number + 1);
     last_is_taken = last_is_taken || (last_is_there && number + 1 == blocks.size());
-    return answer("200 OK", "application/octet-stream", blocks[number]);
+    return response("200 OK", "application/octet-stream", blocks[number]);
   }
 };
 

@@ -64,13 +64,13 @@ VehicleState StateHistory::at(VehicleId vehicle, TimeNs t) const {
     ENSURE(t == oldest.t || count < capacity_, vehicle, to_seconds(t), to_seconds(oldest.t), capacity_);
     return oldest;
   }
-  int younger = 0;
+  int newer = 0;
   int older = count - 1;
-  while (older - younger > 1) {
-    const int middle = (older + younger) / 2;
-    (nth_newest(vehicle, middle).t > t ? younger : older) = middle;
+  while (older - newer > 1) {
+    const int middle = (older + newer) / 2;
+    (nth_newest(vehicle, middle).t > t ? newer : older) = middle;
   }
-  return interpolate(nth_newest(vehicle, older), nth_newest(vehicle, younger), t);
+  return interpolate(nth_newest(vehicle, older), nth_newest(vehicle, newer), t);
 }
 
 }  // namespace swiftlet::sim

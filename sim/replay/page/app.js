@@ -52,13 +52,13 @@ class App {
   async follow() {
     this.following = true;
     for (let k = 0; !this.run.complete;) {
-      const answer = await fetch('blocks/' + k, {cache: 'no-store'}).catch(() => null);
-      if (!answer || answer.status > 204) break;  // the run has ended or was stopped
-      if (answer.status === 204) {
+      const response = await fetch('blocks/' + k, {cache: 'no-store'}).catch(() => null);
+      if (!response || response.status > 204) break;  // the run has ended or was stopped
+      if (response.status === 204) {
         await new Promise((resolve) => setTimeout(resolve, 150));
         continue;
       }
-      this.take(readBlock(await unpack(new Uint8Array(await answer.arrayBuffer()))));
+      this.take(readBlock(await unpack(new Uint8Array(await response.arrayBuffer()))));
       ++k;
       const parts = [this.run.overlays.size, this.scene.points.sensors().length, this.run.tables.tracks.rows > 0, this.run.events.length].join();
       if (this.begun && parts !== this.parts) { this.parts = parts; this.panel.update(); }

@@ -71,18 +71,18 @@ std::vector<VehicleState> team_at(double t_s) {
   return states;
 }
 
-TEST(Cameraman, FollowsAWholeTeamSmoothly) {
+TEST(CameraController, FollowsAWholeTeamSmoothly) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   const double radius_m = 0.5;
-  Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, radius_m), kBounds);
+  CameraController controller(config, kNoVehicle, std::vector<float>(4, radius_m), kBounds);
   Vector3d last_eye = Vector3d::Zero();
   for (int k = 0; k <= 1500; ++k) {
     PictureScene picture;
     picture.states = team_at(0.02 * k);
     picture.t = picture.states[0].t;
-    cameraman.update(picture.t, picture.states);
-    const View view = cameraman.view(picture);
+    controller.update(picture.t, picture.states);
+    const View view = controller.view(picture);
     for (const VehicleState& state : picture.states) {
       const auto at = view.project(state.p_world_m);
       ASSERT_TRUE(at);
@@ -97,15 +97,15 @@ TEST(Cameraman, FollowsAWholeTeamSmoothly) {
   }
 }
 
-TEST(Cameraman, FollowingOneVehicleKeepsItsOffset) {
+TEST(CameraController, FollowingOneVehicleKeepsItsOffset) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-6, -3, 4};
-  Cameraman cameraman(config, 2, std::vector<float>(4, 0.5F), kBounds);
+  CameraController controller(config, 2, std::vector<float>(4, 0.5F), kBounds);
   PictureScene picture;
   picture.states = team_at(3.0);
   picture.t = picture.states[0].t;
-  const View view = cameraman.view(picture);
+  const View view = controller.view(picture);
   EXPECT_TRUE((view.eye_world_m - picture.states[2].p_world_m).isApprox(Vector3d(-6, -3, 4), 1e-9));
 }
 
@@ -116,7 +116,7 @@ bool behind_wall(const Vector3d& a, const Vector3d& b, double gap_m) {
   return at.z() < 6.0 && at.y() < gap_m;
 }
 
-TEST(Cameraman, AvoidsOcclusionAtTheStart) {
+TEST(CameraController, AvoidsOcclusionAtTheStart) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-8, 0, 3};
@@ -124,21 +124,21 @@ TEST(Cameraman, AvoidsOcclusionAtTheStart) {
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {0, 0, 2};
-  const View blind = Cameraman(config, 0, {0.5F}, kBounds).view(picture);
+  const View blind = CameraController(config, 0, {0.5F}, kBounds).view(picture);
   ASSERT_TRUE(blocks(picture.states[0].p_world_m, blind.eye_world_m)) << "the test itself";
-  const View view = Cameraman(config, 0, {0.5F}, kBounds, blocks).view(picture);
+  const View view = CameraController(config, 0, {0.5F}, kBounds, blocks).view(picture);
   EXPECT_FALSE(blocks(picture.states[0].p_world_m, view.eye_world_m));
   const Vector3d at = *view.project(picture.states[0].p_world_m);
   EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6)) << "it still looks at the vehicle";
 }
 
-TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
+TEST(CameraController, KeepsSightAlongWallsAndReturns) {
   // The wall ends: from y = 12 on the configured place is free again.
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-8, 0, 3};
   const auto blocks = [](const Vector3d& a, const Vector3d& b) { return behind_wall(a, b, 12.0); };
-  Cameraman cameraman(config, 0, {0.4F}, kBounds, blocks);
+  CameraController controller(config, 0, {0.4F}, kBounds, blocks);
   Vector3d last_eye = Vector3d::Zero();
   int blocked = 0;
   PictureScene picture;
@@ -147,8 +147,8 @@ TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
     picture.t = from_seconds(0.02 * k);
     picture.states[0].t = picture.t;
     picture.states[0].p_world_m = {0.0, -10.0 + 1.5 * 0.02 * k, 2.0};
-    cameraman.update(picture.t, picture.states);
-    const Vector3d eye = cameraman.view(picture).eye_world_m;
+    controller.update(picture.t, picture.states);
+    const Vector3d eye = controller.view(picture).eye_world_m;
     blocked += blocks(picture.states[0].p_world_m, eye) ? 1 : 0;
     ASSERT_TRUE(k == 0 || (eye - last_eye).norm() < 0.4) << "a jump at " << k;
     last_eye = eye;
@@ -159,50 +159,50 @@ TEST(Cameraman, KeepsSightAlongWallsAndReturns) {
       << (last_eye - picture.states[0].p_world_m).transpose();
 }
 
-TEST(Cameraman, TakesTheBestOfBlockedPlaces) {
+TEST(CameraController, TakesTheBestOfBlockedPlaces) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   PictureScene picture;
   picture.states.resize(1);
-  Cameraman cameraman(config, 0, {0.5F}, kBounds, [](const auto&, const auto&) { return true; });
-  const View view = cameraman.view(picture);
+  CameraController controller(config, 0, {0.5F}, kBounds, [](const auto&, const auto&) { return true; });
+  const View view = controller.view(picture);
   EXPECT_TRUE(view.project(picture.states[0].p_world_m));
 }
 
-TEST(Cameraman, FromTheTopShowsEveryTrail) {
+TEST(CameraController, FromTheTopShowsEveryTrail) {
   CameraConfig config;
-  Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, 0.5F), kBounds);
+  CameraController controller(config, kNoVehicle, std::vector<float>(4, 0.5F), kBounds);
   PictureScene picture;
   picture.states = team_at(0.0);
   picture.trails_m = {{{-25, 3, 1}, {0, 0, 1}}, {{0, 28, 2}}};
-  const View view = cameraman.view(picture);
+  const View view = controller.view(picture);
   for (const Vector3d& p : {Vector3d(-25, 3, 1), Vector3d(0, 28, 2)}) {
     const Vector3d at = *view.project(p);
     EXPECT_TRUE(at.x() > 0 && at.x() < config.width_px && at.y() > 0 && at.y() < config.height_px) << at.transpose();
   }
 }
 
-TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
+TEST(CameraController, OnBoardTurnsWithTheVehicle) {
   CameraConfig config;
   config.type = CameraConfig::Type::kOnboard;
   config.position_m = {0.2, 0, 0.1};
   config.target_m = {1.2, 0, 0.1};
-  Cameraman cameraman(config, 0, {0.5F}, kBounds);
+  CameraController controller(config, 0, {0.5F}, kBounds);
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {3, 4, 5};
   picture.states[0].q_world_body = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());  // facing north
-  const View view = cameraman.view(picture);
+  const View view = controller.view(picture);
   EXPECT_TRUE(view.eye_world_m.isApprox(Vector3d(3, 4.2, 5.1), 1e-9));
   const Vector3d ahead = *view.project({3, 14.2, 5.1});
   EXPECT_TRUE(ahead.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6));
 }
 
-TEST(Cameraman, DefaultsToOverviewFromTheSouthwest) {
+TEST(CameraController, DefaultsToOverviewFromTheSouthwest) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFixed;
-  Cameraman cameraman(config, kNoVehicle, {}, kBounds);
-  const View view = cameraman.view(PictureScene());
+  CameraController controller(config, kNoVehicle, {}, kBounds);
+  const View view = controller.view(PictureScene());
   EXPECT_LT(view.eye_world_m.x(), 0.0);
   EXPECT_LT(view.eye_world_m.y(), 0.0);
   EXPECT_GT(view.eye_world_m.z(), kBounds.max().z());
@@ -213,40 +213,40 @@ TEST(Cameraman, DefaultsToOverviewFromTheSouthwest) {
   }
 }
 
-TEST(Cameraman, StaysWithItsVehicleByDefault) {
+TEST(CameraController, StaysWithItsVehicleByDefault) {
   PictureScene picture;
   picture.states = team_at(0.0);
   for (const auto type : {CameraConfig::Type::kFollow, CameraConfig::Type::kOnboard, CameraConfig::Type::kDepth}) {
     CameraConfig config;
     config.type = type;
-    Cameraman cameraman(config, 1, std::vector<float>(4, 0.5F), kBounds);
-    cameraman.update(picture.t, picture.states);
-    const double away_m = (cameraman.view(picture).eye_world_m - picture.states[1].p_world_m).norm();
+    CameraController controller(config, 1, std::vector<float>(4, 0.5F), kBounds);
+    controller.update(picture.t, picture.states);
+    const double away_m = (controller.view(picture).eye_world_m - picture.states[1].p_world_m).norm();
     EXPECT_GT(away_m, 0.1);
     EXPECT_LT(away_m, type == CameraConfig::Type::kFollow ? 20.0 : 0.5);
   }
 }
 
-TEST(Cameraman, StepsBackForNarrowerPictures) {
+TEST(CameraController, StepsBackForNarrowerPictures) {
   CameraConfig config;
   config.type = CameraConfig::Type::kFollow;
   config.position_m = {-1, 0, 1};
   config.width_px = 300;
   config.height_px = 200;
-  Cameraman cameraman(config, kNoVehicle, {0.5F, 0.5F}, kBounds);
+  CameraController controller(config, kNoVehicle, {0.5F, 0.5F}, kBounds);
   PictureScene picture;
   picture.states.resize(2);
   picture.states[0].p_world_m = {0, -6, 2};
   picture.states[1].p_world_m = {0, 6, 2};
-  cameraman.update(0, picture.states);
-  const double usual_m = cameraman.view(picture).eye_world_m.norm();
-  cameraman.set_size(150, 200);
-  EXPECT_GT(cameraman.view(picture).eye_world_m.norm(), 1.5 * usual_m);
-  cameraman.set_size(600, 200);
-  EXPECT_NEAR(cameraman.view(picture).eye_world_m.norm(), usual_m, 1e-9);
+  controller.update(0, picture.states);
+  const double usual_m = controller.view(picture).eye_world_m.norm();
+  controller.set_size(150, 200);
+  EXPECT_GT(controller.view(picture).eye_world_m.norm(), 1.5 * usual_m);
+  controller.set_size(600, 200);
+  EXPECT_NEAR(controller.view(picture).eye_world_m.norm(), usual_m, 1e-9);
 }
 
-TEST(Cameraman, SpansTheGroundInTopPerspective) {
+TEST(CameraController, SpansTheGroundInTopPerspective) {
   for (const double bottom_m : {-6.0, 3.0}) {
     CameraConfig config;
     config.width_px = 300;
@@ -255,7 +255,7 @@ TEST(Cameraman, SpansTheGroundInTopPerspective) {
     config.fov_deg = 50.0;
     config.perspective = true;
     const Eigen::AlignedBox3d bounds(Vector3d(-9, -9, bottom_m), Vector3d(9, 9, 20));
-    const View view = Cameraman(config, kNoVehicle, {}, bounds).view(PictureScene());
+    const View view = CameraController(config, kNoVehicle, {}, bounds).view(PictureScene());
     EXPECT_FALSE(view.orthographic);
     const double ground_m = std::max(0.0, bottom_m);
     EXPECT_TRUE(view.project({0, 0, ground_m})->head<2>().isApprox(Eigen::Vector2d(150, 100), 1e-9));

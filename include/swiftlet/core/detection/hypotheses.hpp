@@ -24,7 +24,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct Hypothesis {
   std::uint32_t id = 0;
   std::uint32_t identity = 0;         ///< reported id: the own id, or that of a reappeared target
-  std::uint32_t heir_of = 0;          ///< identity of the hidden target that this one probably continues; 0: none
+  std::uint32_t former_identity = 0;  ///< identity of the hidden target that this one probably continues; 0: none
   TimeNs t = 0, begun = 0, seen = 0;  ///< times of the state, of the first and of the newest return
   double existence = 0.0;
   Vector6 mean = Vector6::Zero();  ///< position, velocity
@@ -50,8 +50,8 @@ struct Hypothesis {
 
 /// Track before detect: a bank of Bernoulli hypotheses, each tracked from its first return on. All sweeps together
 /// decide about existence. Returns are weighed against the clutter expected there; beams that should have hit the
-/// target and did not count as well. A target that is hidden, or out of the field of view, is given up after a while. A
-/// new hypothesis at a position that it can have reached continues its identity. Processes one sweep at a time, without
+/// target and did not count as well. A target that is hidden, or out of the field of view, is dropped after a while. A
+/// new hypothesis at a position within its reach continues its identity. Processes one sweep at a time, without
 /// a clock. Time and memory are bounded.
 class Hypotheses {
  public:
@@ -132,7 +132,7 @@ class Hypotheses {
   BeamIndex beams_;
   BodyParts parts_;
   std::vector<Hypothesis> hypotheses_, born_;
-  std::vector<Hypothesis> hidden_;  // targets that were given up and may reappear
+  std::vector<Hypothesis> hidden_;  // dropped targets that may reappear
   double small_log_odds_ = 0.0;     // prior log odds of smallness of a new hypothesis
   std::uint32_t next_id_ = 1;
   std::vector<Pending> pending_;  // ring buffer

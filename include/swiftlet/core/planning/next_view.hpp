@@ -56,7 +56,7 @@ class GivenUp {
 };
 
 /// First unknown positions in the box on rays from a point, evenly spread over the field of view of a LiDAR that
-/// rotates there. Rays that first hit occupied space, and positions that were given up, are omitted.
+/// rotates there. Rays that first hit occupied space, and abandoned positions, are omitted.
 /// @param found_local_m  cleared first
 void unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
                       const GivenUp& given_up, const Vector3& p_local_m, int num_rays,

@@ -39,7 +39,7 @@ enum class ClosureVerdict {
   kRival,        ///< another pose scores about as well, as in parallel aisles
   kOpen,         ///< a direction is not constrained by the surfaces
   kMoved,        ///< the refinement left the pose found by the search
-  kNoOverlap,    ///< too small a share of one is known in the other
+  kNoOverlap,    ///< too small a share of one submap overlaps the other
   kDoesNotFit,   ///< too large a share of the overlap is off the surfaces
   kClosed,
 };

@@ -45,7 +45,7 @@ struct MapSharingConfig {
   double budget_kbps = 100.0;
   /// [s] interval of repeated reports of submap poses and closures, in case a message was lost
   double report_interval_s = 5.0;
-  double retry_after_s = 3.0;  ///< [s] time without an answer after which missing data is requested again
+  double retry_after_s = 3.0;  ///< [s] time without a reply after which missing data is requested again
   double likeness_min = 0.5;   ///< [-] least similarity of the descriptors of two submaps that are compared
   int search_submaps = 8;      ///< [-] most own submaps in which another vehicle's submap is searched at once
   double near_m = 12.0;

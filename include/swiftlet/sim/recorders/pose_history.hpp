@@ -7,7 +7,7 @@
 
 namespace swiftlet::sim {
 
-/// The estimated poses of the last seconds, to look up the believed pose during a sweep.
+/// The estimated poses of the last seconds, to look up the estimated pose during a sweep.
 class PoseHistory {
  public:
   /// Poses must be in order of time; one that is not newer than the last is ignored.

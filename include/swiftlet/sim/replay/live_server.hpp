@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 
 /// Serves the replay page of a run in progress, on 127.0.0.1 only and under an unguessable random address. Accepts only
-/// read requests. A separate thread answers them, so the run does not wait.
+/// read requests. A separate thread serves them, so the run does not wait.
 class LiveServer {
  public:
   /// Throws std::runtime_error when no port is available.
