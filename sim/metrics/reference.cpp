@@ -34,7 +34,7 @@ std::string metrics_reference() {
       "<!-- Written by `swiftlet reference metrics`. -->\n"
       "# Metrics of a run\n\n"
       "For readers of `summary.json`, the table of a batch, or a report: the definition of each "
-      "figure\n"
+      "figure.\n"
       "Metrics of the whole run have no vehicle, the others have its name. Unmeasured values are\n"
       "`null`. Positions, distances and speeds are true ones in the world frame, unless stated otherwise.\n"
       "`swiftlet list metrics` prints the same definitions.\n\n"
