@@ -2,10 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "swiftlet/sim/batch/batch_config.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/scenario/reference.hpp"
 #include "tests/support/numeric_bounds.hpp"
 
@@ -25,8 +23,7 @@ TEST(BatchReference, NumericKeysAcceptExactlyTheirBounds) {
 TEST(BatchReference, TheDocumentIsUpToDate) {
   BatchConfig config;
   const std::string tables = reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Every key of a batch file");
-  std::ifstream file(SWIFTLET_SOURCE_DIR "/docs/batch.md");
-  const std::string document((std::istreambuf_iterator<char>(file)), {});
+  const std::string document = read_whole_file(SWIFTLET_SOURCE_DIR "/docs/batch.md");
   EXPECT_NE(document.find(tables), std::string::npos) << "docs/batch.md should end with\n" << tables;
 }
 

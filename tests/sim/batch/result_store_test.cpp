@@ -10,9 +10,9 @@
 #include <fstream>
 #include <functional>
 #include <limits>
-#include <sstream>
 
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -296,11 +296,7 @@ TEST_F(Stored, WritesMetricsAsColumnsAndRows) {
   store_.add(first);
   store_.add(row_of(1, "failed"));
   export_csv(store_, folder_.path());
-  const auto text_of = [&](const char* name) {
-    std::ostringstream text;
-    text << std::ifstream(folder_.path() / name).rdbuf();
-    return text.str();
-  };
+  const auto text_of = [&](const char* name) { return read_whole_file(folder_.path() / name); };
   EXPECT_EQ(text_of("episodes.csv"),
             "episode,variant,point,seed,x,name,status,state_hash,simulated_s,wall_s,a.path_m,outcome,count,b.path_m,"
             "message,command\n"

@@ -129,7 +129,7 @@ std::vector<std::string> problems_of_config(Config config) {
   return visitor.problems;
 }
 
-TEST(DatasetConfig, NamesAreUniqueWordsOfLettersAndDigits) {
+TEST(DatasetConfig, NamesAreUniqueWords) {
   DatasetConfig config;
   config.families.resize(1);
   config.families[0].scenario = "x.yaml";

@@ -44,7 +44,7 @@ SequenceInfo sequence_of(int number, const std::string& split, std::uint64_t byt
 std::string card_of(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences) {
   const TemporaryDirectory directory;
   write_data_card(plan, sequences, directory.path());
-  return text_of(directory.path() / "README.md");
+  return read_whole_file(directory.path() / "README.md");
 }
 
 TEST(DataCard, CountsSplitsBySequenceAndFlight) {

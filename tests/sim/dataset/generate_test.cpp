@@ -83,7 +83,7 @@ pictures: {flights_per_split: 0}
 TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlight) {
   EXPECT_EQ(report_.flights_done, 2);
   ASSERT_EQ(report_.sequences.size(), 2U);
-  const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
+  const auto manifest = nlohmann::json::parse(read_whole_file(out / "manifest.json"));
   EXPECT_TRUE(manifest["complete"].get<bool>());
   for (int i = 0; i < 2; ++i) {
     const auto& sequence = manifest["sequences"][static_cast<std::size_t>(i)];
@@ -99,7 +99,7 @@ TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlight) {
 
 // Tests that generate run before tests that verify: the latter simulate here, which starts threads.
 TEST_F(SmallDatasetDeathTest, RegeneratesMissingFlightsIdentically) {
-  const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
+  const auto manifest = nlohmann::json::parse(read_whole_file(out / "manifest.json"));
   fs::remove_all(out / "sequences/01");
   fs::create_directories(out / "sequences/.01.partial");
   fs::create_directories(out / "sequences/.kept");
@@ -123,7 +123,7 @@ TEST_F(SmallDatasetDeathTest, RegeneratesMissingFlightsIdentically) {
   EXPECT_FALSE(fs::exists(out / ".lock"));
   fs::remove_all(out / "sequences/.kept");
   // The manifest lists the same bytes of the same files.
-  const auto again = nlohmann::json::parse(text_of(out / "manifest.json"));
+  const auto again = nlohmann::json::parse(read_whole_file(out / "manifest.json"));
   EXPECT_EQ(again.at("sequences"), manifest.at("sequences"));
   EXPECT_EQ(again.at("files"), manifest.at("files"));
 }
@@ -143,14 +143,14 @@ TEST_F(SmallDatasetDeathTest, ResumesAfterBeingKilled) {
   fs::remove_all(begun / "sequences");
   std::ofstream(begun / "dataset.yaml") << "mine";
   EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a configuration of the user";
-  EXPECT_EQ(text_of(begun / "dataset.yaml"), "mine");
+  EXPECT_EQ(read_whole_file(begun / "dataset.yaml"), "mine");
   fs::create_directories(begun / "sequences");
   int asked = 0;
   options.canceled = [&] { return ++asked > 0; };
   const GenerateReport report = generate_dataset(plan(), options);
   EXPECT_TRUE(report.canceled);
   EXPECT_EQ(report.flights_done, 0);
-  const auto manifest = nlohmann::json::parse(text_of(begun / "manifest.json"));
+  const auto manifest = nlohmann::json::parse(read_whole_file(begun / "manifest.json"));
   EXPECT_FALSE(manifest.at("complete").get<bool>());
   EXPECT_TRUE(fs::exists(begun / "dataset.yaml"));
   EXPECT_TRUE(fs::exists(begun / "scenarios/plane.yaml"));
@@ -225,7 +225,7 @@ TEST_F(SmallDatasetDeathTest, StatisticsMatchItsFiles) {
   for (const SequenceInfo& info : report_.sequences) {
     both.add(info.statistics);
     const fs::path sequence = out / "sequences" / sequence_name(info.sequence);
-    const std::string table = text_of(sequence / "boxes.csv");
+    const std::string table = read_whole_file(sequence / "boxes.csv");
     boxes += std::count(table.begin(), table.end(), '\n') - 1;
     for (const auto& scan : fs::directory_iterator(sequence / "velodyne"))
       points += static_cast<std::int64_t>(fs::file_size(scan) / 16);
@@ -258,10 +258,10 @@ TEST_F(SmallDatasetDeathTest, ReproducesFramesAndReportsDifferingOnes) {
   EXPECT_THAT(reported, ::testing::ElementsAre(0.5, 0.75));
   // Changed byte in one frame, together with its hash in the manifest.
   const std::string name = "sequences/01/velodyne/000001.bin";
-  std::string bytes = text_of(out / name);
+  std::string bytes = read_whole_file(out / name);
   bytes[3] = static_cast<char>(bytes[3] ^ 1);
   std::ofstream(out / name, std::ios::binary) << bytes;
-  auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
+  auto manifest = nlohmann::json::parse(read_whole_file(out / "manifest.json"));
   for (auto& file : manifest["files"]) {
     if (file["path"] == name) file["xxh128"] = hex(hash_of(bytes));
   }
@@ -299,7 +299,7 @@ TEST_F(SmallDatasetDeathTest, VerificationNamesChangedFiles) {
 }
 
 TEST_F(SmallDatasetDeathTest, RefusesAnInvalidManifest) {
-  const auto whole = nlohmann::json::parse(text_of(out / "manifest.json"));
+  const auto whole = nlohmann::json::parse(read_whole_file(out / "manifest.json"));
   auto no_files = whole, no_sequences = whole, no_hash = whole, words = whole;
   no_files.erase("files");
   no_sequences["sequences"] = 3;

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
-namespace swiftlet::sim {
+#include "swiftlet/sim/io/files.hpp"
 
-inline std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
+namespace swiftlet::sim {
 
 inline std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> words;

@@ -172,7 +172,7 @@ class SequenceRecorderTest : public ::testing::Test {
   ContentConfig content;
 
   std::vector<std::map<std::string, std::string>> boxes() const {
-    const auto lines = split(text_of(directory.path() / "boxes.csv"), '\n');
+    const auto lines = split(read_whole_file(directory.path() / "boxes.csv"), '\n');
     const auto head = split(lines.at(0), ',');
     std::vector<std::map<std::string, std::string>> rows;
     for (std::size_t i = 1; i < lines.size(); ++i) {
@@ -190,10 +190,10 @@ class SequenceRecorderTest : public ::testing::Test {
 
 TEST_F(SequenceRecorderTest, RecordsTruthAndBeliefPerFrame) {
   flight.record(content, directory.path());
-  const auto poses = split(text_of(directory.path() / "poses.txt"), '\n'),
-             times = split(text_of(directory.path() / "times.txt"), '\n'),
-             beliefs = split(text_of(directory.path() / "told.tum"), '\n'),
-             calibration = split(text_of(directory.path() / "calib.txt"), '\n');
+  const auto poses = split(read_whole_file(directory.path() / "poses.txt"), '\n'),
+             times = split(read_whole_file(directory.path() / "times.txt"), '\n'),
+             beliefs = split(read_whole_file(directory.path() / "told.tum"), '\n'),
+             calibration = split(read_whole_file(directory.path() / "calib.txt"), '\n');
   ASSERT_EQ(poses.size(), 30U);
   ASSERT_EQ(times.size(), 30U);
   ASSERT_EQ(beliefs.size(), 31U);
@@ -232,7 +232,7 @@ TEST_F(SequenceRecorderTest, RecordsTruthAndBeliefPerFrame) {
 TEST_F(SequenceRecorderTest, PrefersExternalLocalizationOverTheEstimate) {
   flight.is_localized_outside = true;
   flight.record(content, directory.path());
-  const auto beliefs = split(text_of(directory.path() / "told.tum"), '\n');
+  const auto beliefs = split(read_whole_file(directory.path() / "told.tum"), '\n');
   ASSERT_EQ(beliefs.size(), 31U);
   for (std::size_t n = 0; n < 30; ++n) {
     Pose T = Flight2::state_of(0, static_cast<TimeNs>(n) * 100'000'000).T_world_body();
@@ -351,7 +351,7 @@ TEST_F(SequenceRecorderTest, ListsFrameFilesWithTheirHashes) {
   ASSERT_EQ(found.files.size(), 30U * 5U);
   std::map<std::string, int> folders;
   for (const FileEntry& file : found.files) {
-    const std::string bytes = text_of(directory.path() / file.path);
+    const std::string bytes = read_whole_file(directory.path() / file.path);
     EXPECT_EQ(file.bytes, bytes.size());
     EXPECT_EQ(file.xxh128, hex(hash_of(bytes)));
     ++folders[file.path.substr(0, file.path.rfind('/'))];
@@ -363,7 +363,7 @@ TEST_F(SequenceRecorderTest, ListsFrameFilesWithTheirHashes) {
   for (int n = 0; n < 30; ++n) {
     Frame frame;
     encode_frame(*flight.scans[static_cast<std::size_t>(n)], content, frame);
-    const std::string stored = text_of(directory.path() / frame_file("velodyne", n, "bin"));
+    const std::string stored = read_whole_file(directory.path() / frame_file("velodyne", n, "bin"));
     EXPECT_EQ(std::memcmp(stored.data(), frame.velodyne.bytes().data(), stored.size()), 0);
   }
   EXPECT_GT(found.beside_s, 0.0);
@@ -375,7 +375,7 @@ TEST_F(SequenceRecorderTest, WritesEveryNthScanAsRequested) {
   content.point_truth = false;
   const SequenceStatistics found = flight.record(content, directory.path());
   EXPECT_EQ(found.frames, 8);
-  const auto times = split(text_of(directory.path() / "times.txt"), '\n');
+  const auto times = split(read_whole_file(directory.path() / "times.txt"), '\n');
   ASSERT_EQ(times.size(), 8U);
   EXPECT_EQ(std::stod(times[1]), 0.4);
   EXPECT_EQ(boxes().size(), 8U);

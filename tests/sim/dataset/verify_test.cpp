@@ -132,7 +132,7 @@ TEST_F(HandMade, LocatesDamageInTablesAndFrames) {
       {"boxes.csv", boxes + "2,b,3\n2,c,3\n2,c,3\n", {"boxes.csv: expected 6 boxes, found 7"}},
   };
   for (const auto& c : cases) {
-    const std::string before = text_of(sequence() / c.file);
+    const std::string before = read_whole_file(sequence() / c.file);
     write(c.file, c.content);
     const auto found = problems();
     EXPECT_EQ(found.size(), c.problems.size()) << c.file << ": " << c.content;

@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
@@ -94,9 +92,9 @@ TEST(Simulation, RecordsStartPoseAtAnyRate) {
     simulation.attach_recorders(folder.path());
     fly(simulation);
     simulation.finish();
-    std::ostringstream text;
-    text << std::ifstream(folder.path() / "trajectories/uav1.tum").rdbuf();
-    EXPECT_THAT(text.str(), testing::HasSubstr("\n1700000000.000000000 1 2 5 0 0 0 1\n")) << rate_hz;
+    EXPECT_THAT(read_whole_file(folder.path() / "trajectories/uav1.tum"),
+                testing::HasSubstr("\n1700000000.000000000 1 2 5 0 0 0 1\n"))
+        << rate_hz;
   }
 }
 

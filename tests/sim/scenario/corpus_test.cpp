@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
@@ -26,8 +25,7 @@ TEST(Corpus, EveryInputGivesConfigurationOrMessage) {
   ASSERT_GE(files.size(), 30u);
   for (const std::filesystem::path& path : files) {
     SCOPED_TRACE(path.string());
-    std::ifstream file(path, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    const std::string text = read_whole_file(path);
     // Aborts on anything but a clean result.
     EXPECT_EQ(LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), 0);
   }

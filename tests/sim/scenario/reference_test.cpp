@@ -4,10 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
@@ -64,8 +62,7 @@ TEST(Reference, EveryDefaultCanBeRead) {
 }
 
 TEST(Reference, TheDocumentIsUpToDate) {
-  std::ifstream file(SWIFTLET_SOURCE_DIR "/docs/reference.md");
-  const std::string document((std::istreambuf_iterator<char>(file)), {});
+  const std::string document = read_whole_file(SWIFTLET_SOURCE_DIR "/docs/reference.md");
   EXPECT_TRUE(document == write_reference()) << "docs/reference.md is stale: a key or its documentation has changed.\n"
                                                 "Regenerate it: build/release/swiftlet reference > docs/reference.md";
 }
