@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRunInterrupted = "interrupted; the unfinished run was removed";
 
-void stop_if_asked() {
+void stop_if_interrupted() {
   if (StopSignals::requested()) throw Interrupted(kRunInterrupted);
 }
 
@@ -29,7 +29,7 @@ void fly(sim::Simulation& simulation, bool quiet) {
   const auto start = std::chrono::steady_clock::now();
   while (!simulation.finished()) {
     simulation.tick();
-    stop_if_asked();
+    stop_if_interrupted();
     if (!progress.due()) continue;
     const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double simulated_s = to_seconds(simulation.now());
@@ -52,7 +52,7 @@ FlownRun fly_run(const sim::Scenario& scenario, const fs::path& out, int threads
 
   const auto start = std::chrono::steady_clock::now();
   sim::Simulation simulation(scenario, threads);
-  stop_if_asked();
+  stop_if_interrupted();
   simulation.attach_recorders(directory.path());
   if (prepare) prepare(simulation, directory.path());
   const auto ready = std::chrono::steady_clock::now();

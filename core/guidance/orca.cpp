@@ -29,7 +29,7 @@ Vector3 unit(const Vector3& v, const Vector3& otherwise) {
 
 /// Point of the intersection of all half-spaces and the ball that is nearest to the wanted one, by alternating
 /// projections [Dykstra 1983].
-Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double give_way_mps,
+Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double relaxation_mps,
                 std::vector<Vector3>& corrections) {
   corrections.assign(planes.size() + 1, Vector3::Zero());
   Vector3 v = wanted;
@@ -39,7 +39,7 @@ Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double
       if (i == planes.size()) {
         v = within(from, speed_mps);
       } else {
-        const double missing = planes[i].normal_local.dot(planes[i].point_local_mps - from) - give_way_mps;
+        const double missing = planes[i].normal_local.dot(planes[i].point_local_mps - from) - relaxation_mps;
         v = missing > 0.0 ? Vector3(from + missing * planes[i].normal_local) : from;
       }
       corrections[i] = from - v;
@@ -48,9 +48,9 @@ Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double
   return v;
 }
 
-bool satisfies(std::span<const OrcaPlane> planes, const Vector3& v, double give_way_mps) {
+bool satisfies(std::span<const OrcaPlane> planes, const Vector3& v, double relaxation_mps) {
   return std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
-    return plane.normal_local.dot(v - plane.point_local_mps) > -give_way_mps - kSlack_mps;
+    return plane.normal_local.dot(v - plane.point_local_mps) > -relaxation_mps - kSlack_mps;
   });
 }
 
@@ -147,13 +147,13 @@ OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps
 
 Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
                       std::vector<Vector3>& scratch) {
-  double give_way_mps = 0.0;
+  double relaxation_mps = 0.0;
   for (int i = 0; i < 12; ++i) {
-    const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);
-    if (satisfies(planes, v, give_way_mps)) return v;
-    give_way_mps = give_way_mps > 0.0 ? 1.6 * give_way_mps : 0.05;
+    const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
+    if (satisfies(planes, v, relaxation_mps)) return v;
+    relaxation_mps = relaxation_mps > 0.0 ? 1.6 * relaxation_mps : 0.05;
   }
-  return nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);
+  return nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
 }
 
 void OrcaConfig::visit(ConfigVisitor& v) {

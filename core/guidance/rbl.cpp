@@ -160,7 +160,7 @@ class Rbl : public Guidance {
     from_local_m_ = goal_.position_m;
     to_local_m_ = next_local_m(T_local_body, now);
     if (config_.separation.enabled) keep_apart(T_local_body, now);
-    if (planar_) to_local_m_.z() = out_of_the_way_local_m(p_local_m, now);
+    if (planar_) to_local_m_.z() = evading_goal_local_m(p_local_m, now);
     status_ = status(p_local_m, now);
   }
 
@@ -254,7 +254,7 @@ class Rbl : public Guidance {
   ///
   /// A crowd may leave no room to evade in the plane. The horizontal distance to all others is kept meanwhile, so that
   /// no other vehicle is above or below.
-  double out_of_the_way_local_m(const Vector3& p_local_m, TimeNs now) {
+  double evading_goal_local_m(const Vector3& p_local_m, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
     const double height_m = goal_local_m_.z();
     if (!separation.enabled || passed_.t < 0 || now - passed_.t > from_seconds(kOutOfPlane_s)) {

@@ -180,8 +180,8 @@ bool ClearSpace::is_clear_segment(const Vector3& from_local_m, const Vector3& to
   return true;
 }
 
-ClearPathStatus why_refused(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
-                            const Vector3& start_local_m, const Vector3& goal_local_m) {
+ClearPathStatus refusal_reason(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
+                               const Vector3& start_local_m, const Vector3& goal_local_m) {
   const double edge_m = view.edge_m();
   if (!is_on_map(start_local_m, edge_m) || !is_on_map(goal_local_m, edge_m)) return ClearPathStatus::kGoalTooFar;
   if (space.is_clear(center_of(cell_at(goal_local_m, edge_m), edge_m))) return ClearPathStatus::kFound;
@@ -193,7 +193,7 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
                           const Vector3& goal_local_m) {
   const double edge_m = view.edge_m();
   const ClearSpace space(view, config, start_local_m);
-  const ClearPathStatus refused = why_refused(view, space, config, start_local_m, goal_local_m);
+  const ClearPathStatus refused = refusal_reason(view, space, config, start_local_m, goal_local_m);
   if (refused != ClearPathStatus::kFound) return {refused, {}, 0};
   const Cell start = cell_at(start_local_m, edge_m), goal = cell_at(goal_local_m, edge_m);
   ClearSearch search(space, edge_m, start, goal, config.heuristic_weight);

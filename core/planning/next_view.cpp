@@ -76,7 +76,7 @@ class ViewSearch {
   }
   Vector3 place_of(const Cell& cell) const { return start_local_m_ + config_.step_m * cell.cast<double>(); }
 
-  /// Judges every second lattice point along each axis, which costs an eighth and finds equally good views.
+  /// Evaluates every second lattice point along each axis, which costs an eighth and finds equally good views.
   void consider(int node, double path_length_m) {
     const Cell& cell = met_[node].cell;
     if (((cell.x() | cell.y() | cell.z()) & 1) != 0 || node == 0) return;

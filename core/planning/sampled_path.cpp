@@ -224,7 +224,7 @@ ClearPath find_sampled_path(const OccupancyView& view, const ClearPathConfig& co
                             SampledSearch search, const Vector3& start_local_m, const Vector3& goal_local_m,
                             std::uint32_t draw) {
   const ClearSpace space(view, config, start_local_m);
-  const ClearPathStatus refused = why_refused(view, space, config, start_local_m, goal_local_m);
+  const ClearPathStatus refused = refusal_reason(view, space, config, start_local_m, goal_local_m);
   if (refused != ClearPathStatus::kFound) return {refused, {}, 0};
   SampledPath sampled(space, config, sampling, search, start_local_m, goal_local_m, draw);
   std::vector<Vector3> path_local_m = sampled.run();

@@ -15,7 +15,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMostTested = 64;   // most closures judged: one bit each
+constexpr std::size_t kMostTested = 64;   // most closures tested: one bit each
 constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
 // Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
 constexpr double kMinPathLength_m = 0.05;

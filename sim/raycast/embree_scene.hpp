@@ -42,7 +42,7 @@ struct alignas(32) Facet {
   Eigen::Vector3f normal;           ///< unit vector; zero for a degenerate triangle
   float least_cosine_per_m = 0.0F;  ///< visible from range r if |cos| >= this * (r + 1 m)
   std::uint32_t surface : 24 = 0;   ///< index in TriangleScene::surfaces
-  /// Twice the margin as a barycentric distance, in 1/512; 255: always judged in full
+  /// Twice the margin as a barycentric distance, in 1/512; 255: always tested in full
   std::uint32_t firm_steps : 8 = 0;
 };
 static_assert(sizeof(Facet) == 32);

@@ -197,7 +197,7 @@ RTCRay ExactQuery::single_ray(int lane) const {
 // Bound of Embree's range error for a visible surface; the slack is twice that.
 inline float ExactQuery::error_m(float range_m) const { return 0.5F * (slack_m_ + (slack_factor_ - 1.0F) * range_m); }
 
-// ---- first pass: Embree proposes, the rule judges afterwards ----
+// ---- first pass: Embree proposes, the rule tests afterwards ----
 
 // Processes consecutive lanes at once, in registers as wide as those with which Embree has written the packet: reading
 // single lanes would stall on each of those stores.
@@ -270,7 +270,7 @@ void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-// Most rays have one proposal, far from its edges. Only the others are judged in full.
+// Most rays have one proposal, far from its edges. Only the others are tested in full.
 void ExactQuery::conclude() {
   for (int lane = 0; lane < kPacketSize; lane += 8) test_proposals(lane);
   int in_full[kPacketSize];
@@ -374,7 +374,7 @@ void ExactQuery::test_proposals(int first_lane) {
   store((sure & first) | (~sure & (none | static_cast<int>(kSeveral))), &triangle_[first_lane]);
 }
 
-// Judges several proposals, or one near an edge.
+// Tests several proposals, or one near an edge.
 void ExactQuery::test_in_full(int lane) {
   triangle_[lane] = kNone;
   range_m_[lane] = range_max_m_[lane];
@@ -413,7 +413,7 @@ bool ExactQuery::passes_inside(int lane, std::uint32_t triangle) const {
   return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
 }
 
-// ---- second pass: the rule judges each proposal before Embree continues ----
+// ---- second pass: the rule tests each proposal before Embree continues ----
 
 void ExactQuery::trace_again(int lane) {
   triangle_[lane] = kNone;

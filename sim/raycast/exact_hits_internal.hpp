@@ -12,7 +12,7 @@
 ///
 /// Embree's rounding depends on instruction set and manufacturer. Ranges differ in their last bits, and near an edge
 /// also the triangle. Therefore Embree only proposes triangles, which are enlarged in their planes by more than its
-/// error. A rule in IEEE double arithmetic judges the proposals:
+/// error. A rule in IEEE double arithmetic tests the proposals:
 /// 1. The ray passes the three edges on the same side, by the signs of the volumes that it spans with them. Triangles
 /// with a common edge compute this volume with opposite signs, so that no ray passes between them.
 /// 2. The surface is visible: the origin is at least kLeastHeight_m off the plane, and the surface is not nearly
@@ -20,7 +20,7 @@
 /// 3. The nearest triangle within the range of the query is the result; at equal ranges the first in the scene.
 ///
 /// Nearly all rays get one proposal that is clearly nearer than all others and far from its edges. The rest (5 % in a
-/// forest) are judged in full, and traced again where that does not decide.
+/// forest) are tested in full, and traced again where that does not decide.
 namespace swiftlet::sim {
 
 inline constexpr double kLeastCosine = 0.01;

@@ -147,11 +147,11 @@ void require_sensors(const VehicleConfig& vehicle) {
       if (vehicle.sensors[i].type == need.type) carried.push_back(names[i]);
     }
     if (carried.empty()) {
-      throw std::invalid_argument(need.why + ": expected a sensor of type " + need.type + " on " + vehicle.name +
-                                  ", found none");
+      throw std::invalid_argument(need.required_by + ": expected a sensor of type " + need.type + " on " +
+                                  vehicle.name + ", found none");
     }
     if (need.name.empty() || std::find(carried.begin(), carried.end(), need.name) != carried.end()) continue;
-    throw std::invalid_argument(need.why + ": expected the name of a sensor of type " + need.type + " on " +
+    throw std::invalid_argument(need.required_by + ": expected the name of a sensor of type " + need.type + " on " +
                                 vehicle.name + ", found \"" + need.name + "\"" + did_you_mean(need.name, carried));
   }
 }

@@ -38,9 +38,9 @@ struct MemoryNeed {
 
 /// Sensor type that an agent requires.
 struct SensorNeed {
-  std::string type;       ///< type name as in scenarios
-  std::string why;        ///< setting that requires the sensor, below the agent's own
-  std::string name = {};  ///< name of the required sensor; empty: any of the type
+  std::string type;         ///< type name as in scenarios
+  std::string required_by;  ///< setting that requires the sensor, below the agent's own
+  std::string name = {};    ///< name of the required sensor; empty: any of the type
 };
 
 /// Requirements of an agent on the simulated world, beside the sensors that its vehicle carries.

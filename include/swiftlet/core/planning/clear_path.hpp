@@ -62,8 +62,8 @@ class ClearSpace {
 };
 
 /// Reason for which no path can exist, determined without a search; kFound when a path may exist.
-ClearPathStatus why_refused(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
-                            const Vector3& start_local_m, const Vector3& goal_local_m);
+ClearPathStatus refusal_reason(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
+                               const Vector3& start_local_m, const Vector3& goal_local_m);
 
 /// A short path with clearance [Kratky 2021, the planner that Pritzl 2024 uses]. A* over the 26 neighbors of a cell,
 /// followed by repeated shortcuts from both ends along clear straight lines. A pure function: equal views give equal

@@ -85,7 +85,7 @@ class TrackFusion {
     std::vector<std::size_t> members;  // indices of its tracks in this update
     MotionEstimate estimate;
     double existence = 0.0;
-    bool held_back = false, was_reported = false;  // was_told: reported in the previous update
+    bool held_back = false, was_reported = false;  // was_reported: reported in the previous update
   };
   /// Two targets that may be the same.
   struct Candidate {
