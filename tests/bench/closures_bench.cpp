@@ -36,16 +36,16 @@ std::vector<Eigen::Vector3f> thinned_m(const std::vector<Eigen::Vector3f>& point
 
 std::vector<CloudOfSubmap> submaps_of_a_lap() {
   std::vector<CloudOfSubmap> submaps;
-  double way_m = 0.0;
+  double path_m = 0.0;
   Vector3 last_m = Vector3::Zero();
   int num = 0;
   for (const testing::FlownScan& flown : testing::fly_scans("campus.yaml", 440)) {
     const Vector3 p_m = flown.T_world_body.translation();
-    if (num > 0) way_m += (p_m - last_m).norm();
+    if (num > 0) path_m += (p_m - last_m).norm();
     last_m = p_m;
-    if (submaps.empty() || way_m > kSubmap_m) {
+    if (submaps.empty() || path_m > kSubmap_m) {
       submaps.push_back({flown.T_world_body, {}});
-      way_m = 0.0;
+      path_m = 0.0;
     }
     CloudOfSubmap& submap = submaps.back();
     CloudRegistrar registrar(0.3);

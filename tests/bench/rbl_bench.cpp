@@ -26,7 +26,7 @@ std::vector<Vector3> ring_of_neighbors(int n) {
   return neighbors;
 }
 
-std::vector<Vector3> voxels_around(std::size_t wanted) {
+std::vector<Vector3> voxels_around(std::size_t count) {
   std::vector<Vector3> voxels;
   for (int k = 0; k < 40; ++k) {  // trunks of 0.5 m, from near to far
     const double angle = 2.4 * k, distance = 1.6 + 0.06 * k;
@@ -44,7 +44,7 @@ std::vector<Vector3> voxels_around(std::size_t wanted) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
   });
   voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
-  voxels.resize(std::min(voxels.size(), wanted));
+  voxels.resize(std::min(voxels.size(), count));
   return voxels;
 }
 

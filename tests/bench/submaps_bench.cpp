@@ -34,18 +34,18 @@ const std::vector<Seen>& lap() {
     std::vector<Seen> made;
     std::unique_ptr<OccupancyMap> growing;
     Vector3 begun_m = Vector3::Zero(), last_m = Vector3::Zero();
-    double way_m = 0.0;
+    double path_m = 0.0;
     for (const testing::FlownScan& flown : testing::fly_scans("campus.yaml", 440)) {
       const Vector3 p_m = flown.T_world_body.translation();
-      if (growing != nullptr) way_m += (p_m - last_m).norm();
+      if (growing != nullptr) path_m += (p_m - last_m).norm();
       last_m = p_m;
-      if (growing == nullptr || way_m > kSubmap_m) {
+      if (growing == nullptr || path_m > kSubmap_m) {
         if (growing != nullptr) {
           made.push_back({std::make_shared<const SubmapCells>(config.edge_m, growing->blocks_above(0.7)), begun_m});
         }
         growing = std::make_unique<OccupancyMap>(config.growing());
         begun_m = p_m;
-        way_m = 0.0;
+        path_m = 0.0;
       }
       CloudRegistrar registrar(0.3);
       StateEstimate estimate;

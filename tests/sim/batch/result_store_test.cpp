@@ -21,12 +21,12 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A database of one episode, as a stranger may change it.
-class Stranger : public ::testing::Test {
+class ForeignDatabase : public ::testing::Test {
  protected:
   static constexpr int kPageBytes = 512;
   using Page = std::array<unsigned char, kPageBytes>;
 
-  Stranger() {
+  ForeignDatabase() {
     ResultStore store(file_, ResultStore::Mode::kCreate);
     BatchInfo info;
     info.fingerprint = "1234";
@@ -99,7 +99,7 @@ std::array<unsigned char, 512> page_of_one_child(int child) {
   return page;
 }
 
-TEST_F(Stranger, RefusesMalformedListsWithTheirPlace) {
+TEST_F(ForeignDatabase, RefusesMalformedListsWithTheirPlace) {
   for (const char* list : {"{\"a\": 1}", "[1, 2]", "[\"fast\"", "no list"}) {
     run(std::string("UPDATE batch SET value = '") + list + "' WHERE key = 'variants'");
     EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.info(); }),
@@ -107,12 +107,12 @@ TEST_F(Stranger, RefusesMalformedListsWithTheirPlace) {
   }
 }
 
-TEST_F(Stranger, NoQueryOfTheirsIsRun) {
+TEST_F(ForeignDatabase, RunsNoViewInPlaceOfATable) {
   run("ALTER TABLE batch RENAME TO hidden; CREATE VIEW batch AS SELECT * FROM hidden");
   EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results of a batch, found something else"));
 }
 
-TEST_F(Stranger, RefusesForeignDatabasesInOwnWords) {
+TEST_F(ForeignDatabase, RefusesForeignDatabasesInOwnWords) {
   const auto other = HasSubstr("results.sqlite: expected results of a batch, found something else");
   const auto read_all = [](const ResultStore& store) {
     (void)store.info();
@@ -129,7 +129,7 @@ TEST_F(Stranger, RefusesForeignDatabasesInOwnWords) {
   EXPECT_THAT(refusal(read_all), HasSubstr("found something else, which is no database of SQLite"));
 }
 
-TEST_F(Stranger, LimitsReadsOfRepeatedPages) {
+TEST_F(ForeignDatabase, LimitsReadsOfRepeatedPages) {
   run("PRAGMA page_size = 512; VACUUM; CREATE TABLE room(x)");
   run("INSERT INTO room VALUES(zeroblob(5000))");
   const int root = run("SELECT rootpage FROM sqlite_schema WHERE name = 'episodes'");
@@ -346,7 +346,7 @@ TEST(EpisodeRow, AgreesOnlyWithEqualRows) {
   EXPECT_TRUE(row.agrees_with(elsewhere));
 }
 
-TEST_F(Stranger, RefusesInvalidFormatsAndNumbers) {
+TEST_F(ForeignDatabase, RefusesInvalidFormatsAndNumbers) {
   run("UPDATE batch SET value = 'many' WHERE key = 'num_episodes'");
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.info(); }),
               HasSubstr("batch.num_episodes: expected a whole number, found \"many\""));

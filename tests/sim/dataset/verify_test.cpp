@@ -272,8 +272,8 @@ TEST_F(HandMade, ReportsProgressAndEndsWhenCanceled) {
   EXPECT_THAT(report.problems, IsEmpty());
   EXPECT_EQ(report.files, 141);
   EXPECT_THAT(reported, ElementsAre(::testing::DoubleEq(0.5 * 64 / 141), ::testing::DoubleEq(0.5 * 128 / 141)));
-  int asked = 0;
-  options.canceled = [&] { return ++asked > 10; };
+  int queries = 0;
+  options.canceled = [&] { return ++queries > 10; };
   EXPECT_EQ(verify(options).files, 10);
 }
 

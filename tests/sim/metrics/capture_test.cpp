@@ -35,9 +35,9 @@ TEST(CaptureMetric, CountsTargetsPassingThroughTheNet) {
 }
 
 TEST(CaptureMetric, DeterminesOutcomeByCapturesAlone) {
-  for (const int wanted : {0, 1, 2}) {
+  for (const int required : {0, 1, 2}) {
     std::vector<Perception> perception = Chase::with_net();
-    perception[0].captures = wanted;
+    perception[0].captures = required;
     MetricsRun run(2, {}, perception);
     run.states[0].p_world_m = {0.0, 0.0, 10.0};
     run.actions[1].mission = MissionStatus::kEndless;
@@ -46,7 +46,7 @@ TEST(CaptureMetric, DeterminesOutcomeByCapturesAlone) {
       run.states[1].p_world_m = {0.0, 0.0, z_m};
       run.tick();
     }
-    EXPECT_EQ(run.metrics.outcome(), wanted == 1 ? "done" : "timeout") << wanted;
+    EXPECT_EQ(run.metrics.outcome(), required == 1 ? "done" : "timeout") << required;
     EXPECT_TRUE(std::isnan(run.value("time_to_done_s"))) << "the agent has not reported it";
     run.states[0].crashed = true;
     run.tick();

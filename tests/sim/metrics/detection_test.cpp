@@ -18,13 +18,13 @@ constexpr TimeNs kScan = 100'000'000;
 
 /// An observer (vehicle 0 by default) that detects and tracks the others, with detections set by the tests.
 struct SightRun : MetricsRun {
-  explicit SightRun(int num_vehicles, MetricsConfig config = {}, std::size_t looks = 0)
-      : MetricsRun(num_vehicles, config, perceived(num_vehicles, looks)), observer(looks) {
+  explicit SightRun(int num_vehicles, MetricsConfig config = {}, std::size_t index = 0)
+      : MetricsRun(num_vehicles, config, perceived(num_vehicles, index)), observer(index) {
     for (Action& action : actions) action.estimate.valid = true;
   }
-  static std::vector<Perception> perceived(int n, std::size_t looks) {
+  static std::vector<Perception> perceived(int n, std::size_t index) {
     std::vector<Perception> out(n);
-    out[looks] = {true, true, {}};
+    out[index] = {true, true, {}};
     return out;
   }
 

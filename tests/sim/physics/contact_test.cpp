@@ -84,12 +84,12 @@ TEST(Friction, SlidesOnSteepSlopesOnly) {
     vehicle.start.p_world_m = vehicle.start.q_world_body * Vector3(0, 0, airframe.leg_height_m);
     Flight flight(config, {vehicle}, slope(angle));
     flight.run(1.0);
-    const double way = (flight.state().p_world_m - vehicle.start.p_world_m).norm();
+    const double slid_m = (flight.state().p_world_m - vehicle.start.p_world_m).norm();
     if (std::tan(angle) < mu) {
-      EXPECT_LT(way, 0.002);
+      EXPECT_LT(slid_m, 0.002);
     } else {
       // Coulomb: s = 1/2 g (sin - mu cos) t^2.
-      EXPECT_NEAR(way, 0.5 * kGravity * (std::sin(angle) - mu * std::cos(angle)), 0.03);
+      EXPECT_NEAR(slid_m, 0.5 * kGravity * (std::sin(angle) - mu * std::cos(angle)), 0.03);
     }
   }
 }

@@ -108,10 +108,9 @@ TEST_F(Plugins, MustBeMarkedSharedLibraries) {
   EXPECT_FALSE(is_loaded(folder.path() / "half.so"));
 }
 
-TEST_F(Plugins, TellWhenTheirNamesAreTaken) {
+TEST_F(Plugins, AreRefusedForNamesInUse) {
   build("taken", plugin_for("1.2", "throw std::runtime_error(\"hover is there\");"));
-  EXPECT_EQ(load_plugin("taken.so", folder.path()),
-            "a plugin with modules, found \"taken.so\": hover is there");
+  EXPECT_EQ(load_plugin("taken.so", folder.path()), "a plugin with modules, found \"taken.so\": hover is there");
   EXPECT_FALSE(is_loaded(folder.path() / "taken.so"));
 }
 

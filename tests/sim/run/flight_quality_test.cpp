@@ -52,13 +52,13 @@ TEST_P(EveryVehicle, TracksAgileTrajectoriesWithinThirtyCentimeters) {
     config.seed = std::stoul(seed);
     const StackConfig& stack = simulation.scenario().vehicles[0].agent.as<StackConfig>();
     const MotionLimits limits = stack.control.limits.resolve();
-    AgileSpline wanted(config, {0, 0, 7}, limits.vertical_speed_mps, limits.vertical_acceleration_mps2);
+    AgileSpline spline(config, {0, 0, 7}, limits.vertical_speed_mps, limits.vertical_acceleration_mps2);
     double sum_sq = 0.0, fastest_mps = 0.0, hardest_mps2 = 0.0;
     int num_ticks = 0;
     while (!simulation.finished()) {
       simulation.tick();
-      wanted.advance(simulation.scenario().tick_s);
-      const Reference reference = wanted.reference();
+      spline.advance(simulation.scenario().tick_s);
+      const Reference reference = spline.reference();
       const VehicleState& state = simulation.view().states[0];
       sum_sq += (state.p_world_m - reference.position_m).squaredNorm();
       fastest_mps = std::max(fastest_mps, state.v_world_mps.norm());

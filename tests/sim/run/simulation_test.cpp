@@ -368,12 +368,12 @@ TEST(Simulation, RequestsOverlaysOnlyForPictures) {
   Simulation simulation(scenario_of("duration_s: 0.1\nworld: {type: empty}\nvehicles:\n" +
                                     vehicle("uav1", "[0, 0, 5]", "{type: hover}") +
                                     "snapshots: [{name: top, type: top, times_s: [0.05]}]\n"));
-  int asked = 0;
+  int requests = 0;
   while (!simulation.finished()) {
     simulation.tick();
-    asked += simulation.view().observations[0].wants_overlays ? 1 : 0;
+    requests += simulation.view().observations[0].wants_overlays ? 1 : 0;
   }
-  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(requests, 1);
 }
 
 double seconds_of(const std::string& stage, const std::vector<std::pair<std::string, double>>& times_s) {

@@ -271,7 +271,7 @@ TEST(Ranges, AcceptOnlyWholeNumbersThatFit) {
 }
 
 TEST(Ranges, SuggestBooleansForYesAndNo) {
-  const auto meant = [](const std::string& word) {
+  const auto suggested = [](const std::string& word) {
     FleetConfig fleet;
     try {
       read_config_text(
@@ -283,13 +283,13 @@ TEST(Ranges, SuggestBooleansForYesAndNo) {
     }
     return std::string("taken");
   };
-  for (const char* yes : {"yes", "Yes", "on", "On", "True", "TRUE", "1"}) EXPECT_EQ(meant(yes), "true") << yes;
-  for (const char* no : {"no", "No", "off", "Off", "False", "FALSE", "0"}) EXPECT_EQ(meant(no), "false") << no;
-  EXPECT_EQ(meant("true"), "taken");
-  EXPECT_EQ(meant("false"), "taken");
-  EXPECT_EQ(meant("\"true\""), "nothing");
-  EXPECT_EQ(meant("2"), "nothing");
-  EXPECT_EQ(meant("[true]"), "nothing");
+  for (const char* yes : {"yes", "Yes", "on", "On", "True", "TRUE", "1"}) EXPECT_EQ(suggested(yes), "true") << yes;
+  for (const char* no : {"no", "No", "off", "Off", "False", "FALSE", "0"}) EXPECT_EQ(suggested(no), "false") << no;
+  EXPECT_EQ(suggested("true"), "taken");
+  EXPECT_EQ(suggested("false"), "taken");
+  EXPECT_EQ(suggested("\"true\""), "nothing");
+  EXPECT_EQ(suggested("2"), "nothing");
+  EXPECT_EQ(suggested("[true]"), "nothing");
 }
 
 // --- files ---

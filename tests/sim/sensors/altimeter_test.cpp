@@ -57,7 +57,7 @@ TEST(Altimeter, CorrectsBodyFixedBeamForTilt) {
   EXPECT_NEAR(drive(*fixed, {tilted}, {}).altimeter.at(0).height_m, 4.0, 1e-5);  // the top of the block
 }
 
-TEST(Altimeter, SaysNothingOutOfRange) {
+TEST(Altimeter, MeasuresNothingOutOfRange) {
   AltimeterConfig config = perfect_altimeter();
   config.range_min_m = 1.0;
   config.range_max_m = 4.0;

@@ -382,7 +382,7 @@ TEST(Lidar, ReturnsNothingBelowTheMinimumRange) {
   rig.config.range_min_m = 0.8;
   const auto scans = rig.run();
   EXPECT_EQ(scans[0]->scan.range_m[1], 0.0F);
-  EXPECT_NEAR(scans[0]->truth.range_m[1], 0.5, 1e-5) << "the truth knows what was in the way";
+  EXPECT_NEAR(scans[0]->truth.range_m[1], 0.5, 1e-5) << "the truth has the near wall";
 }
 
 TEST(Lidar, MixesEdgeRangesInWideBeams) {
