@@ -198,7 +198,7 @@ class Simulator:
     def states(self) -> Table:
         """True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The arrays look into the simulator and always show the present; copy what is to stay."""
     def summary(self) -> typing.Any:
-        """What the run came to so far: the content of summary.json."""
+        """Summary of the run so far: the content of summary.json."""
     @property
     def t_ns(self) -> int:
         """[ns] simulated time."""
