@@ -24,7 +24,7 @@ constexpr double kComesUnseen = 5.0;  // cost of each approaching neighbor out o
 constexpr double kSlow_mps = 1.0;     // speed assumed in addition to the closing speed
 
 /// Time until the neighbor could be here, at its closing speed plus kSlow_mps; at least 1 s.
-double soon_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
+double time_to_meet_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
   const double d = to_neighbor_m.norm();
   const double closing_mps = d > 0.0 ? std::max(0.0, -neighbor.velocity_local_mps.dot(to_neighbor_m) / d) : 0.0;
   return std::max(1.0, d / (kSlow_mps + closing_mps));
@@ -90,7 +90,8 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
     double cost = 0.01 * std::abs(turn_rad(i));
     for (const Neighbor& neighbor : neighbors) {
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
-      if (!sees(R_body_local[i] * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / soon_s(neighbor, to_m);
+      if (!sees(R_body_local[i] * to_m))
+        cost += (1.0 + to_seconds(now - neighbor.seen)) / time_to_meet_s(neighbor, to_m);
     }
     for (const Vector3& approaching_m : approaching_local_m) {
       if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += kComesUnseen;

@@ -177,8 +177,8 @@ class SlidingWindow : public RelativeLocalizer {
 
   // ---- unlocalized teammates
   void find_missing(TimeNs now) {
-    const bool much_else_shines = config_.source == SlidingWindowConfig::Source::kMarkers;
-    if (teammates_.size() == 1 && !much_else_shines) {
+    const bool has_many_bright_returns = config_.source == SlidingWindowConfig::Source::kMarkers;
+    if (teammates_.size() == 1 && !has_many_bright_returns) {
       for (const Sighting& sighting : left_) teammates_.front().wait(sighting);
       return;
     }

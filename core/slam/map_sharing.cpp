@@ -98,14 +98,15 @@ void MapSharing::look_at_own(const SubmapProvider& own) {
   while (static_cast<int>(own_.size()) + 1 < own.num_submaps()) {
     const std::span<const Eigen::Vector3f> points_m = own.points_submap_m(static_cast<int>(own_.size()));
     const CompactCloudConfig& cloud = config_.cloud;
-    Own& finished = own_.emplace_back();
+    OwnSubmap& finished = own_.emplace_back();
     finished.look = look_of(points_m, cloud.voxel_m, cloud.range_max_m);
     finished.chunks = pack_points(points_to_share_m(points_m, cloud), cloud.voxel_m, cloud.bits, cloud.chunk_bytes);
     if (finished.chunks.size() > kMostChunks) finished.chunks.resize(kMostChunks);
     for (const PackedPoints& chunk : finished.chunks) finished.num_points += chunk.num_points;
     for (Peer& other : peers_) {
-      for (Their& their : other.submaps) {
-        if (their.look) their.alike = std::max(their.alike, likeness(finished.look, *their.look));
+      for (PeerSubmap& peer_submap : other.submaps) {
+        if (peer_submap.look)
+          peer_submap.similarity = std::max(peer_submap.similarity, likeness(finished.look, *peer_submap.look));
       }
     }
   }
@@ -121,7 +122,7 @@ void MapSharing::update_places(const SubmapProvider& own) {
     own_places_[static_cast<std::size_t>(i)] = {true, own.T_local_submap(i), own.path_length_m(i)};
   }
   places_due_ = true;
-  for (Peer& other : peers_) other.news = true;
+  for (Peer& other : peers_) other.has_new_closures = true;
 }
 
 // Received messages.
@@ -159,7 +160,8 @@ bool MapSharing::receive_places(TimeNs t, Peer& from, const Message& message) {
   if (from.places.size() < end) from.places.resize(end);
   for (std::size_t i = 0; i < places.size(); ++i) {
     SubmapPlace& known = from.places[received.first + i];
-    from.news = from.news || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
+    from.has_new_closures =
+        from.has_new_closures || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
     known = places[i];
   }
   if (received.num_finished > from.num_finished) {
@@ -169,7 +171,7 @@ bool MapSharing::receive_places(TimeNs t, Peer& from, const Message& message) {
   return true;
 }
 
-MapSharing::Their& MapSharing::submap_of(Peer& from, std::uint32_t number) {
+MapSharing::PeerSubmap& MapSharing::submap_of(Peer& from, std::uint32_t number) {
   if (from.submaps.size() <= number) from.submaps.resize(number + 1);
   return from.submaps[number];
 }
@@ -181,12 +183,13 @@ bool MapSharing::receive_descriptor(Peer& from, const Message& message) {
     return false;
   std::optional<SubmapLook> look = SubmapLook::from_quantized(received.directions, received.heights);
   if (!look) return false;
-  Their& their = submap_of(from, received.submap);
-  if (their.look) return true;
-  their.look = std::move(look);
-  their.num_points = received.num_points;
-  their.has_chunk.assign(received.num_chunks, 0);
-  for (const Own& own : own_) their.alike = std::max(their.alike, likeness(own.look, *their.look));
+  PeerSubmap& peer_submap = submap_of(from, received.submap);
+  if (peer_submap.look) return true;
+  peer_submap.look = std::move(look);
+  peer_submap.num_points = received.num_points;
+  peer_submap.has_chunk.assign(received.num_chunks, 0);
+  for (const OwnSubmap& own : own_)
+    peer_submap.similarity = std::max(peer_submap.similarity, likeness(own.look, *peer_submap.look));
   return true;
 }
 
@@ -202,30 +205,31 @@ bool MapSharing::receive_request(Peer& from, const Message& message) {
   }
   const std::size_t num_chunks = own_[requested.submap].chunks.size();
   if (num_chunks == 0 || requested.missing.size() != (num_chunks + 7) / 8) return false;
-  from.wanted = static_cast<int>(requested.submap);
-  from.wanted_chunks.assign(num_chunks, 0);
-  for (std::size_t i = 0; i < num_chunks; ++i) from.wanted_chunks[i] = bit_at(requested.missing, i) ? 1 : 0;
+  from.requested_submap = static_cast<int>(requested.submap);
+  from.requested_chunks.assign(num_chunks, 0);
+  for (std::size_t i = 0; i < num_chunks; ++i) from.requested_chunks[i] = bit_at(requested.missing, i) ? 1 : 0;
   return true;
 }
 
 bool MapSharing::receive_chunk(TimeNs t, Peer& from, const Message& message) {
   SubmapChunk received;
   if (read_message(message, received) != Reading::kDone || received.submap >= from.submaps.size()) return false;
-  Their& their = from.submaps[received.submap];
-  if (their.complete) return true;  // a repeated chunk
-  if (static_cast<int>(received.submap) != from.fetching || received.chunk >= their.has_chunk.size()) return false;
+  PeerSubmap& peer_submap = from.submaps[received.submap];
+  if (peer_submap.complete) return true;  // a repeated chunk
+  if (static_cast<int>(received.submap) != from.fetching || received.chunk >= peer_submap.has_chunk.size())
+    return false;
   if (!(received.voxel_m >= 0.01F && received.voxel_m <= 10.0F)) return false;
-  if (their.has_chunk[received.chunk] != 0) return true;
-  if (their.points_submap_m.size() + received.num_points > their.num_points) return false;
+  if (peer_submap.has_chunk[received.chunk] != 0) return true;
+  if (peer_submap.points_submap_m.size() + received.num_points > peer_submap.num_points) return false;
   if (!unpack_points(received.data, received.num_points, static_cast<double>(received.voxel_m), received.bits,
-                     their.points_submap_m)) {
+                     peer_submap.points_submap_m)) {
     return false;
   }
-  their.has_chunk[received.chunk] = 1;
+  peer_submap.has_chunk[received.chunk] = 1;
   from.requested = t;  // the transfer continues
-  their.complete =
-      std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
-  if (their.complete) from.fetching = -1;
+  peer_submap.complete = std::all_of(peer_submap.has_chunk.begin(), peer_submap.has_chunk.end(),
+                                     [](std::uint8_t has) { return has != 0; });
+  if (peer_submap.complete) from.fetching = -1;
   if (received.chunk >= from.last_requested)
     from.is_requested = false;  // chunks arrive in order: chunks missing now were lost
   return true;
@@ -246,7 +250,7 @@ bool MapSharing::receive_closures(Peer& from, const Message& message) {
   };
   if (std::equal(closures.begin(), closures.end(), from.closures.begin(), from.closures.end(), same)) return true;
   from.closures = std::move(closures);
-  from.news = true;
+  from.has_new_closures = true;
   return true;
 }
 
@@ -289,13 +293,15 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
   double best = 0.0;
   int chosen = -1;
   for (std::size_t i = 0; i < from.submaps.size(); ++i) {
-    const Their& their = from.submaps[i];
-    waiting += their.complete && their.num_searched == 0;
-    if (!their.look || their.complete || their.has_chunk.empty() || their.alike < config_.likeness_min) continue;
+    const PeerSubmap& peer_submap = from.submaps[i];
+    waiting += peer_submap.complete && peer_submap.num_searched == 0;
+    if (!peer_submap.look || peer_submap.complete || peer_submap.has_chunk.empty() ||
+        peer_submap.similarity < config_.likeness_min)
+      continue;
     const std::optional<Pose> T = prediction_of(from, static_cast<int>(i));
     const bool near = T && is_near_own(T->translation());
     if (!from.agreeing.empty() && !near) continue;
-    const double value = their.alike + (near ? 1.0 : 0.0);
+    const double value = peer_submap.similarity + (near ? 1.0 : 0.0);
     if (value <= best) continue;
     best = value;
     chosen = static_cast<int>(i);
@@ -308,15 +314,16 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
 /// Searches one cloud of one vehicle in all own submaps similar to it.
 void MapSharing::search(TimeNs t, const SubmapProvider& own) {
   if (!worker_.idle()) return;
-  Their* chosen = nullptr;
+  PeerSubmap* chosen = nullptr;
   std::size_t of = 0, number = 0;
   for (std::size_t p = 0; p < peers_.size(); ++p) {
     if (!searches_in(static_cast<VehicleId>(p)) || is_enough(peers_[p])) continue;
     for (std::size_t i = 0; i < peers_[p].submaps.size(); ++i) {
-      Their& their = peers_[p].submaps[i];
-      if (!their.complete || their.closed || their.num_searched >= static_cast<int>(own_.size())) continue;
-      if (chosen != nullptr && their.alike <= chosen->alike) continue;
-      chosen = &their;
+      PeerSubmap& peer_submap = peers_[p].submaps[i];
+      if (!peer_submap.complete || peer_submap.closed || peer_submap.num_searched >= static_cast<int>(own_.size()))
+        continue;
+      if (chosen != nullptr && peer_submap.similarity <= chosen->similarity) continue;
+      chosen = &peer_submap;
       of = p;
       number = i;
     }
@@ -326,20 +333,21 @@ void MapSharing::search(TimeNs t, const SubmapProvider& own) {
     double likeness = 0.0;
     std::size_t submap = 0;
   };
-  std::vector<Alike> alike;
+  std::vector<Alike> similarity;
   bool fresh = false;
   for (std::size_t i = 0; i < own_.size(); ++i) {
     const double how = likeness(own_[i].look, *chosen->look);
     if (how < config_.likeness_min) continue;
-    alike.push_back({how, i});
+    similarity.push_back({how, i});
     fresh = fresh || static_cast<int>(i) >= chosen->num_searched;
   }
   chosen->num_searched = static_cast<int>(own_.size());
   if (!fresh) return;
-  std::stable_sort(alike.begin(), alike.end(), [](const Alike& a, const Alike& b) { return a.likeness > b.likeness; });
-  alike.resize(std::min(alike.size(), static_cast<std::size_t>(config_.search_submaps)));
+  std::stable_sort(similarity.begin(), similarity.end(),
+                   [](const Alike& a, const Alike& b) { return a.likeness > b.likeness; });
+  similarity.resize(std::min(similarity.size(), static_cast<std::size_t>(config_.search_submaps)));
   std::vector<MapPart> parts;
-  for (const Alike& a : alike) {
+  for (const Alike& a : similarity) {
     const auto submap = static_cast<int>(a.submap);
     parts.push_back(
         {level_pose(own.T_local_submap(submap)), own.points_submap_m(submap), &own_[a.submap].look.directions});
@@ -349,8 +357,8 @@ void MapSharing::search(TimeNs t, const SubmapProvider& own) {
   found_.other = static_cast<VehicleId>(of);
   found_.closure.reset();
   if (match.result.verdict == ClosureVerdict::kClosed) {
-    found_.closure =
-        MapClosure{static_cast<int>(alike[match.part].submap), static_cast<int>(number), match.result.T_older_newer};
+    found_.closure = MapClosure{static_cast<int>(similarity[match.part].submap), static_cast<int>(number),
+                                match.result.T_older_newer};
   }
   worker_.start(t);
 }
@@ -362,7 +370,7 @@ void MapSharing::settle_search(TimeNs t) {
   Peer& other = peers_[static_cast<std::size_t>(found_.other)];
   other.submaps[static_cast<std::size_t>(found_.closure->other)].closed = true;
   other.closures.push_back(*found_.closure);
-  other.closures_due = other.news = true;
+  other.closures_due = other.has_new_closures = true;
   found_.closure.reset();
 }
 
@@ -370,8 +378,8 @@ void MapSharing::join(TimeNs t) {
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     Peer& other = peers_[i];
     const auto id = static_cast<VehicleId>(i);
-    if (!other.news || other.closures.empty() || to_seconds(t - other.tested) < kLeastBetween_s) continue;
-    other.news = false;
+    if (!other.has_new_closures || other.closures.empty() || to_seconds(t - other.tested) < kLeastBetween_s) continue;
+    other.has_new_closures = false;
     other.tested = t;
     other.agreeing = agreeing_closures(other.closures, own_places_, other.places, config_.join);
     const auto place = std::find_if(joined_.begin(), joined_.end(), [id](const JoinedMap& j) { return j.other >= id; });
@@ -486,7 +494,7 @@ bool MapSharing::send_places(TimeNs t, Outbox& outbox) {
 }
 
 bool MapSharing::send_descriptor(Outbox& outbox) {
-  const auto next = std::find_if(own_.begin(), own_.end(), [](const Own& own) { return own.is_due; });
+  const auto next = std::find_if(own_.begin(), own_.end(), [](const OwnSubmap& own) { return own.is_due; });
   if (next == own_.end()) return false;
   next->is_due = false;
   SubmapDescriptor sent;
@@ -501,17 +509,17 @@ bool MapSharing::send_descriptor(Outbox& outbox) {
 
 bool MapSharing::send_chunk(VehicleId to, Outbox& outbox) {
   Peer& other = peers_[static_cast<std::size_t>(to)];
-  if (other.wanted < 0) return false;
-  const auto next = std::find(other.wanted_chunks.begin(), other.wanted_chunks.end(), 1);
-  if (next == other.wanted_chunks.end()) {
-    other.wanted = -1;
+  if (other.requested_submap < 0) return false;
+  const auto next = std::find(other.requested_chunks.begin(), other.requested_chunks.end(), 1);
+  if (next == other.requested_chunks.end()) {
+    other.requested_submap = -1;
     return false;
   }
   *next = 0;
-  const auto number = static_cast<std::size_t>(next - other.wanted_chunks.begin());
-  const PackedPoints& chunk = own_[static_cast<std::size_t>(other.wanted)].chunks[number];
+  const auto number = static_cast<std::size_t>(next - other.requested_chunks.begin());
+  const PackedPoints& chunk = own_[static_cast<std::size_t>(other.requested_submap)].chunks[number];
   SubmapChunk sent;
-  sent.submap = static_cast<std::uint32_t>(other.wanted);
+  sent.submap = static_cast<std::uint32_t>(other.requested_submap);
   sent.chunk = static_cast<std::uint16_t>(number);
   sent.num_points = chunk.num_points;
   sent.bits = static_cast<std::uint16_t>(config_.cloud.bits);

@@ -42,15 +42,15 @@ class MapSharing {
   int num_searches() const { return num_searches_; }
 
  private:
-  struct Own {
+  struct OwnSubmap {
     SubmapLook look;
     std::uint32_t num_points = 0;
     std::vector<PackedPoints> chunks;
     bool is_due = true;
   };
-  struct Their {
+  struct PeerSubmap {
     std::optional<SubmapLook> look;
-    double alike = 0.0;  // best similarity to an own submap
+    double similarity = 0.0;  // best similarity to an own submap
     std::uint32_t num_points = 0;
     std::vector<std::uint8_t> has_chunk;
     std::vector<Eigen::Vector3f> points_submap_m;
@@ -60,24 +60,24 @@ class MapSharing {
   };
   struct Peer {
     std::vector<SubmapPlace> places;
-    std::vector<Their> submaps;  // finished submaps that were reported
+    std::vector<PeerSubmap> submaps;  // finished submaps that were reported
     std::uint32_t num_finished = 0;
     TimeNs last_report = 0;
     bool has_reported = false;
-    // Requests to it.
+    // Requests to the peer.
     int fetching = -1;
     TimeNs requested = 0, descriptors_requested = 0;
     std::size_t last_requested = 0;  // number of the chunk
     bool is_requested = false;
-    // Requests from it.
-    int wanted = -1;
-    std::vector<std::uint8_t> wanted_chunks;
+    // Requests from the peer.
+    int requested_submap = -1;
+    std::vector<std::uint8_t> requested_chunks;
     // Shared results.
     std::vector<MapClosure> closures;
     bool closures_due = false;
     TimeNs closures_sent = 0;
-    bool news = false;  // new closures since the last test of consistency
-    TimeNs tested = 0;
+    bool has_new_closures = false;  // since the last test of consistency
+    TimeNs tested = 0;              // time of the last test of consistency
     std::vector<int> agreeing;
     std::vector<Pose> T_local_other;
   };
@@ -97,7 +97,7 @@ class MapSharing {
   bool receive_request(Peer& from, const Message& message);
   bool receive_chunk(TimeNs t, Peer& from, const Message& message);
   bool receive_closures(Peer& from, const Message& message);
-  Their& submap_of(Peer& from, std::uint32_t number);
+  PeerSubmap& submap_of(Peer& from, std::uint32_t number);
 
   void search(TimeNs t, const SubmapProvider& own);
   void settle_search(TimeNs t);
@@ -118,8 +118,8 @@ class MapSharing {
 
   MapSharingConfig config_;
   VehicleId self_;
-  std::vector<Peer> peers_;  // indexed by VehicleId; the own entry stays empty
-  std::vector<Own> own_;     // finished submaps
+  std::vector<Peer> peers_;     // indexed by VehicleId; the own entry stays empty
+  std::vector<OwnSubmap> own_;  // finished submaps
   std::vector<SubmapPlace> own_places_;
   std::uint64_t places_revision_ = 0;
   bool places_known_ = false;
