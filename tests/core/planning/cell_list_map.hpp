@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/map/occupancy_view.hpp"
@@ -13,7 +14,9 @@ namespace swiftlet::testing {
 /// A map as a list of occupied cells, searched linearly; otherwise free inside a box, unknown outside.
 class CellListMap : public OccupancyView {
  public:
-  explicit CellListMap(double edge_m = 0.1) : edge_m_(edge_m) {}
+  /// @param centers_local_m  of occupied cells, on any lattice
+  explicit CellListMap(double edge_m = 0.1, std::vector<Vector3> centers_local_m = {})
+      : edge_m_(edge_m), centers_local_m_(std::move(centers_local_m)) {}
 
   void occupy_box(const Vector3& min_local_m, const Vector3& max_local_m) {
     ++revision_;
@@ -87,8 +90,8 @@ class CellListMap : public OccupancyView {
   }
 
   double edge_m_;
-  std::uint64_t revision_ = 1;
   std::vector<Vector3> centers_local_m_;
+  std::uint64_t revision_ = 1;
 };
 
 }  // namespace swiftlet::testing

