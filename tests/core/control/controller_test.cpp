@@ -176,42 +176,25 @@ TEST_P(EveryAirframe, StaysControlledUnderJumpingGoals) {
 INSTANTIATE_TEST_SUITE_P(Vehicles, EveryAirframe, ::testing::ValuesIn(testing::all_airframes()),
                          [](const auto& vehicle) { return vehicle.param.name; });
 
-TEST(MultirotorController, SlowMotorsOnlyMakeItSlower) {
-  // 0.03 s up and down, as in mrs_multirotor_simulator, and 0.05 s as in its A300.
-  for (const double tau : {0.03, 0.05}) {
-    Airframe airframe = testing::x500();
-    airframe.motor_time_constant_up_s = airframe.motor_time_constant_down_s = tau;
-    MultirotorController controller(airframe, {}, kDt);
-    FinePlant plant(airframe);
-    plant.v = {1.0, 0.0, 0.0};
-    for (int i = 0; i < 3000; ++i) plant.advance(controller.step(plant.truth(), {}, Vector3::Zero(), kDt), kDt);
-    EXPECT_LT(plant.p.norm(), 0.02) << tau;
-    EXPECT_LT(plant.omega.norm(), 2e-3) << tau;
-  }
-}
-
-TEST(MultirotorController, StaysStableWithoutMotorLag) {
-  // The simulator can switch the lag off; the controller's model then expects a lag that is not there.
-  const Airframe model = testing::x500();
-  Airframe truth = model;
-  truth.motor_time_constant_up_s = truth.motor_time_constant_down_s = 1e-5;
-  MultirotorController controller(model, {}, kDt);
-  FinePlant plant(truth);
-  plant.v = {1.0, 0.0, 0.0};
-  for (int i = 0; i < 3000; ++i) plant.advance(controller.step(plant.truth(), {}, Vector3::Zero(), kDt), kDt);
-  EXPECT_LT(plant.p.norm(), 0.02);
-  EXPECT_LT(plant.omega.norm(), 2e-3);
-}
-
-TEST(MultirotorController, WorksAtHundredAndThousandHertz) {
-  for (const double dt : {0.001, 0.01}) {
-    MultirotorController controller(testing::x500(), {}, dt);
-    FinePlant plant(testing::x500());
+// Motor lags of 0.03 s as in mrs_multirotor_simulator and 0.05 s as in its A300, a lag that the plant does not have,
+// and ticks of 1 ms and 10 ms.
+TEST(MultirotorController, SettlesForAnyMotorLagAndTick) {
+  struct Case {
+    double model_lag_s, plant_lag_s, tick_s;
+  };
+  for (const auto& [model_lag_s, plant_lag_s, tick_s] :
+       {Case{0.03, 0.03, kDt}, {0.05, 0.05, kDt}, {0.03, 1e-5, kDt}, {0.03, 0.03, 0.001}, {0.03, 0.03, 0.01}}) {
+    Airframe model = testing::x500(), truth = model;
+    model.motor_time_constant_up_s = model.motor_time_constant_down_s = model_lag_s;
+    truth.motor_time_constant_up_s = truth.motor_time_constant_down_s = plant_lag_s;
+    MultirotorController controller(model, {}, tick_s);
+    FinePlant plant(truth);
     plant.v = {1.0, 0.5, 0.0};
-    for (int i = 0; i < static_cast<int>(12.0 / dt); ++i)
-      plant.advance(controller.step(plant.truth(), {}, Vector3::Zero(), dt), dt);
-    EXPECT_LT(plant.p.norm(), 0.02) << dt;
-    EXPECT_LT(plant.omega.norm(), 2e-3) << dt;
+    for (int i = 0; i < static_cast<int>(12.0 / tick_s); ++i) {
+      plant.advance(controller.step(plant.truth(), {}, Vector3::Zero(), tick_s), tick_s);
+    }
+    EXPECT_LT(plant.p.norm(), 0.02) << model_lag_s << ' ' << plant_lag_s << ' ' << tick_s;
+    EXPECT_LT(plant.omega.norm(), 2e-3) << model_lag_s << ' ' << plant_lag_s << ' ' << tick_s;
   }
 }
 
@@ -246,7 +229,7 @@ TEST(MultirotorController, MirroredErrorGivesMirroredCommands) {
   EXPECT_NEAR(u[3], w[1], 1e-12);
 }
 
-TEST(MultirotorController, OnBadInputOnlyStopsMotors) {
+TEST(MultirotorController, StopsMotorsOnInvalidInput) {
   MultirotorController controller(testing::x500(), {}, kDt);
   FinePlant plant(testing::x500());
   const double nan = std::nan("");

@@ -54,21 +54,24 @@ TEST(ReferenceGovernor, AdoptsFeasibleReferencesAndContinues) {
   MotionLimitsConfig config;
   ReferenceGovernor governor(config.resolve());
   governor.reset({});
-  Reference told;
-  told.position_m = {1, 2, 3};
-  told.velocity_mps = {0.5, 0, 0};
-  told.acceleration_mps2 = {0.1, 0, 0};
-  told.yaw_rad = 0.3;
-  const Reference& taken = governor.take(told, 0.01);
-  EXPECT_EQ(taken.position_m, told.position_m);
-  EXPECT_EQ(taken.velocity_mps, told.velocity_mps);
-  EXPECT_EQ(taken.yaw_rad, told.yaw_rad);
+  Reference given;
+  given.position_m = {1, 2, 3};
+  given.velocity_mps = {0.5, 0, 0};
+  given.acceleration_mps2 = {0.1, 0, 0};
+  given.yaw_rad = 0.3;
+  const Reference& taken = governor.take(given, 0.01);
+  EXPECT_EQ(taken.position_m, given.position_m);
+  EXPECT_EQ(taken.velocity_mps, given.velocity_mps);
+  EXPECT_EQ(taken.yaw_rad, given.yaw_rad);
   EXPECT_LT((governor.jerk_mps3() - Vector3(10, 0, 0)).norm(), 1e-9);
-  Reference goal = told;
+  Reference goal = given;
   goal.position_m = {9, 2, 3};
-  EXPECT_LT((governor.step(goal, 0.01).position_m - told.position_m).norm(), 0.01);
-  told.position_m.x() = std::nan("");
-  EXPECT_TRUE(governor.take(told, 0.01).position_m.allFinite());
+  EXPECT_LT((governor.step(goal, 0.01).position_m - given.position_m).norm(), 0.01);
+  given.position_m.x() = std::nan("");
+  EXPECT_TRUE(governor.take(given, 0.01).position_m.allFinite());
+  Reference turned;
+  turned.yaw_rad = 4.0;
+  EXPECT_NEAR(governor.take(turned, 0.01).yaw_rad, 4.0 - 2.0 * std::numbers::pi, 1e-12);
 }
 
 TEST(ReferenceGovernor, ReachesFarPointQuicklyWithoutOvershoot) {
@@ -245,18 +248,6 @@ TEST(ReferenceGovernor, IgnoresNonFiniteGoals) {
   EXPECT_EQ(governor.state().position_m, Vector3(1, 2, 3));
 }
 
-TEST(MotionLimits, TakesMediumFromThesisUnlessOverridden) {
-  const MotionLimits medium = limits_named(Set::kMedium);
-  EXPECT_EQ(medium.horizontal_speed_mps, 4.0);
-  EXPECT_EQ(medium.horizontal_acceleration_mps2, 2.0);
-  EXPECT_EQ(medium.vertical_speed_mps, 2.0);
-  EXPECT_EQ(medium.vertical_acceleration_mps2, 1.0);
-  MotionLimitsConfig config;
-  config.horizontal_speed_mps = 3.0;
-  EXPECT_EQ(config.resolve().horizontal_speed_mps, 3.0);
-  EXPECT_EQ(config.resolve().vertical_speed_mps, 2.0);
-}
-
 TEST(ReferenceGovernor, ResetKeepsVelocitiesWithinTheirLimits) {
   ReferenceGovernor governor(limits_named(Set::kMedium));
   for (int i = 0; i < 50; ++i) governor.accelerate({1.0, 1.0, 1.0}, 1.0, 0.01);
@@ -279,7 +270,55 @@ TEST(ReferenceGovernor, ResetKeepsVelocitiesWithinTheirLimits) {
   EXPECT_EQ(governor.state().position_m.x(), 1.0);
 }
 
-TEST(ReferenceGovernor, NoTimeMovesNothing) {
+// The request is far beyond every limit and turns all the time.
+TEST(ReferenceGovernor, KeepsLimitsUnderExcessiveAccelerationRequests) {
+  ReferenceGovernor governor(limits_named(Set::kFast));
+  governor.reset({});
+  Usage usage;
+  for (int i = 0; i < 20'000; ++i) {
+    const double t_s = i * kStep_s;
+    const Reference before = governor.state();
+    governor.accelerate({300.0 * std::cos(0.7 * t_s), 300.0 * std::sin(1.1 * t_s), 100.0 * std::sin(0.9 * t_s)}, t_s,
+                        kStep_s);
+    usage.add(before, governor.state(), governor.limits(), kStep_s);
+  }
+  usage.expect_within(1e-6);
+}
+
+TEST(ReferenceGovernor, FollowsFeasibleAccelerationRequests) {
+  ReferenceGovernor governor(limits_named(Set::kFast));
+  governor.reset({});
+  for (int i = 0; i < 250; ++i) governor.accelerate({2.0, 0.0, -1.0}, 0.0, kStep_s);
+  EXPECT_NEAR(governor.state().acceleration_mps2.x(), 2.0, 1e-9);
+  EXPECT_NEAR(governor.state().velocity_mps.x(), 2.0, 0.1);
+  EXPECT_NEAR(governor.state().velocity_mps.z(), -1.0, 0.05);
+}
+
+TEST(ReferenceGovernor, TurnsToRequestedHeadingWhileAccelerating) {
+  for (const double yaw_rad : {1.2, -2.9}) {
+    ReferenceGovernor governor(limits_named(Set::kFast));
+    governor.reset({});
+    for (int i = 0; i < 1500; ++i) {
+      governor.accelerate({2.0 * std::cos(0.01 * i), 0.0, 0.0}, yaw_rad, kStep_s);
+      ASSERT_LE(std::abs(governor.state().yaw_rate_radps), governor.limits().heading_rate_radps * (1 + 1e-9));
+      if (i < 1000) continue;
+      ASSERT_NEAR(governor.state().yaw_rad, yaw_rad, 1e-3) << i;
+      ASSERT_NEAR(governor.state().yaw_rate_radps, 0.0, 1e-2) << i;
+    }
+  }
+}
+
+TEST(ReferenceGovernor, StillTurnsAtTheSpeedLimit) {
+  ReferenceGovernor governor(limits_named(Set::kFast));
+  governor.reset({});
+  for (int i = 0; i < 1000; ++i) governor.accelerate({4.0, 0.0, 0.0}, 0.0, kStep_s);
+  EXPECT_NEAR(governor.state().velocity_mps.x(), 8.0, 0.1);
+  for (int i = 0; i < 1000; ++i) governor.accelerate({4.0, 4.0, 0.0}, 0.0, kStep_s);
+  EXPECT_GT(governor.state().velocity_mps.y(), 4.0);
+  EXPECT_GT(governor.state().velocity_mps.norm(), 7.5);
+}
+
+TEST(ReferenceGovernor, IgnoresStepsWithoutDuration) {
   ReferenceGovernor governor(limits_named(Set::kMedium));
   Reference start;
   start.velocity_mps = {1.0, 0.0, 0.0};
@@ -292,13 +331,6 @@ TEST(ReferenceGovernor, NoTimeMovesNothing) {
   // An acceleration that is not a number is none.
   EXPECT_TRUE(governor.accelerate(Vector3::Constant(std::nan("")), 0.0, 0.01).position_m.allFinite());
   EXPECT_EQ(governor.state().acceleration_mps2, Vector3(0, 0, 0));
-}
-
-TEST(ReferenceGovernor, WrapsTheHeadingOfTakenReferences) {
-  ReferenceGovernor governor(limits_named(Set::kMedium));
-  Reference told;
-  told.yaw_rad = 4.0;
-  EXPECT_NEAR(governor.take(told, 0.01).yaw_rad, 4.0 - 2.0 * std::numbers::pi, 1e-12);
 }
 
 }  // namespace
