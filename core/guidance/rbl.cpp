@@ -151,7 +151,7 @@ class Rbl : public Guidance {
     planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
     if (config_.separation.enabled) cut_by_braking(p_local_m, config_.separation.sigmas, now);
     if (config_.separation.enabled && planner_.cell().is_empty()) {
-      // An evading vehicle is not held by the uncertainty of the neighbors where it evades to.
+      // The uncertainty of neighbors in the direction of evasion does not stop an evading vehicle.
       planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
       cut_by_braking(p_local_m, 0.0, now);
     }
@@ -447,9 +447,9 @@ class Rbl : public Guidance {
     cutter_.cut(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
   }
 
-  /// The centroid if it lies in the cell A' that is sensed now, else the nearest sample that does. Turns towards it,
-  /// and stays until the heading is reached [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is approached
-  /// without: right above or below it would never come into view.
+  /// The centroid if it lies in the presently sensed cell A', else the nearest sample of A'. The vehicle turns towards
+  /// it, and stays until the heading is reached [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is
+  /// approached without turning, because right above or below the vehicle it would never come into view.
   Vector3 within_sight(const Pose& T_local_body, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     const Vector3 to_centroid_local_m = step_.centroid_local_m - p_local_m;

@@ -35,7 +35,7 @@ double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& 
   return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kLeastPoint_m), 0.0, 1.0);
 }
 
-/// Columns around neighbors that stand. A path around moving neighbors would be outdated before it is flown.
+/// Columns around stationary neighbors. A path around moving neighbors would be outdated before it is flown.
 std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radius_m) {
   std::vector<KeepOut> places;
   for (const Neighbor& neighbor : situation.neighbors) {
@@ -45,7 +45,7 @@ std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radi
   return places;
 }
 
-/// Does the segment pass a standing neighbor nearer than both encumbrances?
+/// Does the segment pass a stationary neighbor nearer than both encumbrances?
 bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_local_m) {
   const std::vector<KeepOut> places = standing(situation, 2.0 * situation.encumbrance_m);
   return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
@@ -151,7 +151,7 @@ void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool le
   const OverlaidOccupancy with_others(*situation.map, others);
   const OccupancyView& view = others.empty() ? *situation.map : static_cast<const OccupancyView&>(with_others);
   found_ = find_clear_path(view, rules_, situation.p_local_m, goal_local_m);
-  // Without a path around standing neighbors, plans through them: they may fly on, or stand at the goal.
+  // Without a path around stationary neighbors, plans through them: they may fly on, or stay at the goal.
   if (found_.status == ClearPathStatus::kFound || others.empty()) return;
   found_ = find_clear_path(*situation.map, rules_, situation.p_local_m, goal_local_m);
 }

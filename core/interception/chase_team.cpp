@@ -19,7 +19,7 @@ constexpr double kShortest_s = 0.01, kLongest_s = 10.0;
 constexpr double kLatest_s = 1e4, kFarthest_m = 1e6, kFastest_mps = 1e3;
 constexpr double kReportPeriod_s = 0.1;  // period of reports
 constexpr double kLeadHold_s = 0.3;      // advantage in arrival time that another interceptor needs to take the lead
-// Distance between a report and a track up to which the track is that interceptor, for any track and for the own
+// Largest distance between a report and a track for the track to be that interceptor's: of any track, and of the own
 // target's.
 constexpr double kSeenAt_m = 2.5, kIs_m = 1.0;
 constexpr double kLeaderShare = 0.5;  // share of the clearance that a leader keeps from yielding interceptors

@@ -100,7 +100,7 @@ class SharedTracks : public Tracker {
   }
 
  private:
-  /// A track, of any observer, that is an observer itself.
+  /// A track whose target is itself an observer.
   struct Body {
     VehicleId observer = kNoVehicle;
     std::uint32_t identity = 0;
