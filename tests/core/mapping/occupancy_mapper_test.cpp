@@ -4,57 +4,26 @@
 #include <gtest/gtest.h>
 #include <octomap/octomap.h>
 
-#include "swiftlet/core/stages/mappers.hpp"
+#include "tests/core/mapping/mapper_driver.hpp"
 #include "tests/support/flown_scans.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// A row of eight beams ahead, five degrees apart or so, from a vehicle at (10, 0, 2).
-std::shared_ptr<Scan> row_of(const std::vector<float>& ranges_m) {
-  auto beams = std::make_shared<BeamTable>();
-  beams->rows = 1;
-  beams->cols = static_cast<int>(ranges_m.size());
-  for (int i = 0; i < beams->cols; ++i) {
-    beams->directions_lidar.push_back(Eigen::Vector3f(1.0F, 0.1F * static_cast<float>(i), 0.0F).normalized());
-  }
-  beams->origins_lidar.assign(ranges_m.size(), Eigen::Vector3f::Zero());
-  beams->column_offset_s.assign(ranges_m.size(), 0.0F);
-  auto scan = std::make_shared<Scan>();
-  scan->beams = beams;
-  scan->range_m = ranges_m;
-  return scan;
+/// A row of beams ahead, five degrees apart or so.
+std::shared_ptr<const Scan> row_of(const std::vector<float>& ranges_m) {
+  std::vector<Vector3> directions;
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) directions.emplace_back(1.0, 0.1 * static_cast<double>(i), 0.0);
+  return testing::scan_along(directions, ranges_m);
 }
 
-struct OccupancyMapping {
-  explicit OccupancyMapping(const OccupancyMapperConfig& config) {
+struct OccupancyMapping : testing::MapperDriver {
+  explicit OccupancyMapping(const OccupancyMapperConfig& config) : MapperDriver(module_with(config)) {}
+  static Module module_with(const OccupancyMapperConfig& config) {
     Module module(mapper_module_types(), "occupancy");
     module.as<OccupancyMapperConfig>() = config;
-    mapper = make_mapper(module, {});
-    estimate.valid = true;
-    put(make_pose({10.05, 0.05, 2.05}, Eigen::Quaterniond::Identity()));
+    return module;
   }
-  void put(const Pose& T_local_body) {
-    estimate.T_local_body = T_local_body;
-    registrar = CloudRegistrar(0.3);
-    registrar.push(estimate);
-  }
-  void see(std::shared_ptr<const Scan> scan, std::vector<Track> tracks = {}) {
-    cloud = std::make_shared<LocalCloud>();
-    ASSERT_TRUE(registrar.make(std::move(scan), *cloud));
-    const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
-    observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, clouds, tracks, relatives}, outbox);
-  }
-  CellState state(const Vector3& p_local_m) const { return mapper->map().state(p_local_m); }
-
-  std::unique_ptr<Mapper> mapper;
-  CloudRegistrar registrar{0.3};
-  StateEstimate estimate;
-  Observation observation;
-  Outbox outbox;
-  std::vector<RelativeEstimate> relatives;
-  std::shared_ptr<LocalCloud> cloud;
 };
 
 TEST(OccupancyMapper, IgnoresRestingTeamMembers) {
@@ -73,15 +42,15 @@ TEST(OccupancyMapper, IgnoresRestingTeamMembers) {
 TEST(OccupancyMapper, MatchesTheMapOfRaySenders) {
   AgentSetup setup;
   setup.num_vehicles = 2;
-  setup.vehicle_names = {"listener", "teller"};
-  const auto mapper_of = [&](VehicleId self, const char* rays_of, const char* tell_to) {
+  setup.vehicle_names = {"listener", "sender"};
+  const auto mapper_of = [&](VehicleId self, const char* rays_of, const char* rays_to) {
     setup.self = self;
     Module module(mapper_module_types(), "occupancy");
     module.as<OccupancyMapperConfig>().rays_of = rays_of;
-    module.as<OccupancyMapperConfig>().tell_rays_to = tell_to;
+    module.as<OccupancyMapperConfig>().tell_rays_to = rays_to;
     return make_mapper(module, setup);
   };
-  const auto teller = mapper_of(1, "", "listener"), listener = mapper_of(0, "teller", "");
+  const auto sender = mapper_of(1, "", "listener"), listener = mapper_of(0, "sender", "");
   StateEstimate estimate;
   estimate.valid = true;
   estimate.T_local_body = make_pose({10.05, 0.05, 2.05}, Eigen::Quaterniond::Identity());
@@ -90,9 +59,9 @@ TEST(OccupancyMapper, MatchesTheMapOfRaySenders) {
   auto cloud = std::make_shared<LocalCloud>();
   ASSERT_TRUE(registrar.make(row_of({4.0F, 0.0F, 0.0F, 0.0F, 6.0F, 0.0F, 0.0F, 0.0F}), *cloud));
   const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
-  Outbox says(1), nothing(0);
-  teller->step({{}, estimate, clouds, {}}, says);
-  ASSERT_EQ(says.messages().size(), 1U);
+  Outbox sent(1), nothing(0);
+  sender->step({{}, estimate, clouds, {}}, sent);
+  ASSERT_EQ(sent.messages().size(), 1U);
 
   // The listener's world is its local frame, moved: it carries the rays over. It hovers where the second ray ended.
   StateEstimate own = estimate;
@@ -100,14 +69,14 @@ TEST(OccupancyMapper, MatchesTheMapOfRaySenders) {
   own.correction_revision = 1;
   own.T_local_body.translation() = Vector3(12.6, 2.3, 2.05);
   Observation observation;
-  observation.messages = says.messages();
+  observation.messages = sent.messages();
   listener->step({observation, own, {}, {}}, nothing);
-  EXPECT_EQ(teller->map().state({14.05, 0.05, 2.05}), CellState::kOccupied);
+  EXPECT_EQ(sender->map().state({14.05, 0.05, 2.05}), CellState::kOccupied);
   EXPECT_EQ(listener->map().state({11.05, 0.05, 2.05}), CellState::kOccupied);
   EXPECT_EQ(listener->map().state({9.05, 0.05, 2.05}), CellState::kFree);
   EXPECT_EQ(listener->map().state({14.05, 0.05, 2.05}), CellState::kUnknown);
   const Vector3 second_m = Vector3(10.05, 0.05, 2.05) + 6.0 * Vector3(1.0, 0.4, 0.0).normalized();
-  EXPECT_EQ(teller->map().state(second_m), CellState::kOccupied);
+  EXPECT_EQ(sender->map().state(second_m), CellState::kOccupied);
   EXPECT_NE(listener->map().state(second_m - Vector3(3, 0, 0)), CellState::kOccupied) << "the listener itself";
   EXPECT_TRUE(nothing.messages().empty());
 }
@@ -117,9 +86,7 @@ TEST(OccupancyMapper, TakesOneColumnInSoMany) {
   config.every_column = 4;
   OccupancyMapping mapping(config);
   mapping.see(row_of(std::vector<float>(8, 5.0F)));
-  std::vector<Vector3> occupied;
-  mapping.mapper->map().occupied_within({10, 0, 2}, 20.0, kEver, occupied);
-  EXPECT_EQ(occupied.size(), 2U) << "columns 0 and 4";
+  EXPECT_EQ(mapping.occupied_m().size(), 2U) << "columns 0 and 4";
   EXPECT_EQ(mapping.state({15.05, 0.05, 2.05}), CellState::kOccupied);
 }
 
@@ -171,7 +138,7 @@ TEST(OccupancyMapper, MatchesOctomapOnSimulatedScans) {
     OccupancyMapping mapping(config);
     octomap::OcTree tree(config.map.edge_m);
     for (const testing::FlownScan& seen : testing::fly_scans(scenario, 2, 5)) {
-      mapping.put(seen.T_world_body);
+      mapping.estimate.T_local_body = seen.T_world_body;
       mapping.see(seen.scan);
       const LocalCloud& cloud = *mapping.cloud;
       const Eigen::Vector3f origin = cloud.T_local_lidar.front().translation().cast<float>();
@@ -197,20 +164,6 @@ TEST(OccupancyMapper, MatchesOctomapOnSimulatedScans) {
     EXPECT_EQ(copy.size(), count);
     EXPECT_GT(count, 500'000U);
   }
-}
-
-TEST(OccupancyMapper, CountsReturnsBeyondItsRange) {
-  OccupancyMapperConfig config;
-  config.every_column = 1;
-  config.map.range_max_m = 10.0;
-  OccupancyMapping mapping(config);
-  mapping.see(row_of({9.0F, 11.0F, 12.0F, 0.5F, 0.0F, 0.0F, 0.0F, 0.0F}));
-  std::vector<Counter> counters;
-  mapping.mapper->append_counters(counters);
-  ASSERT_EQ(counters.size(), 1U);
-  EXPECT_EQ(counters[0].count, 2U);
-  EXPECT_EQ(counters[0].of, 3U) << "the own body is no return of the world";
-  EXPECT_EQ(counters[0].setting, "range_max_m");
 }
 
 }  // namespace

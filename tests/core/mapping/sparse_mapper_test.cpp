@@ -3,62 +3,57 @@
 
 #include <gtest/gtest.h>
 
-#include "swiftlet/core/stages/mappers.hpp"
+#include <cmath>
+
+#include "swiftlet/core/mapping/occupancy_mapper.hpp"
+#include "tests/core/mapping/mapper_driver.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// Three beams ahead, to the left and up, from a vehicle that is turned to the left.
-std::shared_ptr<Scan> scan(std::vector<float> ranges_m) {
-  auto beams = std::make_shared<BeamTable>();
-  beams->rows = 1;
-  beams->cols = 3;
-  beams->directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(), Eigen::Vector3f::UnitZ()};
-  beams->origins_lidar.assign(3, Eigen::Vector3f::Zero());
-  beams->column_offset_s.assign(3, 0.0F);
-  auto scan = std::make_shared<Scan>();
-  scan->beams = beams;
-  scan->range_m = std::move(ranges_m);
-  return scan;
+using testing::MapperDriver;
+
+/// Beams ahead, to the left and up.
+std::shared_ptr<const Scan> three_beams(std::vector<float> ranges_m) {
+  return testing::scan_along({Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()}, std::move(ranges_m));
 }
 
-struct Mapping {
-  explicit Mapping(const Module& module) : mapper(make_mapper(module, {})) {
-    estimate.valid = true;
-    estimate.T_local_body =
-        make_pose({10.05, 0.05, 2.05}, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3::UnitZ())));
-    registrar.push(estimate);
-  }
-  void see(const std::shared_ptr<Scan>& scan) {
-    const auto cloud = std::make_shared<LocalCloud>();
-    ASSERT_TRUE(registrar.make(scan, *cloud));
-    const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
-    observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, clouds}, outbox);
-  }
+/// Both take every column and returns up to 10 m.
+std::vector<Module> both_mappers() {
+  Module sparse(mapper_module_types(), "sparse"), occupancy(mapper_module_types(), "occupancy");
+  sparse.as<SparseMapperConfig>().range_max_m = 10.0;
+  occupancy.as<OccupancyMapperConfig>().every_column = 1;
+  occupancy.as<OccupancyMapperConfig>().map.range_max_m = 10.0;
+  return {sparse, occupancy};
+}
 
-  std::unique_ptr<Mapper> mapper;
-  CloudRegistrar registrar{0.3};
-  StateEstimate estimate;
-  Observation observation;
-  Outbox outbox;
-};
+TEST(Mappers, TransformHitsIntoTheLocalFrame) {
+  for (const Module& module : both_mappers()) {
+    MapperDriver driver(module);
+    driver.estimate.T_local_body.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitZ()).toRotationMatrix();
+    driver.see(three_beams({4.0F, 0.0F, 0.5F}));
+    EXPECT_EQ(driver.state({10.05, 4.05, 2.05}), CellState::kOccupied) << "ahead is +y";
+    EXPECT_EQ(driver.occupied_m().size(), 1U)
+        << "a beam without return hits nothing, and what is nearer than range_min_m is left out";
+  }
+}
 
-TEST(SparseMapper, TransformsHitsIntoTheLocalFrame) {
-  Mapping mapping(Module(mapper_module_types(), "sparse"));
-  mapping.see(scan({4.0F, 0.0F, 0.5F}));
-  const OccupancyView& map = mapping.mapper->map();
-  EXPECT_EQ(map.state({10.05, 4.05, 2.05}), CellState::kOccupied) << "ahead is +y";
-  std::vector<Vector3> all;
-  map.occupied_within({10, 0, 2}, 20.0, kEver, all);
-  EXPECT_EQ(all.size(), 1U) << "a beam without return hits nothing, and what is nearer than range_min_m is left out";
+TEST(Mappers, CountReturnsBeyondTheirRange) {
+  for (const Module& module : both_mappers()) {
+    MapperDriver driver(module);
+    driver.see(three_beams({9.0F, 11.0F, 0.5F}));
+    ASSERT_EQ(driver.counters().size(), 1U);
+    EXPECT_EQ(driver.counters()[0].count, 1U);
+    EXPECT_EQ(driver.counters()[0].of, 2U) << "the own body is no return of the world";
+    EXPECT_EQ(driver.counters()[0].setting, "range_max_m");
+  }
 }
 
 TEST(SparseMapper, ClearsByBeamsWithoutReturn) {
-  Mapping mapping(Module(mapper_module_types(), "sparse"));
-  mapping.see(scan({4.0F, 0.0F, 0.0F}));
-  for (int i = 0; i < 10; ++i) mapping.see(scan({0.0F, 0.0F, 0.0F}));
-  EXPECT_EQ(mapping.mapper->map().state({10.05, 4.05, 2.05}), CellState::kFree);
+  MapperDriver driver(Module(mapper_module_types(), "sparse"));
+  driver.see(three_beams({4.0F, 0.0F, 0.0F}));
+  for (int i = 0; i < 10; ++i) driver.see(three_beams({0.0F, 0.0F, 0.0F}));
+  EXPECT_EQ(driver.state({14.05, 0.05, 2.05}), CellState::kFree);
 }
 
 TEST(Mappers, NoneMakesNothing) {
@@ -66,19 +61,6 @@ TEST(Mappers, NoneMakesNothing) {
   Module unknown(mapper_module_types(), "none");
   unknown.type = "atlas";
   EXPECT_THROW(make_mapper(unknown, {}), std::invalid_argument);
-}
-
-TEST(SparseMapper, CountsReturnsBeyondItsReach) {
-  Module module(mapper_module_types(), "sparse");
-  module.as<SparseMapperConfig>().range_max_m = 10.0;
-  Mapping mapping(module);
-  mapping.see(scan({9.0F, 11.0F, 0.5F}));
-  std::vector<Counter> counters;
-  mapping.mapper->append_counters(counters);
-  ASSERT_EQ(counters.size(), 1U);
-  EXPECT_EQ(counters[0].count, 1U);
-  EXPECT_EQ(counters[0].of, 2U) << "the own body is no return of the world";
-  EXPECT_EQ(counters[0].setting, "range_max_m");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/stages/mappers.hpp"
+#include "tests/core/mapping/mapper_driver.hpp"
 
 namespace swiftlet {
 namespace {
@@ -49,41 +49,36 @@ struct Room {
 };
 
 /// A mapper of a vehicle in the room; its local frame drifts.
-struct SubmapMapping {
-  explicit SubmapMapping(const SubmapMapperConfig& config = {}) {
+struct SubmapMapping : testing::MapperDriver {
+  explicit SubmapMapping(const SubmapMapperConfig& config = {}) : MapperDriver(module_with(config)) {}
+  static Module module_with(const SubmapMapperConfig& config) {
     Module module(mapper_module_types(), "submaps");
     module.as<SubmapMapperConfig>() = config;
-    mapper = make_mapper(module, {});
-    estimate.valid = true;
+    return module;
   }
   void begin_submap(const Pose& T_local_submap) {
     submaps.T_local_own.push_back(T_local_submap);
     ++submaps.revision;
   }
-  /// A scan from a place of the room.
-  void see(const Vector3& p_room_m, std::vector<Track> tracks = {}) {
+  /// Scans from a place of the room.
+  void see(const Vector3& p_room_m, int times = 1, const std::vector<Track>& tracks = {}) {
     const Pose T_room_body = make_pose(p_room_m, Eigen::Quaterniond::Identity());
     estimate.T_local_body = T_local_room * T_room_body;
-    CloudRegistrar registrar(0.3);
-    registrar.push(estimate);
-    auto cloud = std::make_shared<LocalCloud>();
-    ASSERT_TRUE(registrar.make(Room::seen_from(T_room_body), *cloud));
-    const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
-    observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, clouds, tracks, {}, {}, &submaps}, outbox);
+    for (int i = 0; i < times; ++i) MapperDriver::see(Room::seen_from(T_room_body), tracks);
   }
-  void see_nothing() {
-    observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, {}, {}, {}, {}, &submaps}, outbox);
+  /// The pose graph moves a submap.
+  void move_submap(std::size_t i, const Pose& T_local_submap) {
+    submaps.T_local_own[i] = T_local_submap;
+    ++submaps.revision;
+    see_nothing();
   }
-  CellState state(const Vector3& p_local_m) const { return mapper->map().state(p_local_m); }
+  std::vector<MapPiece> pieces() const {
+    std::vector<MapPiece> all;
+    mapper->append_pieces(all);
+    return all;
+  }
 
-  std::unique_ptr<Mapper> mapper;
   Pose T_local_room = Pose::Identity();
-  SubmapPoses submaps;
-  StateEstimate estimate;
-  Observation observation;
-  Outbox outbox;
 };
 
 Pose at(double x_m, double y_m, double z_m) { return make_pose({x_m, y_m, z_m}, Eigen::Quaterniond::Identity()); }
@@ -129,24 +124,22 @@ TEST(SubmapMapper, SingleHitCountsWhileSubmapGrows) {
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied);
   mapping.begin_submap(at(0, 0, 1));
   mapping.see_nothing();
-  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kUnknown) << "0.7 is no more than 0.7";
+  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kUnknown) << "one hit is too few for a finished submap";
   EXPECT_EQ(mapping.state({3, 1, 1}), CellState::kFree);
 }
 
 TEST(SubmapMapper, GraphUpdateMovesMapNotSurroundings) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.see({0, 0, 1}, 4);
   // The vehicle comes by again, and its local frame has drifted by a meter.
   mapping.T_local_room = at(1, 0, 0);
   mapping.begin_submap(at(1, 0, 1));
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.see({0, 0, 1}, 4);
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "the wall of the first submap";
   EXPECT_EQ(mapping.state({7.05, 1, 1}), CellState::kOccupied) << "that of the second";
   const std::uint64_t revision = mapping.mapper->map().revision();
-  mapping.submaps.T_local_own[0] = at(1, 0, 1);
-  ++mapping.submaps.revision;
-  mapping.see_nothing();
+  mapping.move_submap(0, at(1, 0, 1));
   EXPECT_NE(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "walls never double";
   EXPECT_EQ(mapping.state({7.05, 1, 1}), CellState::kOccupied);
   EXPECT_GT(mapping.mapper->map().revision(), revision);
@@ -155,13 +148,11 @@ TEST(SubmapMapper, GraphUpdateMovesMapNotSurroundings) {
 TEST(SubmapMapper, LoopClosureMovesOldSubmapCells) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(2, 1, 1));
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.see({0, 0, 1}, 4);
   mapping.begin_submap(at(2, 2, 1));
   mapping.see_nothing();
   const Pose T_moved_from = make_pose({0.4, -0.7, 0.3}, Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Vector3::UnitZ())));
-  mapping.submaps.T_local_own[0] = T_moved_from * at(2, 1, 1);
-  ++mapping.submaps.revision;
-  mapping.see_nothing();
+  mapping.move_submap(0, T_moved_from * at(2, 1, 1));
   int on_walls = 0, beside = 0;
   for (double y_m = -4.5; y_m < 4.5; y_m += 0.1) {
     const auto hit =
@@ -176,14 +167,12 @@ TEST(SubmapMapper, LoopClosureMovesOldSubmapCells) {
 
 TEST(SubmapMapper, AttachesEarlierScansToFirstSubmap) {
   SubmapMapping mapping(every_beam());
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.see({0, 0, 1}, 4);
   mapping.begin_submap(at(0, 0, 1));
   mapping.see_nothing();
   mapping.begin_submap(at(0, 0, 1));
   mapping.see_nothing();
-  mapping.submaps.T_local_own[0] = at(0, 2, 1);
-  ++mapping.submaps.revision;
-  mapping.see_nothing();
+  mapping.move_submap(0, at(0, 2, 1));
   EXPECT_EQ(mapping.state({1, 8.05, 1}), CellState::kOccupied);
   EXPECT_NE(mapping.state({1, 6.05, 1}), CellState::kOccupied);
 }
@@ -194,11 +183,9 @@ TEST(SubmapMapper, ContinuesLongSubmapInAnotherPiece) {
   SubmapMapping mapping(config);
   mapping.begin_submap(at(0, 0, 1));
   for (int i = 0; i <= 10; ++i) {
-    mapping.see({0.5 * i, 0, 1});
-    mapping.see({0.5 * i, 0, 1});
+    mapping.see({0.5 * i, 0, 1}, 2);
   }
-  std::vector<MapPiece> pieces;
-  mapping.mapper->append_pieces(pieces);
+  const std::vector<MapPiece> pieces = mapping.pieces();
   EXPECT_EQ(pieces.size(), 3U);
   for (const MapPiece& piece : pieces) EXPECT_EQ(piece.submap, 0);
   mapping.submaps.T_local_own[0] = at(0, 1, 1);
@@ -215,7 +202,7 @@ TEST(SubmapMapper, ATrackedVehicleIsNoObstacle) {
   track.position_m = {6.0, 0.0, 1.0};
   for (int i = 0; i < 4; ++i) {
     track.t = mapping.observation.t;
-    mapping.see({0, 0, 1.1}, {track});
+    mapping.see({0, 0, 1.1}, 1, {track});
   }
   EXPECT_NE(mapping.state({6.05, 0.1, 1}), CellState::kOccupied);
   EXPECT_EQ(mapping.state({6.05, 3, 1}), CellState::kOccupied);
@@ -238,9 +225,7 @@ TEST(SubmapMapper, AddsAnEarlierMapOnceLocated) {
   mapping.see_nothing();
   EXPECT_EQ(mapping.state({10.1, 0.1, 3.1}), CellState::kOccupied);
   EXPECT_EQ(mapping.state({10.1, 0.1, 3.3}), CellState::kFree);
-  std::vector<MapPiece> own;
-  mapping.mapper->append_pieces(own);
-  EXPECT_TRUE(own.empty()) << "what was given is not its own";
+  EXPECT_TRUE(mapping.pieces().empty()) << "the given piece is not its own";
   mapping.submaps.T_local_given = {at(20, 0, 0)};
   ++mapping.submaps.revision;
   mapping.see_nothing();
@@ -249,10 +234,8 @@ TEST(SubmapMapper, AddsAnEarlierMapOnceLocated) {
 }
 
 std::size_t cells_kept(const SubmapMapping& mapping) {
-  std::vector<MapPiece> pieces;
-  mapping.mapper->append_pieces(pieces);
   std::size_t count = 0;
-  for (const MapPiece& piece : pieces) count += piece.cells->num_free() + piece.cells->num_occupied();
+  for (const MapPiece& piece : mapping.pieces()) count += piece.cells->num_free() + piece.cells->num_occupied();
   return count;
 }
 
@@ -262,7 +245,7 @@ TEST(SubmapMapper, MemoryGrowsWithSpaceNotDistance) {
   for (int lap = 0; lap < 8; ++lap) {
     for (const Vector3& p_m : {Vector3(-2, -2, 1), Vector3(2, -2, 1), Vector3(2, 2, 1), Vector3(-2, 2, 1)}) {
       mapping.begin_submap(at(p_m.x(), p_m.y(), p_m.z()));
-      for (int i = 0; i < 4; ++i) mapping.see(p_m);
+      mapping.see(p_m, 4);
     }
     if (lap == 1) after_two_laps = cells_kept(mapping);
   }
@@ -279,26 +262,20 @@ TEST(SubmapMapper, DroppedSubmapsCellsFollowOlderSubmap) {
   mapping.begin_submap(at(0, 0, 1));
   mapping.see({-5, -5, 1});
   mapping.begin_submap(at(1, 0, 1));
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
-  for (int i = 0; i < 4; ++i) mapping.see({2, 0, 1});
+  mapping.see({0, 0, 1}, 4);
+  mapping.see({2, 0, 1}, 4);
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied);
   mapping.submaps.T_local_own.pop_back();
   mapping.submaps.dropped = {1, 1, 0, at(1, 0, 0)};
   mapping.begin_submap(at(2, 0, 1));
   mapping.see_nothing();
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "nothing has moved";
-  mapping.submaps.T_local_own[1] = at(-20, 0, 1);
-  ++mapping.submaps.revision;
-  mapping.see_nothing();
+  mapping.move_submap(1, at(-20, 0, 1));
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "it hangs on the new one no longer";
-  mapping.submaps.T_local_own[0] = at(0, 2, 1);
-  ++mapping.submaps.revision;
-  mapping.see_nothing();
+  mapping.move_submap(0, at(0, 2, 1));
   EXPECT_EQ(mapping.state({1, 8.05, 1}), CellState::kOccupied);
   EXPECT_NE(mapping.state({1, 6.05, 1}), CellState::kOccupied);
-  std::vector<MapPiece> pieces;
-  mapping.mapper->append_pieces(pieces);
-  for (const MapPiece& piece : pieces) EXPECT_EQ(piece.submap, 0);
+  for (const MapPiece& piece : mapping.pieces()) EXPECT_EQ(piece.submap, 0);
 }
 
 // Visit after visit the pose graph drops the submap.
@@ -317,11 +294,9 @@ TEST(SubmapMapper, RepeatedVisitsMergeIntoFewPieces) {
     }
     for (SubmapMapping* mapping : {&few, &all}) {
       mapping->begin_submap(T);
-      for (int i = 0; i < 4; ++i) mapping->see(p_m);
+      mapping->see(p_m, 4);
     }
-    std::vector<MapPiece> pieces;
-    few.mapper->append_pieces(pieces);
-    most = std::max(most, pieces.size());
+    most = std::max(most, few.pieces().size());
   }
   EXPECT_LE(most, 6U);
   int known = 0;
@@ -340,17 +315,15 @@ TEST(SubmapMapper, RepeatedVisitsMergeIntoFewPieces) {
 TEST(SubmapMapper, ForgetsCellsOfAnUntraceableSubmap) {
   SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
-  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.see({0, 0, 1}, 4);
   mapping.begin_submap(at(1, 0, 1));
   mapping.see({2, 0, 1});
   mapping.submaps.T_local_own.back() = at(30, 0, 1);
   mapping.submaps.dropped = {2, 1, 0, at(25, 0, 0)};  // two of them since the last step
   ++mapping.submaps.revision;
   mapping.see_nothing();
-  std::vector<MapPiece> pieces;
-  mapping.mapper->append_pieces(pieces);
-  ASSERT_EQ(pieces.size(), 1U);
-  EXPECT_EQ(pieces[0].submap, 0);
+  ASSERT_EQ(mapping.pieces().size(), 1U);
+  EXPECT_EQ(mapping.pieces()[0].submap, 0);
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "what the first one saw";
 }
 
@@ -361,39 +334,16 @@ TEST(SubmapMapper, ForgetsOldestPieceAndCountsIt) {
   SubmapMapping mapping(config);
   for (int i = 0; i < 4; ++i) {
     mapping.begin_submap(at(0, 0, 1));
-    for (int scan = 0; scan < 3; ++scan) mapping.see({0, 0, 1});
+    mapping.see({0, 0, 1}, 3);
   }
-  std::vector<Counter> counters;
-  mapping.mapper->append_counters(counters);
+  const std::vector<Counter> counters = mapping.counters();
   ASSERT_EQ(counters.size(), 2U);
   EXPECT_EQ(counters[1].setting, "pieces_max");
   EXPECT_EQ(counters[1].count, 1U) << "three are finished";
   EXPECT_EQ(counters[1].of, 3U);
 }
 
-TEST(SubmapMapper, MapOverlayHasAColorLegend) {
-  SubmapMapping mapping(every_beam());
-  const auto picture = [&](const std::string& name) {
-    std::vector<Overlay> overlays;
-    mapping.mapper->append_overlays(overlays);
-    const auto found = std::find_if(overlays.begin(), overlays.end(), [&](const Overlay& o) { return o.name == name; });
-    return found != overlays.end() ? *found : Overlay{};
-  };
-  EXPECT_TRUE(picture("mapping.map").legend.empty()) << "nothing is drawn yet";
-  mapping.begin_submap(at(0, 0, 1));
-  mapping.see({0, 0, 1});
-  const Overlay map = picture("mapping.map");
-  ASSERT_EQ(map.legend.size(), 2U);
-  ASSERT_EQ(map.colors.size(), map.positions.size());
-  const auto [low, high] = std::minmax_element(map.positions.begin(), map.positions.end(),
-                                               [](const auto& a, const auto& b) { return a.z() < b.z(); });
-  EXPECT_LT(low->z(), high->z());
-  EXPECT_EQ(map.legend[0].color, map.colors[static_cast<std::size_t>(low - map.positions.begin())]);
-  EXPECT_EQ(map.legend[1].color, map.colors[static_cast<std::size_t>(high - map.positions.begin())]);
-  EXPECT_NE(map.legend[0].color, map.legend[1].color);
-}
-
-TEST(SubmapMapper, IsRefusedWithoutAPoseGraph) {
+TEST(SubmapMapper, RequiresAPoseGraph) {
   Module module(mapper_module_types(), "submaps");
   EXPECT_TRUE(make_mapper(module, {})->needs_submaps());
   EXPECT_FALSE(make_mapper(Module(mapper_module_types(), "occupancy"), {})->needs_submaps());
