@@ -87,28 +87,8 @@ TEST(GroundTruthEstimator, ExtrapolatesAtConstantVelocityWithoutImu) {
   }
 }
 
-TEST(GroundTruthEstimator, IsValidUntilPosesStop) {
-  const Circling circling;
-  const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
-  Observation observation;
-  observation.t = kTick;
-  EXPECT_TRUE(estimator->update(observation, outbox).valid) << "the start pose is known";
-  observation.t = 400'000'000;
-  EXPECT_TRUE(estimator->update(observation, outbox).valid);
-  observation.t = 600'000'000;
-  EXPECT_FALSE(estimator->update(observation, outbox).valid);
-  EXPECT_STRNE(estimator->fault(), "");
-  observation.t = 604'000'000;
-  PoseSample broken = circling.pose(observation.t);
-  broken.T_world_body.translation().x() = std::nan("");
-  observation.pose.push_back(broken);
-  EXPECT_FALSE(estimator->update(observation, outbox).valid) << "a pose that is not a number is none";
-  observation.pose = {circling.pose(observation.t)};
-  EXPECT_TRUE(estimator->update(observation, outbox).valid);
-}
-
 /// Setup with the start of the circle known to the given extent.
-AgentSetup told(const Circling& circling, StartKnown known) {
+AgentSetup setup_of(const Circling& circling, StartKnown known) {
   AgentSetup setup = circling.setup();
   setup.start_known = known;
   if (known != StartKnown::kPose) setup.T_local_body_start.linear().setIdentity();
@@ -119,7 +99,7 @@ AgentSetup told(const Circling& circling, StartKnown known) {
 TEST(GroundTruthEstimator, LearnsTheWorldFromFirstPose) {
   const Circling circling;
   const auto estimator =
-      make_estimator(Module(estimator_module_types(), "ground_truth"), told(circling, StartKnown::kNothing));
+      make_estimator(Module(estimator_module_types(), "ground_truth"), setup_of(circling, StartKnown::kNothing));
   Observation observation;
   const StateEstimate& e = estimator->update(observation, outbox);
   EXPECT_EQ(e.T_local_body.matrix(), Pose::Identity().matrix());
@@ -141,14 +121,15 @@ TEST(OdometryEstimator, TakesUnknownHeadingFromTheCompass) {
   const Circling circling;
   for (const bool compass : {false, true}) {
     const auto estimator =
-        make_estimator(Module(estimator_module_types(), "odometry"), told(circling, StartKnown::kPosition));
+        make_estimator(Module(estimator_module_types(), "odometry"), setup_of(circling, StartKnown::kPosition));
     const StateEstimate* e = nullptr;
     for (TimeNs t = 0; t < kNsPerSecond; t += kTick) {
       Observation observation;
       observation.t = t;
       const PoseSample s = circling.pose(t);
       observation.odometry = {{t, s.T_world_body, s.v_world_mps}};
-      if (compass && t >= 10 * kTick) observation.compass = {{t, yaw_of(s.T_world_body.linear()), 0.02}};
+      if (compass) observation.compass = {{t, std::nan(""), 0.02}};
+      if (compass && t >= 10 * kTick) observation.compass.push_back({t, yaw_of(s.T_world_body.linear()), 0.02});
       e = &estimator->update(observation, outbox);
       EXPECT_LE((e->T_local_body.translation() - circling.pose(0).T_world_body.translation()).norm(),
                 1e-9 + 2.51 * to_seconds(t));
@@ -180,7 +161,8 @@ TEST(InsEstimator, FindsStartHeadingFromLateCompass) {
 
 TEST(InsEstimator, FindsStartFromCompassAndGnss) {
   const Circling circling;
-  const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), told(circling, StartKnown::kNothing));
+  const auto estimator =
+      make_estimator(Module(estimator_module_types(), "ins"), setup_of(circling, StartKnown::kNothing));
   // The filter takes the vehicle to be at rest at the start: it stands for two seconds, then the circle begins slowly.
   const PoseSample start = circling.pose(0);
   Observation observation;
@@ -197,40 +179,75 @@ TEST(InsEstimator, FindsStartFromCompassAndGnss) {
       observation.compass = {{t, yaw_of(start.T_world_body.linear()), 0.02}};
     }
     e = &estimator->update(observation, outbox);
-    ASSERT_TRUE(t >= kNsPerSecond || e->correction_revision == 0) << "a fix is of no use without a heading";
+    ASSERT_TRUE(t >= kNsPerSecond || e->correction_revision == 0) << "a position needs a heading";
     ASSERT_TRUE(e->valid) << estimator->fault();
   }
   EXPECT_EQ(e->correction_revision, 2U);
-  EXPECT_LT(e->T_local_body.translation().norm(), 0.1) << "the local frame began at the origin and did not jump";
+  EXPECT_LT(e->T_local_body.translation().norm(), 0.1) << "the local frame does not jump";
   EXPECT_LT((e->T_world_body().translation() - start.T_world_body.translation()).norm(), 0.1);
   EXPECT_NEAR(yaw_of(e->T_world_body().linear()), yaw_of(start.T_world_body.linear()), 0.02);
 }
 
-TEST(FrameChange, RestoresPosesAfterARoundTrip) {
+// A covariance that is the outer product of velocities stays one, so it rotates like the velocities.
+TEST(FrameChange, RotatesValuesAndRestoresThem) {
   StateEstimate estimate;
   EXPECT_EQ(FrameChange::to_world(estimate).point({1, -0.0, 3}), Vector3(1, -0.0, 3));
   estimate.correct(make_pose({5, -3, 2}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ()))));
   estimate.correct(estimate.T_world_local);
   EXPECT_EQ(estimate.correction_revision, 1U) << "an equal correction is none";
   const FrameChange to_world = FrameChange::to_world(estimate), to_local = FrameChange::to_local(estimate);
+  const Vector3 p_m(1, 2, 3), p_world_m = estimate.T_world_local * p_m;
   Track track;
-  track.position_m = {1, 2, 3};
+  track.position_m = track.measured_m = p_m;
   track.velocity_mps = {4, 5, 6};
-  track.acceleration_mps2 = {0, 1, 0};
-  track.covariance.diagonal() << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  track.acceleration_mps2 = {0.5, 1, 0};
+  const auto state_of = [](const Track& t) {
+    Eigen::Matrix<double, 9, 1> x;
+    x << t.velocity_mps, t.velocity_mps, t.acceleration_mps2;
+    return x;
+  };
+  track.covariance = state_of(track) * state_of(track).transpose();
+  track.measured_covariance = track.velocity_mps * track.velocity_mps.transpose();
   const Track there = to_world.track(track);
-  EXPECT_LT((there.position_m - estimate.T_world_local * track.position_m).norm(), 1e-12);
+  EXPECT_LT((there.position_m - p_world_m).norm() + (there.measured_m - p_world_m).norm(), 1e-12);
+  EXPECT_LT((there.velocity_mps - estimate.T_world_local.linear() * track.velocity_mps).norm(), 1e-12);
+  EXPECT_LT((there.covariance - state_of(there) * state_of(there).transpose()).norm(), 1e-10);
+  EXPECT_LT((there.measured_covariance - there.velocity_mps * there.velocity_mps.transpose()).norm(), 1e-10);
   const Track back = to_local.track(there);
   EXPECT_LT((back.position_m - track.position_m).norm(), 1e-12);
   EXPECT_LT((back.velocity_mps - track.velocity_mps).norm(), 1e-12);
-  EXPECT_LT((back.covariance - track.covariance).norm(), 1e-12);
+  EXPECT_LT((back.covariance - track.covariance).norm(), 1e-10);
+  Detection detection;
+  detection.position_m = p_m;
+  detection.covariance = track.measured_covariance;
+  EXPECT_LT((to_world.detection(detection).position_m - p_world_m).norm(), 1e-12);
+  EXPECT_LT((to_world.detection(detection).covariance - there.measured_covariance).norm(), 1e-10);
+  RelativeEstimate relative;
+  relative.position_m = relative.report_position_m = p_m;
+  relative.velocity_mps = track.velocity_mps;
+  relative.yaw_rad = relative.report_yaw_rad = 3.0;
+  const auto relative_state_of = [](const RelativeEstimate& e) {
+    Eigen::Matrix<double, 7, 1> x;
+    x << e.velocity_mps, e.velocity_mps, 1.0;
+    return x;
+  };
+  relative.covariance = relative_state_of(relative) * relative_state_of(relative).transpose();
+  const RelativeEstimate carried = to_world.relative(relative);
+  EXPECT_LT((carried.position_m - p_world_m).norm() + (carried.report_position_m - p_world_m).norm(), 1e-12);
+  EXPECT_LT((carried.velocity_mps - there.velocity_mps).norm(), 1e-12);
+  EXPECT_NEAR(carried.yaw_rad, 5.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(carried.report_yaw_rad, 5.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_LT((carried.covariance - relative_state_of(carried) * relative_state_of(carried).transpose()).norm(), 1e-10);
   Reference reference;
-  reference.position_m = {1, 2, 3};
+  reference.position_m = p_m;
   reference.velocity_mps = {1, 0, 0};
   reference.yaw_rad = 3.0;
   EXPECT_NEAR(to_world.reference(reference).yaw_rad, 5.0 - 2.0 * M_PI, 1e-12);
   EXPECT_NEAR(to_local.reference(to_world.reference(reference)).yaw_rad, 3.0, 1e-12);
   EXPECT_NEAR(to_world.height(1.0), 3.0, 1e-12);
+  const Pose T = level_alignment(0.7, {1, 2, 3}, {-4, 5, 6});
+  EXPECT_LT((T * Vector3(-4, 5, 6) - Vector3(1, 2, 3)).norm(), 1e-12);
+  EXPECT_NEAR(yaw_of(T.linear()), 0.7, 1e-12);
 }
 
 TEST(OdometryEstimator, AlignsLocalFrameWithTheStart) {
@@ -254,7 +271,7 @@ TEST(OdometryEstimator, AlignsLocalFrameWithTheStart) {
   }
 }
 
-TEST(OdometryEstimator, ItsDriftIsTheEstimatesDrift) {
+TEST(OdometryEstimator, FollowsTheDriftOfOdometry) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "odometry"), circling.setup());
   Observation observation;
@@ -280,39 +297,6 @@ TEST(OdometryEstimator, FindsTheBodyRateWithoutImu) {
     estimator->update(observation, outbox);
   }
   EXPECT_NEAR(estimator->update(observation, outbox).omega_body_radps.z(), circling.rate, 1e-6);
-}
-
-TEST(DeadReckoning, MatchesFreeFallInClosedForm) {
-  DeadReckoning reckoning;
-  for (int i = 1; i <= 200; ++i) reckoning.push({i * 5'000'000LL, Vector3::Zero(), Vector3::Zero()});
-  EXPECT_NEAR(reckoning.at(kNsPerSecond).p_m.z(), -0.5 * kStandardGravity_mps2, 1e-9);
-  EXPECT_NEAR(reckoning.at(kNsPerSecond).v_mps.z(), -kStandardGravity_mps2, 1e-9);
-}
-
-TEST(DeadReckoning, IsIndependentOfPoseDelay) {
-  const Circling circling;
-  DeadReckoning timely, late;
-  const PoseSample s = circling.pose(20 * kTick);
-  const NavState known{s.t, s.T_world_body.translation(), s.v_world_mps, Eigen::Quaterniond(s.T_world_body.linear()),
-                       s.omega_body_radps};
-  for (int i = 1; i <= 100; ++i) {
-    timely.push(circling.imu(i * kTick));
-    late.push(circling.imu(i * kTick));
-    if (i == 20) timely.restart(known);
-  }
-  late.restart(known);
-  EXPECT_EQ(late.at(100 * kTick).p_m, timely.at(100 * kTick).p_m);
-  EXPECT_EQ(late.at(100 * kTick).v_mps, timely.at(100 * kTick).v_mps);
-}
-
-TEST(DeadReckoning, InvertsRotationsByAVector) {
-  for (const double size : {1e-9, 1e-5, 0.01, 1.0, 3.0}) {
-    const Vector3 angle = size * Vector3(0.6, -0.64, 0.48);
-    const Eigen::Quaterniond q = rotation_by(angle);
-    EXPECT_NEAR(q.norm(), 1.0, 1e-15);
-    EXPECT_NEAR(q.angularDistance(Eigen::Quaterniond(Eigen::AngleAxisd(size, angle / size))), 0.0, 1e-8);
-    EXPECT_NEAR((q * rotation_by(-angle)).w(), 1.0, 1e-15);
-  }
 }
 
 }  // namespace

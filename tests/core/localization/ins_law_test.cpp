@@ -12,10 +12,9 @@ using Index = InsFilter;
 constexpr double kRadPerDegree = M_PI / 180.0;
 const Vector3 kHover(0.0, 0.0, kStandardGravity_mps2);
 
-/// Variance of a state and its two neighbors, as they are alike by symmetry or not.
 double variance(const InsFilter& filter, int i) { return filter.covariance()(i, i); }
 
-/// One that hovers level at the origin, at the given time after its start.
+/// A filter of a vehicle that hovers level at the origin.
 InsFilter hovering_at(const InsConfig& config, TimeNs t, TimeNs first = 1) {
   InsFilter filter(config, Pose::Identity());
   filter.predict({first, Vector3::Zero(), kHover});
@@ -73,18 +72,12 @@ TEST(InsLaw, NoiseGrowsWithTheTime) {
   }
 }
 
-// The motion in a gap of the IMU is unknown: an acceleration of 2 m/s^2 is assumed.
-TEST(InsLaw, ALongGapCostsTrust) {
-  const InsConfig config = only_start();
-  const double below = 0.099, above = 0.101, g = kStandardGravity_mps2;
-  const double tilt = config.start_tilt_sigma_deg * kRadPerDegree;
-  const auto spread = [&](double dt_s) {
-    const InsFilter first = hovering_at(config, 1), next = hovering_at(config, 1 + from_seconds(dt_s));
-    const double a_var = g * g * tilt * tilt + variance(first, Index::kAccelBias);
-    return variance(next, Index::kV) - variance(first, Index::kV) - dt_s * dt_s * a_var;
+TEST(InsLaw, LosesTrustInAnImuGap) {
+  const auto velocity_variance = [](double dt_s) {
+    return variance(hovering_at(only_start(), 1 + from_seconds(dt_s)), Index::kV);
   };
-  EXPECT_NEAR(spread(below), 0.0, 1e-4);
-  EXPECT_NEAR(spread(above), 4.0 * above * above, 1e-3);
+  const double steady = velocity_variance(0.05), gap = velocity_variance(0.5);
+  EXPECT_GT(gap, steady + 0.5) << "the motion in the gap is unknown";
 }
 
 TEST(InsLaw, WeighsPositionByItsVariance) {
@@ -98,9 +91,9 @@ TEST(InsLaw, WeighsPositionByItsVariance) {
   sample.v_world_mps.setConstant(std::nan(""));
   filter.update(sample);
   for (int axis = 0; axis < 3; ++axis) {
-    const double told = std::pow(sample.sigma_p_m[axis], 2);
-    EXPECT_NEAR(filter.state().p_m[axis], sample.p_world_m[axis] * own / (own + told), 1e-4);
-    EXPECT_NEAR(variance(filter, Index::kP + axis), own * told / (own + told), 1e-5);
+    const double measured = std::pow(sample.sigma_p_m[axis], 2);
+    EXPECT_NEAR(filter.state().p_m[axis], sample.p_world_m[axis] * own / (own + measured), 1e-4);
+    EXPECT_NEAR(variance(filter, Index::kP + axis), own * measured / (own + measured), 1e-5);
   }
 }
 
@@ -109,11 +102,11 @@ TEST(InsLaw, WeighsHeadingByVarianceAcrossWraparound) {
   for (const double yaw : {0.0, 3.1}) {
     InsFilter filter(config, make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3::UnitZ()))));
     filter.predict({1, Vector3::Zero(), kHover});
-    const double own = std::pow(config.start_yaw_sigma_deg * kRadPerDegree, 2), told = 0.03 * 0.03;
+    const double own = std::pow(config.start_yaw_sigma_deg * kRadPerDegree, 2), measured = 0.03 * 0.03;
     filter.update(CompassSample{1, std::remainder(yaw + 0.06, 2.0 * M_PI), 0.03});
     const double turned = std::remainder(yaw_of(filter.state().q.toRotationMatrix()) - yaw, 2.0 * M_PI);
-    EXPECT_NEAR(turned, 0.06 * own / (own + told), 1e-4);
-    EXPECT_NEAR(variance(filter, Index::kTheta + 2), own * told / (own + told), 1e-6);
+    EXPECT_NEAR(turned, 0.06 * own / (own + measured), 1e-4);
+    EXPECT_NEAR(variance(filter, Index::kTheta + 2), own * measured / (own + measured), 1e-6);
   }
 }
 

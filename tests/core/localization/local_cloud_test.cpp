@@ -72,9 +72,9 @@ TEST(LocalCloud, PlacesScansByTheirAttachedPoses) {
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
   auto scan = scan_of({12.0, 5.0, 4.0}, 900 * kMs, 0, 4);
-  Pose told = motion_at(0.9);
-  told.translation() += shift;
-  scan->external_poses = {{900 * kMs, told}};
+  Pose attached = motion_at(0.9);
+  attached.translation() += shift;
+  scan->external_poses = {{900 * kMs, attached}};
   LocalCloud cloud;
   ASSERT_TRUE(registrar.make(scan, cloud));
   for (const Eigen::Vector3f& p : cloud.points_local_m)

@@ -62,9 +62,10 @@ TEST(MarkerSightings, SeparatesVehicleFromDoorwayPosts) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LT((found[0].p_local_m - middle_m).norm(), 0.02);
   EXPECT_EQ(found[0].t, 5 * kNsPerSecond);
+  EXPECT_LT((found[0].covariance - 0.0025 * Matrix3::Identity()).norm(), 1e-9);
 }
 
-TEST(MarkerSightings, TwoVehiclesAreTwo) {
+TEST(MarkerSightings, SeparatesTwoVehicles) {
   Returns returns;
   returns.add_vehicle({5.0, 0.0, 0.0});
   returns.add_vehicle({5.0, 1.0, 0.0});
@@ -78,7 +79,7 @@ TEST(MarkerSightings, IgnoresDullReturnsAndSingleGlints) {
   returns.add({7.0, 1.0, 0.0}, Returns::kMarker);
   EXPECT_TRUE(returns.sightings().empty());
   returns.reflectivities.clear();
-  EXPECT_TRUE(returns.sightings().empty()) << "a sensor that does not tell how bright things are";
+  EXPECT_TRUE(returns.sightings().empty()) << "a sensor without reflectivity";
 }
 
 TEST(MarkerSightings, StampsMidwayBetweenFirstAndLast) {

@@ -64,9 +64,15 @@ TEST(AlignInClosedForm, PairsWithoutNoiseAreMetExactly) {
   }
 }
 
-TEST(AlignInClosedForm, FindsNoHeadingFromVerticalOffsets) {
-  const std::vector<Vector3> other = {{1, 2, 0}, {1, 2, 1}, {1, 2, 2}};
-  EXPECT_FALSE(align_in_closed_form(other, other, std::vector<double>{1, 1, 1}));
+TEST(AlignInClosedForm, NeedsHorizontalSpreadAndWeight) {
+  const std::vector<Vector3> apart = {{0, 0, 0}, {1, 0, 0}}, above = {{1, 2, 0}, {1, 2, 1}};
+  const std::vector<double> weights = {1.0, 1.0}, none = {0.0, 0.0};
+  EXPECT_TRUE(align_in_closed_form(apart, apart, weights));
+  EXPECT_FALSE(align_in_closed_form(apart, above, weights));
+  EXPECT_FALSE(align_in_closed_form(above, apart, weights));
+  EXPECT_FALSE(align_in_closed_form(above, above, weights));
+  EXPECT_FALSE(align_in_closed_form(apart, apart, none));
+  EXPECT_FALSE(align_in_closed_form({}, {}, {}));
 }
 
 // ---- the window
@@ -99,8 +105,9 @@ Outcome run(const Trial& trial, std::uint64_t seed) {
     if (random.uniform(i, 0) < trial.outlier_share) {
       seen = {random.uniform(0, 10, i, 1), random.uniform(-4, 6, i, 2), random.uniform(-1, 2, i, 3)};
     }
-    const OtherMotion& told = flight.at(t_s + trial.clock_s).motion;
-    AlignmentPair pair{from_seconds(t_s), seen, C, told.p_other_local_m, told.v_other_local_mps, 0.0, told.flown};
+    const OtherMotion& reported = flight.at(t_s + trial.clock_s).motion;
+    AlignmentPair pair{from_seconds(t_s), seen, C, reported.p_other_local_m, reported.v_other_local_mps, 0.0,
+                       reported.flown};
     alignment.push(pair);
   }
   const double now_s = 1.0 + 0.1 * (num - 1);
@@ -151,15 +158,6 @@ TEST(RelativeAlignment, FindsAnyTransformExactlyWithoutNoise) {
   }
 }
 
-TEST(RelativeAlignment, IsConsistentUnderNoiseAndDrift) {
-  Trial trial;
-  const MonteCarlo result = monte_carlo(trial, 300);
-  EXPECT_EQ(result.found, 300);
-  EXPECT_NEAR(result.mean_nees, 4.0, bound_of_mean_nees(300));
-  EXPECT_LT(result.mean_sigma_m, 0.2);
-  RecordProperty("nees", std::to_string(result.mean_nees));
-}
-
 TEST(RelativeAlignment, IsConsistentWithPoorOdometry) {
   Trial trial;
   trial.drift.position_m_psqrtm = 0.15;
@@ -206,48 +204,56 @@ TEST(RelativeAlignment, ToleratesThirtyPercentFalseSightings) {
   EXPECT_NEAR(result.mean_nees, 4.0, 2.0 * bound_of_mean_nees(300));
 }
 
-TEST(RelativeAlignment, FailsOnOutliersWithSquaredLoss) {
-  Trial trial;
-  trial.outlier_share = 0.3;
-  trial.config.min_inlier_share = 0.5;
-  trial.config.loss = RelativeAlignmentConfig::Loss::kSquared;
-  const MonteCarlo squared = monte_carlo(trial, 40);
-  EXPECT_TRUE(squared.found < 30 || squared.mean_nees > 8.0) << squared.found << " " << squared.mean_nees;
-}
-
-TEST(RelativeAlignment, HasNoHeadingAtRest) {
-  Trial trial;
-  trial.path = rest();
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Outcome outcome = run(trial, seed);
-    EXPECT_FALSE(outcome.found);
-    EXPECT_NE(outcome.fault, AlignmentFault::kNone);
+TEST(RelativeAlignment, NeedsHorizontalMotion) {
+  const std::pair<const char*, Path> paths[] = {
+      {"rest", rest()}, {"rising", [](double t) { return Vector3(5.0, 1.0, 0.5 * t); }}, {"centimeters", eight(0.08)}};
+  for (const auto& [name, path] : paths) {
+    Trial trial;
+    trial.path = path;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const Outcome outcome = run(trial, seed);
+      EXPECT_FALSE(outcome.found) << name;
+      EXPECT_NE(outcome.fault, AlignmentFault::kNone) << name;
+    }
   }
 }
 
-TEST(RelativeAlignment, HasNoHeadingWhenOnlyRising) {
-  Trial trial;
-  trial.path = [](double t) { return Vector3(5.0, 1.0, 0.5 * t); };
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_FALSE(run(trial, seed).found);
-}
-
-TEST(RelativeAlignment, NeedsMoreThanCentimetersOfMotion) {
-  Trial trial;
-  trial.path = eight(0.08);
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_FALSE(run(trial, seed).found);
+// The other vehicle restarts its odometry in another frame. The last result fits no new pair and is given up.
+TEST(RelativeAlignment, RecoversFromARestartOfOdometry) {
+  const OtherFlight before(eight(), 20.0, no_drift(), 1), after(eight(), 20.0, no_drift(), 2);
+  RelativeAlignmentConfig config;
+  config.window_size = 40;
+  RelativeAlignment alignment(config, no_drift());
+  Flown offset;
+  for (const OtherFlight* flight : {&before, &after}) {
+    OtherMotion now;
+    for (int i = 0; i < 60; ++i) {
+      const OtherFlight::Sample& s = flight->at(0.2 * i);
+      now = s.motion;
+      now.flown.path_m += offset.path_m;
+      now.flown.time_s += offset.time_s;
+      alignment.push({now.t + from_seconds(offset.time_s), s.p_local_m, sighting_covariance(), now.p_other_local_m,
+                      now.v_other_local_mps, 0.0, now.flown});
+    }
+    now.t += from_seconds(offset.time_s);
+    const auto& found = alignment.fit(now, {});
+    ASSERT_TRUE(found) << reason_of(alignment.fault());
+    EXPECT_NEAR(std::remainder(found->yaw_rad - flight->at(0).yaw_local_other_rad, 2 * kPi), 0.0, 1e-6);
+    offset = {100.0, 0.0, 100.0};
+  }
 }
 
 TEST(RelativeAlignment, SightingsOfAnotherVehicleFitNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const OtherFlight told(eight(), 20.0, {}, seed);
+    const OtherFlight reported(eight(), 20.0, {}, seed);
     const OtherFlight seen([](double t) { return Vector3(4.0 + 0.4 * t, -3.0, 2.0); }, 20.0, {}, seed + 100);
     RelativeAlignment alignment({}, {});
     for (int i = 0; i < 100; ++i) {
-      const OtherMotion& m = told.at(0.15 * i).motion;
+      const OtherMotion& m = reported.at(0.15 * i).motion;
       alignment.push({m.t, seen.at(0.15 * i).p_local_m, sighting_covariance(), m.p_other_local_m, m.v_other_local_mps,
                       0.0, m.flown});
     }
-    EXPECT_FALSE(alignment.fit(told.at(14.85).motion, {}));
+    EXPECT_FALSE(alignment.fit(reported.at(14.85).motion, {}));
     EXPECT_EQ(alignment.fault(), AlignmentFault::kFewInliers);
   }
 }

@@ -304,22 +304,6 @@ TEST(RelativeFilter, AcceptsSightingsFromItsStartOnward) {
   EXPECT_FALSE(filter.push(sighting));
 }
 
-TEST(RelativeOdometry, InterpolatesBetweenItsSamples) {
-  const OtherFlight flight(eight(), 10.0, no_drift(), 1);
-  RelativeOdometry odometry;
-  for (int k = 0; k <= 16; ++k) ASSERT_TRUE(odometry.push(flight.at(0.5 * k).motion));
-  for (int k = 0; k <= 160; ++k) {
-    const auto told = odometry.at(from_seconds(0.05 * k), 2.0);
-    ASSERT_TRUE(told);
-    EXPECT_LT((told->p_other_local_m - flight.at(0.05 * k).motion.p_other_local_m).norm(), 1e-3);
-    EXPECT_LT((told->v_other_local_mps - flight.at(0.05 * k).motion.v_other_local_mps).norm(), 2e-2);
-    EXPECT_NEAR(told->flown.time_s, 0.05 * k, 1e-9) << "since the first one";
-  }
-  EXPECT_FALSE(odometry.at(from_seconds(8.01), 2.0)) << "beyond the newest nothing is known";
-  EXPECT_FALSE(odometry.at(from_seconds(7.9), 0.4)) << "nor in a gap";
-  EXPECT_FALSE(odometry.push(flight.at(7.0).motion)) << "what is older comes too late";
-}
-
 TEST(RelativeFilter, GrowsHeadingUncertaintyByTurnRate) {
   const auto variance = [](double yaw_rate_sigma_degps, double since_s) {
     FilterTrial trial;
@@ -327,7 +311,7 @@ TEST(RelativeFilter, GrowsHeadingUncertaintyByTurnRate) {
     FilterRun run(trial, random_flight(0.5, 3), 3);
     run.take(trial.measurements());
     const RelativeEstimate last = run.filter().at(from_seconds(trial.end_s));
-    return run.filter().at(last.heard + from_seconds(since_s)).covariance(6, 6);
+    return run.filter().at(last.report_t + from_seconds(since_s)).covariance(6, 6);
   };
   for (const double since_s : {0.5, 2.0}) {
     const double turned_rad = 3.0 * kRadPerDeg * since_s;

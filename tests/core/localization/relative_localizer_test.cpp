@@ -8,8 +8,6 @@
 #include <limits>
 #include <string>
 
-#include "swiftlet/core/messages/kind.hpp"
-#include "swiftlet/core/messages/odometry_report.hpp"
 #include "swiftlet/core/stages/relative_localizers.hpp"
 #include "tests/core/localization/relative_support.hpp"
 
@@ -39,7 +37,7 @@ std::unique_ptr<RelativeLocalizer> localizer_of(const SlidingWindowConfig& confi
   return make_relative_localizer(module, three_vehicles());
 }
 
-/// An observer at rest that is given what comes of a flight.
+/// An observer at rest with the reports and sightings of a flight.
 struct Team {
   SlidingWindowConfig config = looking_for_uav2();
   Path path = eight();
@@ -98,16 +96,8 @@ struct Team {
   Message report(const OtherFlight& flight, double now_s) const {
     const double t_s = now_s - odometry_latency_s;
     const OtherMotion& motion = flight.at(t_s).motion;
-    OdometryReport told;
-    told.t = from_seconds(t_s * (1.0 + clock_drift) + clock_offset_s);
-    told.T_local_body =
-        make_pose(motion.p_other_local_m, Eigen::Quaterniond(Eigen::AngleAxisd(motion.yaw_rad, Vector3::UnitZ())));
-    told.v_local_mps = motion.v_other_local_mps;
-    Message message;
-    write_message(told, message);
-    message.from = sender;
-    message.received = from_seconds(now_s);
-    return message;
+    return odometry_message(motion, sender, from_seconds(t_s * (1.0 + clock_drift) + clock_offset_s),
+                            from_seconds(now_s));
   }
   void detect(const OtherFlight& flight, const Random& random, int k, std::vector<Detection>& detections) const {
     const double t_s = std::round((k * kTick_s - sighting_latency_s) / kTick_s) * kTick_s;
@@ -188,7 +178,7 @@ TEST(RelativeLocalizer, DetectsExcessOdometryDrift) {
   };
   const Team::Result noticed = fly(10.0), trusting = fly(1.0);
   EXPECT_LT(mean(noticed.nees), 3.0);
-  EXPECT_GT(mean(trusting.nees), 2.0 * mean(noticed.nees)) << "it is surer than it may be";
+  EXPECT_GT(mean(trusting.nees), 2.0 * mean(noticed.nees)) << "overconfident";
   EXPECT_LT(mean(noticed.errors_m), 0.75 * mean(trusting.errors_m));
 }
 
@@ -203,7 +193,7 @@ TEST(RelativeLocalizer, RejectsVehiclesWithoutMarkers) {
   team.marker = 0.5;
   EXPECT_TRUE(team.fly(30.0).errors_m.empty());
   team.config.marker_reflectivity = 0.0;
-  EXPECT_FALSE(team.fly(30.0).errors_m.empty()) << "unless no markers are asked for";
+  EXPECT_FALSE(team.fly(30.0).errors_m.empty()) << "markers are optional";
 }
 
 TEST(RelativeLocalizer, IsUndisturbedByUnmarkedVehicleNearby) {
@@ -291,34 +281,6 @@ TEST(RelativeLocalizer, RefusesUnknownVehicleByName) {
     EXPECT_STREQ(problem.what(),
                  "relative_localization.other: expected the name of another vehicle (uav2, uav3), found \"uav9\"");
   }
-}
-
-TEST(SharedWorld, TrustsTheReportedPosition) {
-  Module module(relative_localizer_module_types(), "shared_world");
-  module.as<SharedWorldConfig>().other = "uav2";
-  const auto localizer = make_relative_localizer(module, three_vehicles());
-  OdometryReport told;
-  told.t = from_seconds(1.0);
-  told.T_local_body.translation() = Vector3(1, 2, 3);
-  told.v_local_mps = {1, 0, 0};
-  Message message;
-  write_message(told, message);
-  message.from = kOther;
-  Observation observation;
-  observation.t = from_seconds(1.5);
-  observation.messages = {message};
-  StateEstimate estimate;
-  LocalPoses poses;
-  Outbox outbox;
-  std::vector<RelativeEstimate> found;
-  localizer->step({.observation = observation, .estimate = estimate, .poses = poses}, found, outbox);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_LT((found[0].position_m - Vector3(1.5, 2, 3)).norm(), 1e-12);
-  observation.messages.clear();
-  observation.t = from_seconds(3.5);
-  found.clear();
-  localizer->step({.observation = observation, .estimate = estimate, .poses = poses}, found, outbox);
-  EXPECT_TRUE(found.empty()) << "what it said is old";
 }
 
 }  // namespace

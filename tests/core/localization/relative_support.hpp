@@ -9,6 +9,8 @@
 #include "swiftlet/core/localization/relative_odometry.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/odometry_report.hpp"
 
 namespace swiftlet {
 
@@ -95,6 +97,21 @@ inline Matrix3 sighting_covariance(double sigma_m = 0.06) {
   C(0, 0) *= 2.0;
   C(0, 1) = C(1, 0) = 0.3 * sigma_m * sigma_m;
   return C;
+}
+
+/// Message of another vehicle that reports its motion.
+inline Message odometry_message(const OtherMotion& motion, VehicleId from, TimeNs stamp, TimeNs received) {
+  OdometryReport report;
+  report.t = stamp;
+  report.T_local_body =
+      make_pose(motion.p_other_local_m, Eigen::Quaterniond(Eigen::AngleAxisd(motion.yaw_rad, Vector3::UnitZ())));
+  report.v_local_mps = motion.v_other_local_mps;
+  report.yaw_rate_radps = motion.yaw_rate_radps;
+  Message message;
+  write_message(report, message);
+  message.from = from;
+  message.received = received;
+  return message;
 }
 
 /// Squared error of an alignment in standard deviations, against the true flight at `t_s`.
