@@ -34,7 +34,7 @@ TEST(OverlaidOccupancy, OccupiesPlacesAndKeepsMapElsewhere) {
   EXPECT_EQ(OverlaidOccupancy(one_ray(), {kBox}).state({3.45, 0.45, 2.05}), CellState::kOccupied);
   EXPECT_EQ(view.state({1.05, 0.05, 2.05}), CellState::kFree);
   EXPECT_EQ(view.state({6.05, 0.05, 2.05}), CellState::kOccupied);
-  EXPECT_EQ(one_ray().state({3.05, 0.05, 2.05}), CellState::kFree) << "the map itself is as it was";
+  EXPECT_EQ(one_ray().state({3.05, 0.05, 2.05}), CellState::kFree) << "the map itself is unchanged";
 }
 
 TEST(OverlaidOccupancy, MeasuresDistanceToNearerOfBoth) {
@@ -88,6 +88,19 @@ TEST(KeepOut, IsEnteredWhereDistanceBecomesZero) {
     EXPECT_NEAR(*found, expected, 2e-3) << k;
   }
   EXPECT_GT(entered, 50);
+}
+
+TEST(KeepOut, IsEnteredAlongAxes) {
+  for (const KeepOut& place : {KeepOut::box({0, 0, 0}, {1, 1, 1}), KeepOut::column({0, 0, 0}, 1, 1)}) {
+    EXPECT_EQ(place.entered_after_m({0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}).value_or(-1.0), 0.0);
+    EXPECT_FALSE(place.entered_after_m({2, 0, 0}, {2, 0, 0}));
+    EXPECT_NEAR(place.entered_after_m({0.2, 0.2, 3}, {0.2, 0.2, -3}).value_or(-1.0), 2.5, 1e-12);
+    EXPECT_FALSE(place.entered_after_m({0.6, 0.2, 3}, {0.6, 0.2, -3}));
+    EXPECT_NEAR(place.entered_after_m({-3, 0, 0.2}, {3, 0, 0.2}).value_or(-1.0), 2.5, 1e-12);
+    EXPECT_FALSE(place.entered_after_m({-3, 0, 0.6}, {3, 0, 0.6}));
+    EXPECT_FALSE(place.entered_after_m({-3, 0, 0}, {-1, 0, 0}));
+    EXPECT_NEAR(place.distance_m({1.5, 0, 1.5}), std::sqrt(2.0), 1e-12);
+  }
 }
 
 // A fine walk through the box meets the same cells.

@@ -17,8 +17,8 @@ namespace {
 double length_in(const Vector3& from, const Vector3& to, const Vector3& center, double edge) {
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double way = to[axis] - from[axis];
-    double a = (center[axis] - 0.5 * edge - from[axis]) / way, b = (center[axis] + 0.5 * edge - from[axis]) / way;
+    const double length = to[axis] - from[axis];
+    double a = (center[axis] - 0.5 * edge - from[axis]) / length, b = (center[axis] + 0.5 * edge - from[axis]) / length;
     if (a > b) std::swap(a, b);
     enter = std::max(enter, a);
     leave = std::min(leave, b);
@@ -75,11 +75,10 @@ TEST(SparseVoxelMap, RayLowersExactlyVoxelsItCrosses) {
 VoxelMap wide_map() {
   VoxelMapConfig config;
   config.extent = VoxelMapConfig::Extent::kBounded;
-  config.size_m = {40.0, 2.0, 2.0};  // 160 voxels in a row: three words of bits
+  config.size_m = {40.0, 2.0, 2.0};  // 160 voxels in a row: several words of bits
   return VoxelMap(config);
 }
 
-// The bits follow the values at any position in a word.
 TEST(VoxelMap, CountsAndClearsRowVoxelsIndividually) {
   VoxelMap map = wide_map();
   const VoxelGrid& grid = map.grid();
@@ -99,18 +98,6 @@ TEST(VoxelMap, CountsAndClearsRowVoxelsIndividually) {
     map.move_to_free(cell, std::vector<float>{50.0F});
     ASSERT_EQ(map.num_occupied(), 0) << x;
   }
-}
-
-TEST(VoxelMap, CountsPriorPointsOncePerVoxel) {
-  VoxelMap map = wide_map();
-  PriorMap prior;
-  const Random random(2, "prior");
-  for (std::uint32_t i = 0; i < 200; ++i) {
-    const auto x = static_cast<float>(static_cast<int>(random.uniform(0.0, 12.0, i, 0))) * 0.25F + 0.1F;
-    prior.occupied_world_m.emplace_back(x, 0.1F, 0.1F);
-  }
-  map.set_prior(prior);
-  EXPECT_EQ(map.num_occupied(), 12);
 }
 
 TEST(VoxelMap, IncludesTheBoundaryOfARadius) {

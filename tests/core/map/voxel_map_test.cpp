@@ -26,31 +26,16 @@ Vector3 random_point(const Random& random, std::uint32_t i, const Vector3& size_
   return p;
 }
 
-TEST(VoxelMap, FollowsEquation12ForPartialUpdates) {
-  for (const double n : {0.25, 0.5, 1.0, 1.5, 2.5, 7.75}) {
-    VoxelMap map(small_box());
-    map.update(7, n, 0.0);
-    EXPECT_NEAR(map.value(7), std::exp2(-n) * -740.0, 1e-3) << n;
-  }
-}
-
-TEST(VoxelMap, MergesRepeatedUpdatesIntoOneWeight) {
+TEST(VoxelMap, FollowsEquation12) {
   for (const double g : {0.0, -740.0, -1000.0}) {
-    for (const int n : {1, 2, 5, 13, 40}) {
+    for (const double n : {0.25, 1.0, 2.5, 7.75, 40.0}) {
       VoxelMap one(small_box()), many(small_box());
       one.update(7, n, g);
-      for (int i = 0; i < n; ++i) many.update(7, 1.0, g);
+      for (int i = 0; i < 5; ++i) many.update(7, 0.2 * n, g);
       EXPECT_NEAR(one.value(7), many.value(7), 1e-3) << n << " updates towards " << g;
-      EXPECT_NEAR(one.value(7), std::exp2(-n) * -740.0 + (1.0 - std::exp2(-n)) * g, 1e-3);  // eq. (12)
+      EXPECT_NEAR(one.value(7), std::exp2(-n) * -740.0 + (1.0 - std::exp2(-n)) * g, 1e-3);
     }
   }
-}
-
-TEST(VoxelMap, RealWeightsAddUp) {
-  VoxelMap split(small_box()), whole(small_box());
-  for (int i = 0; i < 10; ++i) split.update(3, 0.137, -1000.0);
-  whole.update(3, 1.37, -1000.0);
-  EXPECT_NEAR(split.value(3), whole.value(3), 1e-3);
 }
 
 TEST(VoxelMap, SetsExactValueAtInfiniteWeight) {
@@ -178,9 +163,9 @@ TEST(VoxelMap, MatchesBruteForceForOccupiedVoxels) {
   for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
     if (map.state(i) >= VoxelState::kTentative) centers.push_back(map.grid().center_m(map.grid().cell(i)));
   }
-  std::vector<Vector3> told;
-  map.append_centers(VoxelState::kTentative, told);
-  ASSERT_EQ(told, centers);
+  std::vector<Vector3> found;
+  map.append_centers(VoxelState::kTentative, found);
+  ASSERT_EQ(found, centers);
   ASSERT_EQ(map.num_occupied(), static_cast<std::ptrdiff_t>(centers.size()));
 
   for (std::uint32_t i = 0; i < 300; ++i) {
