@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <utility>
 
 #include "swiftlet/core/math/random.hpp"
 
@@ -12,22 +11,6 @@ namespace swiftlet {
 namespace {
 
 using Returns = std::vector<Vector3>;
-
-const double kMiddle = std::log(0.17 / 0.02), kBeside = std::log(0.83 / 0.98);
-
-TEST(BodyParts, CountsReturnsByThirdOfBody) {
-  BodyParts parts;
-  const Returns a = {{0.0, 0.0, 0.0}, {0.4, 1.0, 0.0}, {-0.4, -1.0, 5.0}}, b = {{1.0, 0.0, 5.0 / 3.0}};
-  // The line from the mean of a to b is along x; the second return of a lies at 0.4 of it.
-  EXPECT_FALSE(parts.weigh(7, a, 3, b));
-  EXPECT_NEAR(parts.log_odds(3, 7), kMiddle + 3.0 * kBeside, 1e-12);
-  EXPECT_EQ(parts.log_odds(3, 7), parts.log_odds(7, 3));
-  EXPECT_TRUE(parts.weigh(3, b, 7, a)) << "in any order";
-  EXPECT_NEAR(parts.log_odds(3, 7), 2.0 * (kMiddle + 3.0 * kBeside), 1e-12);
-  EXPECT_EQ(parts.log_odds(3, 8), 0.0);
-  parts.forget(3);
-  EXPECT_EQ(parts.log_odds(3, 7), 0.0);
-}
 
 TEST(BodyParts, NeedsThreeReturnsAndBoundsCertainty) {
   BodyParts parts;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -12,6 +13,10 @@
 #include "swiftlet/core/scan.hpp"
 
 namespace swiftlet::testing {
+
+inline Pose pose_at(const Vector3& p_m, double yaw_rad = 0.0) {
+  return make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
+}
 
 /// A spinning LiDAR: rows x cols beams between two elevations.
 inline std::shared_ptr<const BeamTable> make_beams(int rows, int cols, double top_deg = 45.0,
@@ -101,6 +106,25 @@ inline std::shared_ptr<const LocalCloud> cloud_of(const std::shared_ptr<const Sc
   return cloud;
 }
 
+/// Points measured from a position, without rays.
+inline LocalCloud cloud_from(const Vector3& sensor_m, const std::vector<Eigen::Vector3f>& points_m) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 1;
+  beams->cols = std::max(static_cast<int>(points_m.size()), 1);
+  beams->column_offset_s.assign(beams->cols, 0.0F);
+  beams->directions_lidar.assign(beams->size(), Eigen::Vector3f::UnitX());
+  beams->origins_lidar.assign(beams->size(), Eigen::Vector3f::Zero());
+  auto scan = std::make_shared<Scan>();
+  scan->beams = beams;
+  scan->range_m.assign(beams->size(), 3.0F);
+  LocalCloud cloud;
+  cloud.scan = scan;
+  cloud.T_local_lidar.assign(beams->cols, pose_at(sensor_m));
+  cloud.points_local_m = points_m;
+  for (std::uint32_t i = 0; i < points_m.size(); ++i) cloud.beam.push_back(i);
+  return cloud;
+}
+
 /// The ground at height 0 as a map that is known beforehand.
 inline PriorMap known_ground(float half_m = 15.0F) {
   PriorMap prior;
@@ -108,10 +132,6 @@ inline PriorMap known_ground(float half_m = 15.0F) {
     for (float y = -half_m; y < half_m; y += 0.2F) prior.occupied_world_m.emplace_back(x, y, -0.01F);
   }
   return prior;
-}
-
-inline Pose pose_at(const Vector3& p_m, double yaw_rad = 0.0) {
-  return make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
 }
 
 }  // namespace swiftlet::testing

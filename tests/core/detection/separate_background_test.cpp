@@ -74,31 +74,6 @@ TEST(SeparateBackground, AgreesWithLabelsThatSpread) {
   EXPECT_GT(kept, 100u);
 }
 
-// Every pair of voxels, at all positions in blocks and words: near or not by the distance of their centers.
-TEST(SeparateBackground, JoinsVoxelsUpToDistanceInclusive) {
-  SeparateBackground separator;
-  for (const double distance : {1.0, 1.4, 1.75, 2.0, 3.0, 3.2}) {  // in edges
-    VoxelMap map(box({17.0, 2.25, 2.25}));
-    const VoxelGrid& grid = map.grid();
-    for (int x = 58; x < 68; ++x) {
-      const Cell a = grid.min_cell + Cell(x, 4, 4);
-      map.set(grid.index(a), 0.0F);
-      for (int k = 0; k < 9 * 9 * 9; ++k) {
-        const Cell away(k % 9 - 4, k / 9 % 9 - 4, k / 81 - 4);
-        const Cell b = a + away;
-        if (away == Cell::Zero() || !grid.contains(b)) continue;
-        map.set(grid.index(b), -200.0F);  // tentative
-        const bool together = away.cast<double>().norm() <= distance;
-        const auto& found = separator.find(map, distance * grid.edge_m, 1);
-        ASSERT_EQ(found.size(), together ? 0U : 1U) << distance << ": " << away.transpose() << " at " << x;
-        EXPECT_EQ(separator.num_kept(), 1);
-        map.set(grid.index(b), -1000.0F);
-      }
-      map.set(grid.index(a), -1000.0F);
-    }
-  }
-}
-
 TEST(SeparateBackground, KeepsAllWithoutAMinimumSize) {
   SeparateBackground separator;
   VoxelMap map(box({3.0, 3.0, 3.0}));

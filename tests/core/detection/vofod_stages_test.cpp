@@ -304,24 +304,6 @@ TEST(VofodStages, WidensLateralCovarianceByPoseNoise) {
   EXPECT_NEAR(found[0].covariance(0, 0), 0.03 * 0.03 + 0.05 * 0.05 + 0.01 * 0.01, 0.002);
 }
 
-LocalCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
-  auto beams = std::make_shared<BeamTable>();
-  beams->cols = 1000;
-  beams->rows = static_cast<int>(points.size()) / beams->cols + 1;
-  beams->column_offset_s.assign(beams->cols, 0.0F);
-  beams->directions_lidar.assign(beams->size(), Eigen::Vector3f::UnitX());
-  beams->origins_lidar.assign(beams->size(), Eigen::Vector3f::Zero());
-  auto scan = std::make_shared<Scan>();
-  scan->beams = beams;
-  scan->range_m.assign(beams->size(), 3.0F);
-  LocalCloud cloud;
-  cloud.scan = scan;
-  cloud.T_local_lidar.assign(beams->cols, pose_at({0.0, 0.0, 2.0}));
-  cloud.points_local_m = points;
-  for (std::uint32_t i = 0; i < points.size(); ++i) cloud.beam.push_back(i);
-  return cloud;
-}
-
 // A near object has more points per voxel, but no higher confidence.
 TEST(VofodStages, ConfidenceCountsVoxels) {
   std::vector<Eigen::Vector3f> points = {{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.1F, 1.3F, 3.3F}};
@@ -332,7 +314,7 @@ TEST(VofodStages, ConfidenceCountsVoxels) {
     std::vector<Eigen::Vector3f> all;
     for (int k = 0; k < copies; ++k) all.insert(all.end(), points.begin(), points.end());
     std::vector<Detection> detections;
-    stages.classify(raw_cloud(all), detections);
+    stages.classify(cloud_from({0.0, 0.0, 2.0}, all), detections);
     ASSERT_EQ(detections.size(), 1u);
     confidences.push_back(detections[0].confidence);
   }
@@ -365,7 +347,7 @@ TEST(VofodStages, NoCloudBreaksIt) {
     std::vector<Detection> detections;
     for (int repeat = 0; repeat < 3; ++repeat) {
       for (const auto& points : clouds) {
-        const LocalCloud cloud = raw_cloud(points);
+        const LocalCloud cloud = cloud_from({0.0, 0.0, 2.0}, points);
         stages.cast_rays(cloud);
         stages.classify(cloud, detections);
         stages.apply_rays(1);
@@ -378,22 +360,6 @@ TEST(VofodStages, NoCloudBreaksIt) {
       ASSERT_TRUE(std::isfinite(stages.map().value(i)));
     }
   }
-}
-
-TEST(VofodStages, TenMillionPointsAreMany) {
-  const Random random(6, "many");
-  std::vector<Eigen::Vector3f> points(10'000'000);
-  std::uint32_t state = 1;
-  const auto next = [&state] {
-    state = state * 1664525U + 1013904223U;
-    return static_cast<float>(state >> 8) / static_cast<float>(1 << 24);
-  };
-  for (Eigen::Vector3f& p : points) p = {24.0F * next() - 12.0F, 24.0F * next() - 12.0F, 6.0F * next()};
-  VofodStages stages(small_config());
-  std::vector<Detection> detections;
-  stages.classify(raw_cloud(points), detections);
-  EXPECT_TRUE(detections.empty());
-  EXPECT_EQ(stages.num_clusters(), 1);
 }
 
 TEST(VofodStages, IgnoresNonFiniteRays) {
