@@ -29,43 +29,43 @@ TEST(Random, EveryPartOfTheKeyMatters) {
 constexpr int kSamples = 100000;
 
 /// Bounds: 5 standard errors of each estimate.
-void expect_standard_normal(const std::vector<double>& x, const char* whose) {
+void expect_standard_normal(const std::vector<double>& x, const char* name) {
   const auto n = static_cast<double>(x.size());
   double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0, lagged = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double v = x[i];
-    ASSERT_TRUE(std::isfinite(v)) << whose;
+    ASSERT_TRUE(std::isfinite(v)) << name;
     sum += v;
     sum2 += v * v;
     sum3 += v * v * v;
     sum4 += v * v * v * v;
     lagged += i > 0 ? v * x[i - 1] : 0.0;
   }
-  EXPECT_NEAR(sum / n, 0.0, 5.0 / std::sqrt(n)) << whose;
-  EXPECT_NEAR(sum2 / n, 1.0, 5.0 * std::sqrt(2.0 / n)) << whose;
-  EXPECT_NEAR(sum3 / n, 0.0, 5.0 * std::sqrt(15.0 / n)) << whose;
-  EXPECT_NEAR(sum4 / n, 3.0, 5.0 * std::sqrt(96.0 / n)) << whose;
-  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << whose;
+  EXPECT_NEAR(sum / n, 0.0, 5.0 / std::sqrt(n)) << name;
+  EXPECT_NEAR(sum2 / n, 1.0, 5.0 * std::sqrt(2.0 / n)) << name;
+  EXPECT_NEAR(sum3 / n, 0.0, 5.0 * std::sqrt(15.0 / n)) << name;
+  EXPECT_NEAR(sum4 / n, 3.0, 5.0 * std::sqrt(96.0 / n)) << name;
+  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << name;
   // Shares in the tails and the middle.
   for (const double limit : {0.5, 1.0, 2.0, 3.0, 4.0}) {
     double inside = 0;
     for (const double v : x) inside += std::abs(v) < limit ? 1.0 : 0.0;
     const double p = std::erf(limit / std::sqrt(2.0));
-    EXPECT_NEAR(inside / n, p, 5.0 * std::sqrt(p * (1.0 - p) / n)) << whose << ": within " << limit;
+    EXPECT_NEAR(inside / n, p, 5.0 * std::sqrt(p * (1.0 - p) / n)) << name << ": within " << limit;
   }
 }
 
-void expect_uniform(const std::vector<double>& x, const char* whose) {
+void expect_uniform(const std::vector<double>& x, const char* name) {
   const auto n = static_cast<double>(x.size());
   double lagged = 0;
   std::vector<double> share(10, 0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ASSERT_TRUE(x[i] >= 0.0 && x[i] < 1.0) << whose;
+    ASSERT_TRUE(x[i] >= 0.0 && x[i] < 1.0) << name;
     share[static_cast<std::size_t>(10.0 * x[i])] += 1.0 / n;
     lagged += i > 0 ? 12.0 * (x[i] - 0.5) * (x[i - 1] - 0.5) : 0.0;
   }
-  for (const double tenth : share) EXPECT_NEAR(tenth, 0.1, 5.0 * std::sqrt(0.09 / n)) << whose;
-  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << whose;
+  for (const double tenth : share) EXPECT_NEAR(tenth, 0.1, 5.0 * std::sqrt(0.09 / n)) << name;
+  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << name;
 }
 
 TEST(Random, AllNormalsAreStandardNormal) {
