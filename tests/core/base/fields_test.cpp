@@ -21,7 +21,7 @@ struct Gust {
   enum class Side { kLeft, kRight };
   TimeNs t = 0;
   bool known = true;
-  VehicleId whose = kNoVehicle;
+  VehicleId vehicle = kNoVehicle;
   Vector3 v_world_mps = Vector3::Zero();
   Pose T_world_gust = Pose::Identity();
   Matrix6 covariance = Matrix6::Identity();
@@ -33,7 +33,7 @@ struct Gust {
     static constexpr const char* kSides[] = {"left", "right"};
     v.time("t_s", g.t, "[s] when");
     v.valid("known", g.known, "[-] is it known?");
-    v.vehicle("whose", g.whose, "[-] who met it");
+    v.vehicle("vehicle", g.vehicle, "[-] who met it");
     v.field("v*_mps", g.v_world_mps, "[m/s] in world axes");
     v.field("*", g.T_world_gust, "[m, -] pose");
     v.covariance("cov_*_m2", g.covariance, "[m^2] of the position");
@@ -61,21 +61,21 @@ std::vector<std::string> names_of(const std::vector<Column>& columns) {
 }
 
 /// The fields of a row as text.
-class Words final : public ColumnSink {
+class TextRow final : public ColumnSink {
  public:
-  void time(const ColumnName&, TimeNs t) override { words.push_back(std::to_string(t) + "ns"); }
-  void number(const ColumnName&, double value) override { words.push_back(std::to_string(value)); }
-  void integer(const ColumnName&, std::int64_t value) override { words.push_back(std::to_string(value)); }
-  void flag(const ColumnName&, bool value) override { words.push_back(value ? "yes" : "no"); }
-  void text(const ColumnName&, std::string_view value) override { words.emplace_back(value); }
-  void vehicle(const ColumnName&, VehicleId id) override { words.push_back("vehicle " + std::to_string(id)); }
-  void missing(const ColumnName&) override { words.emplace_back("missing"); }
-  std::vector<std::string> words;
+  void time(const ColumnName&, TimeNs t) override { values.push_back(std::to_string(t) + "ns"); }
+  void number(const ColumnName&, double value) override { values.push_back(std::to_string(value)); }
+  void integer(const ColumnName&, std::int64_t value) override { values.push_back(std::to_string(value)); }
+  void flag(const ColumnName&, bool value) override { values.push_back(value ? "yes" : "no"); }
+  void text(const ColumnName&, std::string_view value) override { values.emplace_back(value); }
+  void vehicle(const ColumnName&, VehicleId id) override { values.push_back("vehicle " + std::to_string(id)); }
+  void missing(const ColumnName&) override { values.emplace_back("missing"); }
+  std::vector<std::string> values;
 };
 
 TEST(Fields, NamesColumnsByFieldAndUnit) {
   EXPECT_THAT(names_of(columns_of<Gust>()),
-              ElementsAre("t_s", "whose", "vx_mps", "vy_mps", "vz_mps", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw",
+              ElementsAre("t_s", "vehicle", "vx_mps", "vy_mps", "vz_mps", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw",
                           "cov_xx_m2", "cov_xy_m2", "cov_xz_m2", "cov_yy_m2", "cov_yz_m2", "cov_zz_m2", "side", "count",
                           "note"));
 }
@@ -83,27 +83,27 @@ TEST(Fields, NamesColumnsByFieldAndUnit) {
 TEST(Fields, ListsRowValuesInColumnOrder) {
   Gust gust;
   gust.t = 5;
-  gust.whose = 2;
+  gust.vehicle = 2;
   gust.v_world_mps = {1, 2, 3};
   gust.T_world_gust.translation() = Vector3(4, 5, 6);
   gust.covariance(0, 2) = 0.5;
   gust.note = "hello";
-  Words row;
+  TextRow row;
   put_columns(gust, row);
-  EXPECT_EQ(row.words.size(), columns_of<Gust>().size());
-  EXPECT_THAT(std::vector(row.words.begin(), row.words.begin() + 6),
+  EXPECT_EQ(row.values.size(), columns_of<Gust>().size());
+  EXPECT_THAT(std::vector(row.values.begin(), row.values.begin() + 6),
               ElementsAre("5ns", "vehicle 2", "1.000000", "2.000000", "3.000000", "4.000000"));
-  EXPECT_EQ(row.words[14], "0.500000");
-  EXPECT_THAT(std::vector(row.words.end() - 3, row.words.end()), ElementsAre("right", "0", "hello"));
+  EXPECT_EQ(row.values[14], "0.500000");
+  EXPECT_THAT(std::vector(row.values.end() - 3, row.values.end()), ElementsAre("right", "0", "hello"));
 }
 
-TEST(Fields, WhatFollowsAnUnknownIsMissing) {
+TEST(Fields, MarksValuesAfterAnUnknownMissing) {
   Gust gust;
   gust.known = false;
-  Words row;
+  TextRow row;
   put_columns(gust, row);
-  EXPECT_EQ(row.words[0], "0ns");
-  for (std::size_t i = 1; i < row.words.size(); ++i) EXPECT_EQ(row.words[i], "missing") << i;
+  EXPECT_EQ(row.values[0], "0ns");
+  for (std::size_t i = 1; i < row.values.size(); ++i) EXPECT_EQ(row.values[i], "missing") << i;
 }
 
 TEST(Fields, APrefixStandsBeforeEveryName) {
