@@ -69,7 +69,7 @@ TEST(PclClusters, AreChosenByNameOnceLoaded) {
   EXPECT_TRUE(has_clusterer("pcl"));
   EXPECT_EQ(clusters_by(*make_clusterer("pcl"), heaps(0), 0.15),
             clusters_by(*make_clusterer("swiftlet"), heaps(0), 0.15));
-  EXPECT_THROW(make_clusterer("nobody's"), std::invalid_argument);
+  EXPECT_THROW(make_clusterer("unknown"), std::invalid_argument);
 }
 
 TEST(PclFilters, LeavesOnePointPerVoxel) {

@@ -62,12 +62,12 @@ TEST(SlamYardstick, DriftsLessThanGicpAndNdt) {
   ScanToScan ndt([](auto source, auto target, const Pose& guess) { return pcl_ndt(source, target, guess); });
   Pose T_world_first;
   bool begun = false;
-  double slam_off_m = 0.0, gicp_off_m = 0.0, ndt_off_m = 0.0, way_m = 0.0;
+  double slam_off_m = 0.0, gicp_off_m = 0.0, ndt_off_m = 0.0, path_m = 0.0;
   Vector3 last_world_m = T_world_start.translation();
   while (!simulation.finished()) {
     simulation.tick();
     const Pose T_world_body = simulation.view().states[0].T_world_body();
-    way_m += (T_world_body.translation() - last_world_m).norm();
+    path_m += (T_world_body.translation() - last_world_m).norm();
     last_world_m = T_world_body.translation();
     for (const ImuSample& sample : simulation.view().observations[0].imu) slam.add(sample);
     for (const auto& labeled : simulation.view().scans[0]) {
@@ -85,8 +85,8 @@ TEST(SlamYardstick, DriftsLessThanGicpAndNdt) {
       slam_off_m = (slam.filter().T_local_body().translation() - T_world_body.translation()).norm();
     }
   }
-  std::printf("after %.1f m: local SLAM %.3f m, GICP %.3f m, NDT %.3f m\n", way_m, slam_off_m, gicp_off_m, ndt_off_m);
-  EXPECT_GT(way_m, 8.0);
+  std::printf("after %.1f m: local SLAM %.3f m, GICP %.3f m, NDT %.3f m\n", path_m, slam_off_m, gicp_off_m, ndt_off_m);
+  EXPECT_GT(path_m, 8.0);
   EXPECT_LT(slam_off_m, 0.03);
   EXPECT_LT(slam_off_m, 0.5 * gicp_off_m);
   EXPECT_LT(slam_off_m, 0.5 * ndt_off_m);
