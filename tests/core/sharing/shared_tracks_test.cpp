@@ -250,7 +250,7 @@ TEST(SharedTracks, ForgetsAVanishedSender) {
   EXPECT_EQ(team.num_near(team.observer(1).flyer), 0);  // its body is known by its identity for a while
 }
 
-TEST(SharedTracks, ReportsEachTargetOnceForThreeObservers) {
+TEST(SharedTracks, ThreeObserversReportEachTargetOnce) {
   TeamTrial trial;
   trial.sees = {{0, 1}, {1, 2}, {0, 1, 2}};
   trial.drift = {};
