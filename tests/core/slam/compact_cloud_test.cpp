@@ -16,9 +16,9 @@ namespace swiftlet {
 namespace {
 
 std::vector<Eigen::Vector3f> cloud_of_yard_m(const Pose& T_world_submap) {
-  testing::WayThroughYard way(testing::shared_yard_m(), Pose::Identity());
-  way.begin_submap(T_world_submap);
-  return {way.points_submap_m(0).begin(), way.points_submap_m(0).end()};
+  testing::YardFlight path(testing::shared_yard_m(), Pose::Identity());
+  path.begin_submap(T_world_submap);
+  return {path.points_submap_m(0).begin(), path.points_submap_m(0).end()};
 }
 
 TEST(CompactCloud, RestoresPointsToHalfAStep) {
@@ -98,9 +98,9 @@ TEST(SubmapLook, DependsOnPlaceNotHeading) {
 TEST(SubmapLook, SurvivesQuantization) {
   const SubmapLook look = look_of(cloud_of_yard_m(testing::level_at(2, 0, 2, 0.3)), 0.5, 25.0);
   const std::vector<std::uint8_t> directions = look.directions.quantized();
-  const std::optional<SubmapLook> told = SubmapLook::from_quantized(directions, look.heights);
-  ASSERT_TRUE(told);
-  EXPECT_GT(likeness(look, *told), 0.999);
+  const std::optional<SubmapLook> decoded = SubmapLook::from_quantized(directions, look.heights);
+  ASSERT_TRUE(decoded);
+  EXPECT_GT(likeness(look, *decoded), 0.999);
   EXPECT_FALSE(SubmapLook::from_quantized(std::span(directions).first(119), look.heights));
   EXPECT_FALSE(SubmapLook::from_quantized(directions, std::span(look.heights).first(3)));
 }

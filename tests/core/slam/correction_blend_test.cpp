@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -32,7 +33,7 @@ std::vector<Vector3> shown(CorrectionBlend& blend, TimeNs from, TimeNs to, const
 }
 
 struct Peaks {
-  double step_m = 0.0, speed_mps = 0.0, acceleration_mps2 = 0.0, jerk_mps3 = 0.0;
+  double speed_mps = 0.0, acceleration_mps2 = 0.0, jerk_mps3 = 0.0;
 };
 
 /// Peaks of finite differences; a step in any derivative appears in the next one as a peak over the tick.
@@ -40,7 +41,6 @@ Peaks peaks_of(const std::vector<Vector3>& p) {
   Peaks peaks;
   const double dt_s = to_seconds(kBlendTick);
   for (std::size_t i = 3; i < p.size(); ++i) {
-    peaks.step_m = std::max(peaks.step_m, (p[i] - p[i - 1]).norm());
     peaks.speed_mps = std::max(peaks.speed_mps, (p[i] - p[i - 1]).norm() / dt_s);
     peaks.acceleration_mps2 =
         std::max(peaks.acceleration_mps2, (p[i] - 2.0 * p[i - 1] + p[i - 2]).norm() / (dt_s * dt_s));
@@ -50,25 +50,19 @@ Peaks peaks_of(const std::vector<Vector3>& p) {
   return peaks;
 }
 
-TEST(CorrectionBlend, StepsSevenPercentInPrintedForm) {
-  CorrectionBlend blend = blend_of(BlendForm::kPrinted);
-  blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
-  EXPECT_NEAR(blend.advance(0).translation().x(), 1.0 - 1.0 / (1.0 + 1.5 * std::exp(-3.0)), 1e-12);
-  EXPECT_NEAR(blend.advance(0).translation().x(), 0.069, 0.001);
-  EXPECT_NEAR(blend.advance(3 * kNsPerSecond).translation().x(), 0.6, 1e-12);
-  EXPECT_LT(blend.advance(7 * kNsPerSecond - 1).translation().x(), 0.989);
-  EXPECT_EQ(blend.advance(7 * kNsPerSecond).translation().x(), 1.0) << "the rest comes at once as well";
-}
-
-TEST(CorrectionBlend, StepsOnePercentInReleasedForm) {
-  CorrectionBlend blend = blend_of(BlendForm::kReleased);
-  blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
-  EXPECT_NEAR(blend.advance(0).translation().x(), 1.0 / (1.0 + std::exp(4.5)), 1e-12);
-  EXPECT_NEAR(blend.advance(0).translation().x(), 0.011, 0.0002);
-  EXPECT_NEAR(blend.advance(3 * kNsPerSecond).translation().x(), 0.5, 1e-12);
-  EXPECT_TRUE(!blend.is_done());
-  EXPECT_EQ(blend.advance(7 * kNsPerSecond).translation().x(), 1.0);
-  EXPECT_TRUE(blend.is_done());
+// The printed form steps by 7 % at once, the released one by 1 %. Both complete the blend after 7 s.
+TEST(CorrectionBlend, DocumentFormsFollowTheirEquations) {
+  for (const BlendForm form : {BlendForm::kPrinted, BlendForm::kReleased}) {
+    const bool printed = form == BlendForm::kPrinted;
+    CorrectionBlend blend = blend_of(form);
+    blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
+    const double step_m = printed ? 1.0 - 1.0 / (1.0 + 1.5 * std::exp(-3.0)) : 1.0 / (1.0 + std::exp(4.5));
+    EXPECT_NEAR(blend.advance(0).translation().x(), step_m, 1e-12);
+    EXPECT_NEAR(blend.advance(3 * kNsPerSecond).translation().x(), printed ? 0.6 : 0.5, 1e-12);
+    EXPECT_FALSE(blend.is_done());
+    EXPECT_EQ(blend.advance(7 * kNsPerSecond).translation().x(), 1.0);
+    EXPECT_TRUE(blend.is_done());
+  }
 }
 
 TEST(CorrectionBlend, DocumentFormsTurnAlongShortestArc) {
@@ -103,18 +97,6 @@ TEST(CorrectionBlend, BlendsOneMeterSmoothlyWithinLimits) {
   EXPECT_EQ(blend.advance(12 * kNsPerSecond).matrix(), shifted({0.6, 0, 0.8}).matrix());
 }
 
-TEST(CorrectionBlend, DocumentFormsExceedTheLimits) {
-  for (const BlendForm form : {BlendForm::kPrinted, BlendForm::kReleased}) {
-    CorrectionBlend blend = blend_of(form);
-    std::vector<Vector3> places(4, Vector3::Zero());
-    blend.head_for(0, shifted({1, 0, 0}), Vector3::Zero());
-    for (const Vector3& p : shown(blend, 0, 8 * kNsPerSecond, Vector3::Zero())) places.push_back(p);
-    const Peaks peaks = peaks_of(places);
-    EXPECT_GT(peaks.speed_mps, 2.0) << "a step within one tick";
-    EXPECT_GT(peaks.step_m, form == BlendForm::kPrinted ? 0.069 : 0.0109);
-  }
-}
-
 TEST(CorrectionBlend, TurnsWithinLimitsNearTheVehicle) {
   CorrectionBlendConfig config;
   CorrectionBlend blend(config);
@@ -131,28 +113,6 @@ TEST(CorrectionBlend, TurnsWithinLimitsNearTheVehicle) {
   }
 }
 
-TEST(CorrectionBlend, ContinuesPoseAndRateAtClosures) {
-  CorrectionBlend blend = blend_of(BlendForm::kLimited);
-  const Vector3 p_local_m(20, 10, 3);
-  std::vector<Vector3> places(1, p_local_m);
-  const auto fly_until = [&](TimeNs from, TimeNs to) {
-    for (const Vector3& p : shown(blend, from + kBlendTick, to, p_local_m)) places.push_back(p);
-  };
-  // The second one comes amid the fastest part, the third turns around at once; the vehicle has moved meanwhile.
-  blend.head_for(0, make_pose({1, 0, 0.2}, rotation_by({0, 0, 0.02})), p_local_m);
-  fly_until(0, 4 * kNsPerSecond);
-  blend.head_for(4 * kNsPerSecond, make_pose({1.4, 0.3, 0}, rotation_by({0, 0, 0.03})), p_local_m + Vector3(4, 4, 0));
-  fly_until(4 * kNsPerSecond, 7 * kNsPerSecond);
-  const Pose T = make_pose({-1, -0.5, 0}, rotation_by({0, 0, -0.01}));
-  blend.head_for(7 * kNsPerSecond, T, p_local_m + Vector3(5, 5, 0));
-  fly_until(7 * kNsPerSecond, 60 * kNsPerSecond);
-  const Peaks peaks = peaks_of(places);
-  EXPECT_LE(peaks.speed_mps, 0.2501);
-  EXPECT_LE(peaks.acceleration_mps2, 0.102) << "a step of the rate would be 1 m/s^2 and more";
-  EXPECT_TRUE(blend.is_done());
-  EXPECT_LT((blend.advance(60 * kNsPerSecond).matrix() - T.matrix()).norm(), 1e-12);
-}
-
 TEST(CorrectionBlend, KeepsLimitsUnderManyClosures) {
   CorrectionBlend blend = blend_of(BlendForm::kLimited);
   std::vector<Vector3> places(1, Vector3::Zero());
@@ -164,7 +124,6 @@ TEST(CorrectionBlend, KeepsLimitsUnderManyClosures) {
     for (const Vector3& p : shown(blend, t + kBlendTick, until, Vector3::Zero())) places.push_back(p);
     t += kBlendTick * static_cast<TimeNs>(40 + (i * 379) % 1700);
   }
-  // Each correction waited until it could begin within the limits; none was lost.
   for (const Vector3& p : shown(blend, t + kBlendTick, t + 60 * kNsPerSecond, Vector3::Zero())) places.push_back(p);
   EXPECT_TRUE(blend.is_done());
   const double last = 1.7 * 60 * 60;
@@ -173,35 +132,77 @@ TEST(CorrectionBlend, KeepsLimitsUnderManyClosures) {
   const Peaks peaks = peaks_of(places);
   EXPECT_LE(peaks.speed_mps, 0.2501);
   EXPECT_LE(peaks.acceleration_mps2, 0.1002);
+  EXPECT_LE(peaks.jerk_mps3, 0.1502);
 }
 
-/// Peak angular acceleration of the blended attitude by finite differences.
-double peak_turn_radps2(CorrectionBlend& blend, TimeNs from, TimeNs to, Matrix3& R_shown, Vector3& omega_radps) {
-  double peak_radps2 = 0.0;
-  const double dt_s = to_seconds(kBlendTick);
-  for (TimeNs t = from + kBlendTick; t <= to; t += kBlendTick) {
-    const Matrix3 R = blend.advance(t).linear();
-    const Vector3 now_radps = rotation_vector_rad(Eigen::Quaterniond(Matrix3(R * R_shown.transpose()))) / dt_s;
-    peak_radps2 = std::max(peak_radps2, (now_radps - omega_radps).norm() / dt_s);
-    R_shown = R;
-    omega_radps = now_radps;
+TEST(CorrectionBlend, KeepsRateAndAccelerationContinuous) {
+  CorrectionBlendConfig limits;
+  limits.lever_m = 3.0;
+  CorrectionBlend blend(limits);
+  const Vector3 pivots_m[] = {{20, 10, 3}, {22, 11, 3}, {21, 12, 2}, {22, 10, 3}};
+  const Pose targets[] = {make_pose({1.0, 0.0, 0.2}, rotation_by({0.02, -0.01, 0.25})),
+                          make_pose({-3.0, 4.0, 0.3}, rotation_by({-0.03, 0.02, 0.1})),
+                          make_pose({0.5, -2.0, 0.0}, rotation_by({0.0, 0.05, 0.3})),
+                          make_pose({2.0, 1.0, -0.2}, rotation_by({0.01, 0.0, -0.05}))};
+  std::vector<std::vector<Vector3>> places(3);
+  TimeNs t = 0;
+  const auto fly_for = [&](double s) {
+    for (const TimeNs end = t + from_seconds(s); t < end;) {
+      t += kBlendTick;
+      const Pose T = blend.advance(t);
+      for (int k = 0; k < 3; ++k) places[k].push_back(T * Vector3(pivots_m[0] + Vector3::Unit(k)));
+    }
+  };
+  for (int i = 0; i < 4; ++i) {
+    blend.head_for(t, targets[i], pivots_m[i]);
+    fly_for(i == 3 ? 60.0 : 4.0 + 1.5 * i);
   }
-  return peak_radps2;
+  EXPECT_TRUE(blend.is_done());
+  EXPECT_LT((blend.advance(t).matrix() - targets[3].matrix()).norm(), 1e-12);
+  // A step of the acceleration by 0.003 m/s^2 would be a jerk of 0.75 m/s^3 more within a tick.
+  for (const auto& of_point : places) EXPECT_LT(peaks_of(of_point).jerk_mps3, 0.25);
 }
 
-TEST(CorrectionBlend, KeepsRateContinuousBetweenLargeTurns) {
-  CorrectionBlendConfig config;
-  config.lever_m = 1.0;
-  CorrectionBlend blend(config);
-  Matrix3 R = Matrix3::Identity();
-  Vector3 omega_radps = Vector3::Zero();
-  blend.head_for(0, make_pose(Vector3::Zero(), rotation_by({0.3, 0, 1.6})), Vector3::Zero());
-  double peak_radps2 = peak_turn_radps2(blend, 0, 4 * kNsPerSecond, R, omega_radps);
-  EXPECT_GT(omega_radps.norm(), 0.15);
-  blend.head_for(4 * kNsPerSecond, make_pose(Vector3::Zero(), rotation_by({-0.9, 0.9, 0.4})), Vector3::Zero());
-  peak_radps2 = std::max(peak_radps2, peak_turn_radps2(blend, 4 * kNsPerSecond, 60 * kNsPerSecond, R, omega_radps));
-  EXPECT_TRUE(blend.is_done());
-  EXPECT_LT(peak_radps2, 0.2) << "a step of a tenth of the rate would be 4 rad/s^2";
+/// Time until the blend is done, to a tenth of a millisecond.
+double time_to_done_s(CorrectionBlend blend, double most_s) {
+  double low_s = 0.0, high_s = most_s;
+  while (high_s - low_s > 1e-4) {
+    const double middle_s = 0.5 * (low_s + high_s);
+    CorrectionBlend tried = blend;
+    tried.advance(from_seconds(middle_s));
+    (tried.is_done() ? high_s : low_s) = middle_s;
+  }
+  return high_s;
+}
+
+// From rest to rest over a distance of 1 in 1 s: peaks of 1.875, 10 / sqrt 3 and 60.
+double closed_form_s(const CorrectionBlendConfig& limits, double distance_m) {
+  return std::max({1.875 * distance_m / limits.speed_max_mps,
+                   std::sqrt(10.0 / std::sqrt(3.0) * distance_m / limits.acceleration_max_mps2),
+                   std::cbrt(60.0 * distance_m / limits.jerk_max_mps3)});
+}
+
+TEST(CorrectionBlend, TakesTightestLimitsTimeFromRest) {
+  const Vector3 p_local_m(5, -7, 2);
+  for (int tightest = 0; tightest < 3; ++tightest) {
+    CorrectionBlendConfig limits;
+    limits.speed_max_mps = tightest == 0 ? 0.1 : 10.0;
+    limits.acceleration_max_mps2 = tightest == 1 ? 0.05 : 10.0;
+    limits.jerk_max_mps3 = tightest == 2 ? 0.02 : 10.0;
+    limits.lever_m = 4.0;
+    for (const double turn_rad : {0.0, 0.1}) {
+      CorrectionBlend blend(limits);
+      // The vehicle moves by u, for any rotation about it.
+      const Vector3 u_m(0.3, -0.4, 1.2);
+      Pose T = make_pose(Vector3::Zero(), rotation_by({0, 0, turn_rad}));
+      T.translation() = p_local_m + u_m - T.linear() * p_local_m;
+      blend.head_for(0, T, p_local_m);
+      const double expected_s = closed_form_s(limits, u_m.norm() + limits.lever_m * turn_rad);
+      const double s = time_to_done_s(blend, 3.0 * expected_s);
+      EXPECT_GE(s, expected_s) << tightest << " " << turn_rad;
+      EXPECT_LE(s, 1.005 * expected_s) << tightest << " " << turn_rad;
+    }
+  }
 }
 
 }  // namespace

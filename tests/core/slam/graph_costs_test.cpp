@@ -35,22 +35,6 @@ Vector3 turn_from(const Pose& a, const Pose& b) {
   return turn.axis() * std::remainder(turn.angle(), 2.0 * M_PI);
 }
 
-TEST(GraphCosts, DerivativesAreCorrectForSmallResiduals) {
-  // Below a thousandth of a radian they come from a series.
-  const PriorFactor prior{0, make_pose({1, 2, 3}, rotation_by({0.3, -0.2, 0.9})), Matrix6::Identity()};
-  constexpr double kStep = 1e-5;
-  for (const double off_rad : {9e-4, 1.2e-3}) {
-    const Pose T = prior.T_world_pose * make_pose({0.1, 0, 0}, rotation_by(off_rad * Vector3(0.6, 0.64, -0.48)));
-    const Matrix6 J = residual_of(prior, T).J;
-    for (int i = 0; i < 6; ++i) {
-      const Vector6 step = kStep * Vector6::Unit(i);
-      const Vector6 slope =
-          (residual_of(prior, moved(T, step)).r - residual_of(prior, moved(T, -step)).r) / (2 * kStep);
-      EXPECT_LT((J.col(i) - slope).norm(), 1e-9) << off_rad << " " << i;
-    }
-  }
-}
-
 TEST(GraphCosts, HuberForceIsConstantBeyondScale) {
   // A prior of weight 1 at the origin; what pulls at it is 50 m away, and its weight is 10 /m.
   for (const double huber : {1.0, 3.0}) {
@@ -166,37 +150,6 @@ TEST(GraphCosts, NeverGrowFromAnyInitialEstimate) {
       last = graph.cost();
     }
   }
-}
-
-TEST(GraphCosts, StopsAfterTheFirstSmallStep) {
-  const auto iterations = [](double step_min) {
-    PoseGraph graph;
-    for (int i = 0; i < 2; ++i) graph.add_pose(at_place({0.5 * i, 0, 0}));
-    graph.add(PriorFactor{0, graph.pose(0), Matrix6::Identity()});
-    graph.add(RelativeFactor{0, 1, at_place({1.0, 0, 0}), Matrix6::Identity(), kNoHuber});
-    GraphSolverConfig config;
-    config.step_min = step_min;
-    const GraphReport report = graph.optimize(config);
-    EXPECT_TRUE(report.converged);
-    return report.num_iterations;
-  };
-  EXPECT_EQ(iterations(0.6), 1) << "of half a meter";
-  EXPECT_EQ(iterations(0.4), 2);
-  PoseGraph graph;
-  graph.add_pose(Pose::Identity());
-  graph.add(PriorFactor{0, at_place({1, 0, 0}), Matrix6::Identity()});
-  GraphSolverConfig one;
-  one.iterations = 1;
-  EXPECT_FALSE(graph.optimize(one).converged);
-}
-
-TEST(GraphCosts, LimitsGnssPrecisionToThreeMillimeters) {
-  GnssFactorConfig config;
-  config.weighting = GnssWeighting::kPerAxis;
-  const Vector3 weight = gnss_weight_1_m(config, {0.001, 0.0031, 0.02});
-  EXPECT_NEAR(weight.x(), 1.0 / 0.003, 1e-9);
-  EXPECT_NEAR(weight.y(), 1.0 / 0.0031, 1e-9);
-  EXPECT_NEAR(weight.z(), 50.0, 1e-9);
 }
 
 double sum_of_squares(const std::vector<MatchedPosition>& points, const Pose& T) {

@@ -122,30 +122,18 @@ TEST(GridsMatch, DerivesEvidenceFromTheCostGradient) {
         1e-6);
     EXPECT_NEAR(2.0 * here.evidence.g(i), numeric, 2e-3 * here.evidence.g.norm()) << "r^2 has the slope 2 r J";
   }
-  // Gauss-Newton: the sum of the outer products.
-  Matrix6 H = Matrix6::Zero(), scatter = Matrix6::Zero();
-  for (const GridCloud& cloud : clouds) {
-    const double w = cloud.weight * cloud.weight / static_cast<double>(points_body_m.size());
-    for (const Eigen::Vector3f& point : points_body_m) {
-      const grid_cost::Miss miss = grid_cost::miss_of(*cloud.grid, point, T);
-      H += w * miss.by_pose * miss.by_pose.transpose();
-      scatter += w * w * miss.r * miss.r * miss.by_pose * miss.by_pose.transpose();
-    }
-  }
-  EXPECT_LT((here.evidence.H - H).norm(), 1e-9 * H.norm());
-  EXPECT_LT((here.evidence.scatter - scatter).norm(), 1e-9 * scatter.norm());
 }
 
-struct Found {
+struct WorstError {
   double off_m, off_rad;
 };
 
 /// Largest distance of the least-cost pose from the truth, over ten predictions with errors up to 0.1 m and 0.01 rad.
-Found worst_of(const SyntheticRoom& room, const GridMatchConfig& config) {
+WorstError worst_of(const SyntheticRoom& room, const GridMatchConfig& config) {
   const GridSubmap submap = submap_of(room);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  Found worst{0.0, 0.0};
+  WorstError worst{0.0, 0.0};
   for (int trial = 0; trial < 10; ++trial) {
     Vector6 off = Vector6::Zero();
     for (double& x : off) x = uniform(random);
@@ -172,18 +160,18 @@ GridMatchConfig of_points_alone() {
 
 TEST(GridsMatch, FindsDisplacementForCellCenteredWalls) {
   // Whole numbers of cells of both grids, 0.1 and 0.45 m, from where the submap begins.
-  const Found worst = worst_of(SyntheticRoom::box({-5.4, -4.5, -1.8}, {6.3, 3.6, 2.7}), of_points_alone());
+  const WorstError worst = worst_of(SyntheticRoom::box({-5.4, -4.5, -1.8}, {6.3, 3.6, 2.7}), of_points_alone());
   EXPECT_LT(worst.off_m, 0.005);
   EXPECT_LT(worst.off_rad, 0.001);
 }
 
 TEST(GridsMatch, ErrsByWallOffsetWithinCells) {
-  const Found both = worst_of(kChamber, of_points_alone());
+  const WorstError both = worst_of(kChamber, of_points_alone());
   EXPECT_LT(both.off_m, 0.5 * 0.45);
   EXPECT_LT(both.off_rad, 0.01);
   GridMatchConfig fine = of_points_alone();
   fine.low_weight = 0.01;
-  const Found alone = worst_of(kChamber, fine);
+  const WorstError alone = worst_of(kChamber, fine);
   EXPECT_LT(alone.off_m, 0.5 * 0.1);
   EXPECT_LT(alone.off_rad, 0.005);
 }
@@ -203,8 +191,6 @@ TEST(GridsMatch, IsHeldToPredictionByWeights) {
     const double moved_m = match.moved.head<3>().norm();
     EXPECT_LT(moved_m, last_m) << weight;
     last_m = moved_m;
-    EXPECT_EQ(match.held(0), weight * weight);
-    EXPECT_EQ(match.held(5), 0.25 * 400.0 * 400.0);
     // At the least cost a further step is zero.
     const Vector6 gradient = match.evidence.g + match.held.cwiseProduct(match.moved);
     const Matrix6 H = match.evidence.H + Matrix6(match.held.asDiagonal());

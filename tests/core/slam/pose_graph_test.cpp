@@ -84,7 +84,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   H.diagonal(1) = Matrix6::Identity();
   H.add(0, 2.0 * Matrix6::Identity());
   EXPECT_FALSE(H.factorize(0.0));
-  EXPECT_TRUE(H.factorize(2.0)) << "and is as new afterwards";
+  EXPECT_TRUE(H.factorize(2.0)) << "with damping";
 }
 
 TEST(PoseGraph, IsBitIdenticalWithReusedWorkspace) {
@@ -117,9 +117,11 @@ TEST(PoseGraph, DerivativesAreThoseOfTheResiduals) {
     const auto by_to = differences<6>([&](const Pose& T) { return residual_of(relative, A, T).r; }, B);
     EXPECT_LT((e.J_from - by_from).norm(), 1e-7 * (1.0 + by_from.norm()));
     EXPECT_LT((e.J_to - by_to).norm(), 1e-7 * (1.0 + by_to.norm()));
-    const PriorFactor prior{0, moved(A, 0.3 * Vector6::Ones()), Matrix6::Identity()};
-    const auto of_prior = differences<6>([&](const Pose& T) { return residual_of(prior, T).r; }, A);
-    EXPECT_LT((residual_of(prior, A).J - of_prior).norm(), 1e-7);
+    for (const double off : {0.3, 1.2e-3, 9e-4, 1e-6}) {
+      const PriorFactor prior{0, moved(A, off * Vector6::Ones()), Matrix6::Identity()};
+      const auto of_prior = differences<6>([&](const Pose& T) { return residual_of(prior, T).r; }, A);
+      EXPECT_LT((residual_of(prior, A).J - of_prior).norm(), 1e-7) << off;
+    }
     const GravityFactor gravity{0, Vector3(0.1, 0.2, 0.97), 1.0};
     const auto of_gravity = differences<3>([&](const Pose& T) { return residual_of(gravity, T).r_body; }, A);
     EXPECT_LT((residual_of(gravity, A).J_turn - of_gravity.rightCols<3>()).norm(), 1e-7);
@@ -203,24 +205,6 @@ TEST(PoseGraph, SharesErrorAmongEqualEdges) {
   for (int i = 0; i <= 4; ++i) EXPECT_NEAR(graph.pose(i).translation().x(), 1.1 * i, 1e-7);
 }
 
-TEST(PoseGraph, ResistsASingleGrossOutlier) {
-  for (const bool robust : {false, true}) {
-    Loop loop(60, 4, 0.02);
-    for (int i = 0; i < 60; i += 3) loop.graph.add(loop.edge(i, (i + 20) % 60));
-    RelativeFactor wrong = loop.edge(10, 35);
-    wrong.T_from_to.translation() += Vector3(8, -5, 3);
-    if (robust) wrong.huber = 1.0;
-    loop.graph.add(wrong);
-    GraphSolverConfig config;
-    config.iterations = 50;
-    loop.graph.optimize(config);
-    if (robust)
-      EXPECT_LT(loop.worst(), 0.1);
-    else
-      EXPECT_GT(loop.worst(), 0.3);
-  }
-}
-
 TEST(PoseGraph, RemovesUnobservedTiltByGravity) {
   Loop loop(20, 5, 0.01);
   loop.graph.clear_priors();
@@ -282,45 +266,6 @@ TEST(PoseGraph, WeightsGnssAsDocumented) {
   config.weighting = GnssWeighting::kReleased;
   EXPECT_LT((gnss_weight_1_m(config, sigma_m) - Vector3(3.5, 1.25, 0.6875)).norm(), 1e-12);
   EXPECT_TRUE(gnss_weight_1_m(config, Vector3::Zero()).allFinite());
-}
-
-TEST(PoseGraph, DownweightsDistantFixesByHuberLoss) {
-  double pulled_m[2];
-  for (const bool robust : {false, true}) {
-    Loop loop(10, 7, 0.0);
-    PositionFactor fix{9, 9, 0.0, loop.truth[9].translation() + Vector3(0, 0, 50), Vector3::Constant(10.0), kNoHuber};
-    if (robust) fix.huber = 1.0;
-    loop.graph.add(fix);
-    loop.graph.optimize({});
-    pulled_m[robust] = loop.worst();
-  }
-  EXPECT_GT(pulled_m[0], 1.0);
-  EXPECT_LT(pulled_m[1], 0.2 * pulled_m[0]);
-}
-
-TEST(PoseGraph, FitsLocalFrameToEnu) {
-  std::mt19937 random(8);
-  std::normal_distribution<double> normal(0.0, 0.5);
-  const Pose T = make_pose({100, -50, 7}, rotation_by({0, 0, 2.0}));
-  std::vector<MatchedPosition> points;
-  for (int i = 0; i < 400; ++i) {
-    const Vector3 p(20.0 * std::cos(0.05 * i), 30.0 * std::sin(0.04 * i), 3.0 + std::sin(0.1 * i));
-    const double dx = normal(random), dy = normal(random), dz = normal(random);
-    points.push_back({p, T * p + Vector3(dx, dy, dz), 1.0});
-  }
-  const Pose fitted = fit_to_world(points, 0.0, 2.0);
-  EXPECT_NEAR(yaw_of(fitted.linear()), 2.0, 0.005);
-  EXPECT_LT((fitted.translation() - T.translation()).norm(), 0.1);
-  EXPECT_NEAR(yaw_of(fit_to_world(points, 0.7, 1000.0).linear()), 0.7, 1e-12) << "too near to each other to tell";
-}
-
-TEST(PoseGraph, GivesTheSameBitsTwice) {
-  Loop a(80), b(80);
-  a.graph.add(a.edge(79, 0));
-  b.graph.add(b.edge(79, 0));
-  a.graph.optimize({});
-  b.graph.optimize({});
-  for (int i = 0; i < 80; ++i) EXPECT_EQ(a.graph.pose(i).matrix(), b.graph.pose(i).matrix());
 }
 
 TEST(PoseGraph, MatchesAPrefixGraphWhenTruncated) {

@@ -46,16 +46,16 @@ inline std::vector<Vector3> shared_yard_m() {
 }
 
 /// Submaps along a path through such a world, without errors.
-class WayThroughYard : public SubmapProvider {
+class YardFlight : public SubmapProvider {
  public:
-  WayThroughYard(std::vector<Vector3> world_m, const Pose& T_local_world, double reach_m = 14.0)
+  YardFlight(std::vector<Vector3> world_m, const Pose& T_local_world, double reach_m = 14.0)
       : world_m_(std::move(world_m)), T_local_world_(T_local_world), reach_m_(reach_m) {}
 
-  /// The one before is finished then.
+  /// Finishes the previous submap.
   void begin_submap(const Pose& T_world_submap) {
     const Pose T_local_submap = T_local_world_ * T_world_submap;
     const double step_m = T_.empty() ? 0.0 : (T_local_submap.translation() - T_.back().translation()).norm();
-    way_m_.push_back(T_.empty() ? 0.0 : way_m_.back() + step_m);
+    path_m_.push_back(T_.empty() ? 0.0 : path_m_.back() + step_m);
     T_.push_back(T_local_submap);
     std::vector<Eigen::Vector3f>& points_m = points_m_.emplace_back();
     for (const Vector3& p_m : world_m_) {
@@ -64,7 +64,7 @@ class WayThroughYard : public SubmapProvider {
     }
     ++revision_;
   }
-  /// The vehicle thinks otherwise of where one lies.
+  /// Corrects the position of a submap.
   void move(int submap, const Vector3& by_local_m) {
     T_[static_cast<std::size_t>(submap)].translation() += by_local_m;
     ++revision_;
@@ -75,7 +75,7 @@ class WayThroughYard : public SubmapProvider {
     return points_m_[static_cast<std::size_t>(submap)];
   }
   const Pose& T_local_submap(int submap) const override { return T_[static_cast<std::size_t>(submap)]; }
-  double path_length_m(int submap) const override { return way_m_[static_cast<std::size_t>(submap)]; }
+  double path_length_m(int submap) const override { return path_m_[static_cast<std::size_t>(submap)]; }
   std::uint64_t places_revision() const override { return revision_; }
 
  private:
@@ -83,7 +83,7 @@ class WayThroughYard : public SubmapProvider {
   Pose T_local_world_;
   double reach_m_;
   std::vector<Pose> T_;
-  std::vector<double> way_m_;
+  std::vector<double> path_m_;
   std::vector<std::vector<Eigen::Vector3f>> points_m_;
   std::uint64_t revision_ = 0;
 };

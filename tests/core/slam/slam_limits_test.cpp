@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <tuple>
 
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/slam.hpp"
@@ -18,7 +19,7 @@ constexpr TimeNs kSlamTick = 4'000'000;
 const Vector3 kAtRest(0, 0, kStandardGravity_mps2);
 
 /// An estimator with prescribed input, tick by tick.
-struct ToldSlam {
+struct ScriptedSlam {
   SlamConfig config;
   AgentSetup setup;
   std::unique_ptr<StateEstimator> estimator;
@@ -36,42 +37,41 @@ struct ToldSlam {
     return estimator->update(observation, outbox);
   }
   /// Time until a warning or fault is reported [s]; the first tick is at 4 ms.
-  double until_s(const std::string& said, bool fault, double most_s, bool imu = true) {
+  double until_s(const std::string& report, bool fault, double most_s, bool imu = true) {
     while (to_seconds(t) < most_s) {
       tick({}, imu);
-      if (said == (fault ? estimator->fault() : estimator->warning())) return to_seconds(t - kSlamTick);
+      if (report == (fault ? estimator->fault() : estimator->warning())) return to_seconds(t - kSlamTick);
     }
     return most_s;
   }
 };
 
 TEST(SlamLimits, WarnsThenGivesUpWithoutScans) {
-  // Latency, then the time that it waits, and a tick.
-  EXPECT_NEAR(ToldSlam().until_s("SLAM flies by the IMU alone", false, 2.0), 0.03 + 0.35, 0.0041);
-  EXPECT_NEAR(ToldSlam().until_s("SLAM is lost: no scan fits", true, 5.0), 0.03 + 3.0, 0.0041);
-  ToldSlam slow;
-  slow.config.latency_s = 0.2;
-  slow.config.warn_after_s = 0.1;
-  slow.config.lidar_timeout_s = 0.5;
-  EXPECT_NEAR(slow.until_s("SLAM flies by the IMU alone", false, 2.0), 0.3, 0.0041);
-  EXPECT_NEAR(slow.until_s("SLAM is lost: no scan fits", true, 5.0), 0.7, 0.0041);
+  for (const auto& [latency_s, warn_after_s, timeout_s] : {std::tuple{0.03, 0.35, 3.0}, {0.2, 0.1, 0.5}}) {
+    ScriptedSlam slam;
+    slam.config.latency_s = latency_s;
+    slam.config.warn_after_s = warn_after_s;
+    slam.config.lidar_timeout_s = timeout_s;
+    EXPECT_NEAR(slam.until_s("SLAM: dead reckoning by the IMU alone", false, 5.0), latency_s + warn_after_s, 0.0041);
+    EXPECT_NEAR(slam.until_s("SLAM is lost: no scan fits", true, 5.0), latency_s + timeout_s, 0.0041);
+  }
 }
 
 TEST(SlamLimits, IsInvalidAfterAnImuGap) {
-  ToldSlam slam;
+  ScriptedSlam slam;
   slam.tick();
   const double s = slam.until_s("no IMU", true, 2.0, false);
   EXPECT_NEAR(s, 0.104, 1e-9);
   EXPECT_FALSE(slam.tick({}, false).valid);
-  EXPECT_TRUE(slam.tick().valid) << "it is there again";
+  EXPECT_TRUE(slam.tick().valid) << "after the gap";
   EXPECT_STREQ(slam.estimator->fault(), "");
   const StateEstimate& e = slam.tick([](Observation& o) { o.imu[0].omega_body_radps.x() = std::nan(""); });
-  EXPECT_TRUE(e.valid) << "one sample that is no number is missed, not more";
+  EXPECT_TRUE(e.valid) << "a single non-finite sample is skipped";
 }
 
 TEST(SlamLimits, TooUncertainIsNotValid) {
   // An unknown velocity of 0.1 m/s, a bias of 0.2 m/s^2 and a tilt of half a degree.
-  ToldSlam slam;
+  ScriptedSlam slam;
   slam.config.position_sigma_max_m = 0.12;
   const double s = slam.until_s("position too uncertain", true, 3.0);
   const double a_mps2 = std::hypot(0.196, kStandardGravity_mps2 * 0.5 * M_PI / 180.0);
@@ -80,7 +80,7 @@ TEST(SlamLimits, TooUncertainIsNotValid) {
 }
 
 TEST(SlamLimits, ExtrapolatesBrieflyPastTheLastSample) {
-  ToldSlam slam;
+  ScriptedSlam slam;
   slam.setup.T_local_body_start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
   slam.tick();
   for (int i = 0; i < 50; ++i) slam.tick({}, true, {5.0, 0, kStandardGravity_mps2}, {0, 0, 0.2});
@@ -95,7 +95,7 @@ TEST(SlamLimits, ExtrapolatesBrieflyPastTheLastSample) {
   const StateEstimate late = slam.tick({}, false);
   EXPECT_LT((late.T_local_body.translation() - last.T_local_body.translation() - 0.1 * v).norm(), 1e-9);
   // Rotation continues as well.
-  ToldSlam turning;
+  ScriptedSlam turning;
   for (int i = 0; i < 3; ++i) turning.tick({}, true, kAtRest, {0, 0, 0.5});
   const double yaw_rad = yaw_of(turning.tick({}, true, kAtRest, {0, 0, 0.5}).T_local_body.linear());
   turning.tick({}, false);
@@ -103,7 +103,7 @@ TEST(SlamLimits, ExtrapolatesBrieflyPastTheLastSample) {
 }
 
 TEST(SlamLimits, TakesWorldHeadingFromTheCompass) {
-  ToldSlam slam;
+  ScriptedSlam slam;
   slam.setup.start_known = StartKnown::kPosition;
   slam.setup.T_local_body_start = make_pose({7, 8, 9}, rotation_by({0, 0, 0.4}));
   slam.tick();
@@ -113,7 +113,7 @@ TEST(SlamLimits, TakesWorldHeadingFromTheCompass) {
     o.compass.push_back({o.t, 2.0, 0.01});
     o.gnss.push_back({o.t, {100, 0, 0}});
   });
-  EXPECT_EQ(e.correction_revision, 1U) << "the first one, and its place was told";
+  EXPECT_EQ(e.correction_revision, 1U) << "only the first finite heading; the position is known";
   EXPECT_NEAR(yaw_of(e.T_world_body().linear()), -1.1, 1e-6);
   EXPECT_LT((e.T_world_body().translation() - Vector3(7, 8, 9)).norm(), 1e-3) << "turned about the start";
   EXPECT_EQ(slam.tick([](Observation& o) { o.compass.push_back({o.t, 0.5, 0.01}); }).correction_revision, 1U);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -12,55 +13,28 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kSweepMs = 1'000'000;
-
-/// A body with poses at irregular times.
-struct ToldMotion {
-  std::vector<TimeNs> times;
-  std::vector<Vector3> places_m;
-  std::vector<Eigen::Quaterniond> attitudes;
-  MotionHistory history;
-
-  explicit ToldMotion(unsigned seed, int num = 30) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    TimeNs t = 50 * kSweepMs;
-    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-    Vector3 p_m = Vector3::Zero();
-    for (int i = 0; i < num; ++i) {
-      const double a = uniform(random), b = uniform(random), c = uniform(random), d = uniform(random);
-      p_m += 0.05 * Vector3(a, b, c);
-      q = q * rotation_by(0.02 * Vector3(b, c, d));
-      times.push_back(t);
-      places_m.push_back(p_m);
-      // q or -q: equal attitudes
-      attitudes.push_back(i % 3 == 0 ? q : Eigen::Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()));
-      history.push(t, p_m, attitudes.back());
-      t += (2 + static_cast<TimeNs>(3.0 * (1.0 + d))) * kSweepMs;
-    }
+TEST(MotionHistory, AnswersKnownInstantsInAnyOrder) {
+  constexpr TimeNs kTick = 4'000'000;
+  constexpr int kPushed = 3000, kKept = 1024;
+  const auto pose_at = [](TimeNs t) {
+    return make_pose({2.0 * to_seconds(t), 1.0, 0.0}, rotation_by({0, 0, 0.1 * to_seconds(t)}));
+  };
+  const auto off_m = [&](const MotionHistory& motion, TimeNs t, TimeNs as_of) {
+    return (motion.at(t).matrix() - pose_at(as_of).matrix()).norm();
+  };
+  MotionHistory motion;
+  for (TimeNs i = 0; i < kPushed; ++i) {
+    const Pose T = pose_at(i * kTick);
+    const Eigen::Quaterniond q(T.linear());
+    motion.push(i * kTick, T.translation(), i % 3 == 0 ? q : Eigen::Quaterniond(-q.coeffs()));  // equal attitudes
+    if (i % 7 == 0) motion.at(i * kTick);
   }
-  Pose at(TimeNs t) const {
-    if (t <= times.front()) return make_pose(places_m.front(), attitudes.front());
-    if (t >= times.back()) return make_pose(places_m.back(), attitudes.back());
-    std::size_t i = 0;
-    while (times[i + 1] <= t) ++i;
-    const double f = static_cast<double>(t - times[i]) / static_cast<double>(times[i + 1] - times[i]);
-    return make_pose(places_m[i] * (1.0 - f) + places_m[i + 1] * f, attitudes[i].slerp(f, attitudes[i + 1]));
+  const TimeNs first = (kPushed - kKept) * kTick, last = (kPushed - 1) * kTick;
+  for (const TimeNs t : {last, first, last - kTick / 3, first + kTick / 2, first + 100 * kTick, last - 5 * kTick}) {
+    EXPECT_LT(off_m(motion, t, t), 1e-9) << t;
   }
-};
-
-double apart(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).norm(); }
-
-TEST(MotionHistory, InterpolatesLinearlyForEitherQuaternionSign) {
-  const ToldMotion motion(1);
-  std::mt19937 random(2);
-  for (int i = 0; i < 400; ++i) {
-    const TimeNs t = static_cast<TimeNs>(random() % 300) * kSweepMs + static_cast<TimeNs>(random() % kSweepMs);
-    EXPECT_LT(apart(motion.history.at(t), motion.at(t)), 1e-6) << t;
-  }
-  for (std::size_t i = 0; i < motion.times.size(); ++i) {
-    EXPECT_LT(apart(motion.history.at(motion.times[i]), make_pose(motion.places_m[i], motion.attitudes[i])), 1e-12);
-  }
+  EXPECT_LT(off_m(motion, 0, first), 1e-9) << "before the first: the first";
+  EXPECT_LT(off_m(motion, last + kTick, last), 1e-9) << "after the last: the last";
 }
 
 TEST(MotionHistory, CoversItsIntervalAndRejectsOlder) {
@@ -79,90 +53,80 @@ TEST(MotionHistory, CoversItsIntervalAndRejectsOlder) {
   EXPECT_EQ(history.at(9).translation().x(), 4.0);
 }
 
-TEST(MotionHistory, VelocityChangeShiftsThePastLinearly) {
-  ToldMotion motion(3);
-  MotionHistory changed = motion.history;
-  const Vector3 by_mps(0.5, -0.2, 0.1);
-  const TimeNs now = motion.times.back();
-  changed.change_velocity(now, by_mps);
-  for (std::size_t i = 0; i < motion.times.size(); ++i) {
-    const Vector3 moved_m = changed.at(motion.times[i]).translation() - motion.places_m[i];
-    EXPECT_LT((moved_m - to_seconds(motion.times[i] - now) * by_mps).norm(), 1e-12);
-  }
-  EXPECT_LT((changed.at(motion.times[0]).linear() - motion.history.at(motion.times[0]).linear()).norm(), 1e-15);
-}
-
-TEST(MotionHistory, ACorrectionMovesEveryInstant) {
-  ToldMotion motion(4);
-  MotionHistory moved_history = motion.history;
+TEST(MotionHistory, CorrectionsMoveEveryInstant) {
+  MotionHistory motion;
+  for (int i = 0; i <= 10; ++i) motion.push(i * 4'000'000, Vector3(0.1 * i, 0.0, 0.0), rotation_by({0, 0, 0.01 * i}));
+  const TimeNs now = 40'000'000;
+  MotionHistory moved = motion, faster = motion;
   const Pose T = make_pose({5, 6, 7}, rotation_by({0.1, 0.2, 0.3}));
-  moved_history.move(T);
-  for (const TimeNs t : motion.times) EXPECT_LT(apart(moved_history.at(t), T * motion.at(t)), 1e-12);
+  const Vector3 by_mps(0.5, -0.2, 0.1);
+  moved.move(T);
+  faster.change_velocity(now, by_mps);
+  for (const TimeNs t : {TimeNs{0}, TimeNs{6'000'000}, TimeNs{35'000'000}, now}) {
+    EXPECT_LT((moved.at(t).matrix() - (T * motion.at(t)).matrix()).norm(), 1e-9) << t;
+    const Vector3 off_m = faster.at(t).translation() - motion.at(t).translation();
+    EXPECT_LT((off_m - to_seconds(t - now) * by_mps).norm(), 1e-9) << t;
+    EXPECT_EQ(faster.at(t).linear(), motion.at(t).linear());
+  }
 }
 
-/// Random beams from random origins; some see nothing, some are masked.
-std::shared_ptr<Scan> random_sweep(unsigned seed, bool rows_in_turn, TimeNs duration) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
-  const auto draw = [&] {
-    const float a = uniform(random), b = uniform(random), c = uniform(random);
-    return Eigen::Vector3f(a, b, c);
-  };
+/// Four rows that fire one after another, in 50 columns over 0.1 s.
+std::shared_ptr<const BeamTable> rolling_beams() {
   auto beams = std::make_shared<BeamTable>();
-  beams->rows = 3;
-  beams->cols = 40;
-  auto scan = std::make_shared<Scan>();
-  for (int i = 0; i < beams->rows * beams->cols; ++i) {
-    beams->directions_lidar.push_back(draw().normalized());
-    beams->origins_lidar.push_back(0.05F * draw());
-    beams->masked.push_back(i % 17 == 0 ? 1 : 0);
-    scan->range_m.push_back(i % 11 == 0 ? 0.0F : 4.0F + 3.9F * uniform(random));
+  beams->rows = 4;
+  beams->cols = 50;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 50; ++column) {
+      const double azimuth = -0.5 + 0.02 * column, elevation = 0.1 * row;
+      beams->directions_lidar.push_back(
+          Vector3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
+              .cast<float>());
+      beams->origins_lidar.emplace_back(0.02F, -0.03F, 0.01F * static_cast<float>(row));
+    }
+    beams->row_offset_s.push_back(0.0004F * static_cast<float>(row));
   }
-  for (int column = 0; column < beams->cols; ++column) {
-    beams->column_offset_s.push_back(static_cast<float>(to_seconds(duration)) * static_cast<float>(column) / 40.0F);
-  }
-  if (rows_in_turn) beams->row_offset_s = {0.0F, 0.004F, 0.011F};
-  scan->sensor = "lidar";
-  scan->stamp = 60 * kSweepMs;
-  scan->duration = duration;
-  scan->T_body_lidar = make_pose({0.1, -0.05, 0.2}, rotation_by({0.1, 0.4, -0.2}));
-  scan->beams = beams;
-  return scan;
+  for (int column = 0; column < 50; ++column) beams->column_offset_s.push_back(0.002F * static_cast<float>(column));
+  return beams;
 }
 
-TEST(Undistort, CarriesBeamsFromTheirFiringTime) {
-  const ToldMotion motion(5, 60);
-  for (const bool rows_in_turn : {false, true}) {
-    for (const TimeNs duration : {TimeNs{0}, 100 * kSweepMs}) {
-      auto scan = random_sweep(6, rows_in_turn, duration);
-      if (rows_in_turn && duration != 0) {
-        auto unmasked = std::make_shared<BeamTable>(*scan->beams);
-        unmasked->masked.clear();
-        scan->beams = unmasked;
-      }
-      const TimeNs now = 170 * kSweepMs;
-      constexpr double kOwn_m = 1.5, kFar_m = 6.0;
-      std::vector<Eigen::Vector3f> points, expected;
-      undistort(*scan, motion.history, now, kOwn_m, kFar_m, points);
-      const BeamTable& beams = *scan->beams;
-      for (int column = 0; column < beams.cols; ++column) {
-        for (int row = 0; row < beams.rows; ++row) {
-          const auto i = static_cast<std::size_t>(row * beams.cols + column);
-          const float range_m = scan->range_m[i];
-          if (range_m == 0.0F || range_m > 6.0F || (!beams.masked.empty() && beams.masked[i] != 0)) continue;
-          double after_s = beams.column_offset_s[static_cast<std::size_t>(column)];
-          if (rows_in_turn) after_s += beams.row_offset_s[static_cast<std::size_t>(row)];
-          const TimeNs fired = scan->stamp + (duration == 0 ? 0 : from_seconds(after_s));
-          const Eigen::Vector3f p_lidar = beams.origins_lidar[i] + range_m * beams.directions_lidar[i];
-          const Vector3 p = motion.at(now).inverse() * motion.at(fired) * scan->T_body_lidar * p_lidar.cast<double>();
-          if (p.norm() >= kOwn_m) expected.push_back(p.cast<float>());
-        }
-      }
-      ASSERT_EQ(points.size(), expected.size()) << rows_in_turn << " " << duration;
-      EXPECT_GT(points.size(), 30U);
-      for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((points[i] - expected[i]).norm(), 1e-5F) << i;
-    }
+TEST(Undistort, KeepsAWallFlatUnderMotion) {
+  // 4 m/s and 3 rad/s: without the motion of each beam the wall would be off by 0.4 m and bent by 17 degrees.
+  const Vector3 v_mps(4.0, 1.0, -0.5), omega_radps(0.3, -0.5, 3.0);
+  const auto pose_at = [&](TimeNs t) {
+    const double s = to_seconds(t);
+    return make_pose(s * v_mps, rotation_by(s * omega_radps));
+  };
+  MotionHistory motion;
+  for (TimeNs t = 0; t <= 120'000'000; t += 4'000'000) {
+    const Pose T = pose_at(t);
+    motion.push(t, T.translation(), Eigen::Quaterniond(T.linear()));
   }
+  Scan scan;
+  scan.stamp = 10'000'000;
+  scan.duration = 100'000'000;
+  scan.T_body_lidar = make_pose({0.1, 0.0, 0.2}, rotation_by({0.0, 0.3, 0.1}));
+  scan.beams = rolling_beams();
+  constexpr double kWall_m = 8.0;  // x = 8 m
+  for (int i = 0; i < scan.size(); ++i) {
+    const Pose T_local_lidar = pose_at(scan.time_of(i)) * scan.T_body_lidar;
+    const Vector3 d = T_local_lidar.linear() * scan.beams->directions_lidar[i].cast<double>();
+    const double range_m = (kWall_m - (T_local_lidar * scan.beams->origins_lidar[i].cast<double>()).x()) / d.x();
+    scan.range_m.push_back(static_cast<float>(range_m));
+  }
+  scan.range_m[7] = 0.0F;  // no return
+  auto masked = std::make_shared<BeamTable>(*scan.beams);
+  masked->masked.assign(masked->directions_lidar.size(), 0);
+  masked->masked[11] = 1;
+  scan.beams = masked;
+  std::vector<Eigen::Vector3f> points;
+  const TimeNs t = 115'000'000;
+  undistort(scan, motion, t, 0.3, 100.0, points);
+  ASSERT_EQ(points.size(), 198U);
+  for (const Eigen::Vector3f& p : points) {
+    EXPECT_NEAR((pose_at(t) * p.cast<double>()).x(), kWall_m, 2e-4);
+  }
+  undistort(scan, motion, t, 0.3, 5.0, points);
+  EXPECT_TRUE(points.empty()) << "nothing is nearer than 5 m";
 }
 
 TEST(Undistort, IncludesPointsAtBothRadii) {
@@ -184,7 +148,15 @@ TEST(Undistort, IncludesPointsAtBothRadii) {
   EXPECT_EQ(points[1].x(), 5.0F);
 }
 
-TEST(VoxelThinner, ThinsAcrossZeroAndFarAway) {
+TEST(VoxelThinner, ReplacesThePreviousOutput) {
+  const std::vector<Eigen::Vector3f> points{{0.1F, 0.1F, 0.1F}, {0.2F, 0.1F, 0.1F}, {1.5F, 0.1F, 0.1F}};
+  std::vector<Eigen::Vector3f> kept(7, Eigen::Vector3f(9, 9, 9));
+  VoxelThinner thinner;
+  thinner.thin_into(points, 1.0F, kept);
+  EXPECT_EQ(kept, (std::vector<Eigen::Vector3f>{points[0], points[2]}));
+}
+
+TEST(VoxelThinner, KeepsFirstPointPerCube) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
   for (const float half_m : {0.5F, 50.0F, 3000.0F}) {
@@ -203,7 +175,7 @@ TEST(VoxelThinner, ThinsAcrossZeroAndFarAway) {
       cubes.push_back(cube);
       expected.push_back(i);
     }
-    EXPECT_EQ(kept, expected) << half_m << ": after what was there before";
+    EXPECT_EQ(kept, expected) << half_m;
   }
 }
 
