@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(Vehicles, EveryAirframe, ::testing::ValuesIn(testing::a
 
 // Motor lags of 0.03 s as in mrs_multirotor_simulator and 0.05 s as in its A300, a lag that the plant does not have,
 // and ticks of 1 ms and 10 ms.
-TEST(MultirotorController, SettlesForAnyMotorLagAndTick) {
+TEST(MultirotorController, SettlesForAnyLagAndTick) {
   struct Case {
     double model_lag_s, plant_lag_s, tick_s;
   };
