@@ -167,9 +167,6 @@ TEST(ClearPath, ReportsWhyNoneExists) {
   config.clearance_m = 0.2;
   EXPECT_EQ(find_clear_path(dark, config, {0.15, 0.15, 0.15}, {1.75, 1.05, 1.05}).status,
             ClearPathStatus::kStartEnclosed);
-  for (const auto status : {ClearPathStatus::kStartEnclosed, ClearPathStatus::kGoalBlocked, ClearPathStatus::kNoPath}) {
-    EXPECT_STRNE(text_of(status), "");
-  }
 }
 
 // Displaced as by a gust: 0.2 m from the wall where 0.4 m are required. The path must leave without getting nearer.

@@ -69,26 +69,6 @@ TEST(VisibilityRing, EndsAtWallsButNotGaps) {
   }
 }
 
-TEST(GuidingViewpoint, KeepsItsDistances) {
-  const CellListMap map = two_rooms(1.0);
-  const std::vector<Vector3> path = {{-2, 0, 1}, {0, 0, 1}, {1.5, 0, 1}};
-  for (const Sight sight : {Sight::kAtWaypoint, Sight::kInSpace}) {
-    ViewpointRules rules = published();
-    rules.sight = sight;
-    const Found found = find_guiding_viewpoint(map, {-3, -4, 1.05}, path, rules);
-    ASSERT_TRUE(found.p_local_m);
-    EXPECT_EQ(found.num_visible, 3);
-    const Vector3 p = *found.p_local_m;
-    EXPECT_EQ(p.z(), 1.05);
-    EXPECT_GT(map.distance_m(p, 5.0), rules.clearance_m - map.edge_m());
-    EXPECT_FALSE(contains(around_path(std::vector<Vector2>{{-2, 0}, {1.5, 0}}, 1.99), p.head<2>()));
-    for (const Vector3& waypoint : path) {
-      EXPECT_FALSE(map.first_hit(p, waypoint));
-      EXPECT_LE((p - waypoint).norm(), 6.01);
-    }
-  }
-}
-
 TEST(GuidingViewpoint, SeesBehindGapAsGeometryAllows) {
   // A path straight through the gap to a point 1 m behind its edge: the line of sight to that point passes the gap.
   const CellListMap map = two_rooms(1.2);
