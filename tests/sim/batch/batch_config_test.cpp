@@ -185,8 +185,7 @@ TEST(Slurm, CreatesTheTasksThatEpisodesNeed) {
                                        std::to_string(per_task) + ", cpus_per_task: " + std::to_string(cpus) + "}\n");
     const SlurmScripts job = make_slurm_scripts(plan, "out", "/bin/swiftlet");
     EXPECT_LE(job.num_tasks, 1000) << "a cluster's usual bound";
-    EXPECT_GE(job.num_tasks * job.episodes_per_task, episodes);
-    EXPECT_LT((job.num_tasks - 1) * job.episodes_per_task, episodes) << "no task is idle";
+    EXPECT_EQ(job.episodes_per_task, (episodes + job.num_tasks - 1) / job.num_tasks) << "equal shares";
     if (per_task > 0 && episodes < 1000 * per_task) EXPECT_EQ(job.episodes_per_task, per_task);
     EXPECT_EQ(line_of(job.array, "array"), "1-" + std::to_string(job.num_tasks));
     EXPECT_EQ(line_of(job.array, "cpus-per-task"), std::to_string(cpus));
