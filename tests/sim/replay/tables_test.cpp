@@ -174,10 +174,12 @@ TEST_F(Overlays, ThinLargeOverlaysInWholeGroups) {
 }
 
 TEST_F(Overlays, KeepPolylinesWhole) {
-  for (const int count : {700, 20000}) {
-    const std::string name = "path" + std::to_string(count);
-    const auto tables = write({overlay(name, Overlay::Kind::kPolyline, count)}, 10);
-    EXPECT_EQ(find(tables, name)->rows(), static_cast<std::size_t>(count));
+  const auto tables =
+      write({overlay("path", Overlay::Kind::kPolyline, 700), overlay("long", Overlay::Kind::kPolyline, 20000)}, 10);
+  for (const auto& [name, rows] : {std::pair("path", 700U), {"long", 20000U}}) {
+    const ReadTable* found = find(tables, name);
+    ASSERT_NE(found, nullptr) << name;
+    EXPECT_EQ(found->rows(), rows) << name;
   }
 }
 
