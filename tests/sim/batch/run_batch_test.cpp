@@ -117,7 +117,7 @@ TEST(RunBatch, RefusesPartOfDifferentDivision) {
                              Shard{3, 10, "JOB_COMPLETION_INDEX, PMI_RANK"}}) {
     EXPECT_THAT(refusal([&] { fly(other); }),
                 AllOf(HasSubstr(other.source + ": expected one of 5 parts"), HasSubstr("found part " + other.str()),
-                      HasSubstr("give --shard i/5")));
+                      HasSubstr("set --shard i/5")));
   }
   EXPECT_EQ(fly({3, 5, "SLURM_ARRAY_TASK_ID"}).flown, 2U);
   EXPECT_EQ(fly({3, 5, "--shard"}).flown, 0U);

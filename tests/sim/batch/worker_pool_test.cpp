@@ -308,7 +308,7 @@ TEST(WorkerPool, ReportsTimeoutsAndReplacesTheWorker) {
   const Results results = results_of(jobs(3), work, options);
   EXPECT_EQ(results.at(0).status, JobStatus::kTimedOut);
   EXPECT_GE(results.at(0).wall_s, 0.3);
-  EXPECT_EQ(results.at(0).message, "took longer than 0.3 s of wall time");
+  EXPECT_EQ(results.at(0).message, "exceeded 0.3 s of wall time");
   EXPECT_EQ(results.at(1).status, JobStatus::kDone);
   EXPECT_EQ(results.at(1).bytes, results.at(2).bytes);
 }
