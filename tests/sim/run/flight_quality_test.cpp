@@ -46,8 +46,9 @@ TEST_P(EveryVehicle, HoversWithinTwoCentimetersAfterFlight) {
 // our own, so that neither guidance nor the reference governor can make it easier.
 TEST_P(EveryVehicle, TracksAgileTrajectoriesWithinThirtyCentimeters) {
   for (const char* seed : {"1", "2"}) {
-    Simulation simulation(scenario_of(
-        GetParam(), "60", "guidance: {type: agile, seed: " + std::string(seed) + "}, control: {limits: {set: agile}}"));
+    Simulation simulation(
+        scenario_of(GetParam(), "120",
+                    "guidance: {type: agile, seed: " + std::string(seed) + "}, control: {limits: {set: agile}}"));
     AgileConfig config;
     config.seed = std::stoul(seed);
     const StackConfig& stack = simulation.scenario().vehicles[0].agent.as<StackConfig>();

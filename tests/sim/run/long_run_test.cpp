@@ -101,7 +101,7 @@ TEST(LongRun, RecordersKeepAtMostAnIndex) {
       least_growth = std::min(least_growth, test::num_live_bytes() - before);
     }
     EXPECT_LT(least_growth, 10'000) << "bytes more in every " << kSpan_s << " s with the recorder " << type
-                                   << ", which has written " << bytes_in(folder.path());
+                                    << ", which has written " << bytes_in(folder.path());
   }
 }
 

