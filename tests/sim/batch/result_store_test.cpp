@@ -107,7 +107,7 @@ TEST_F(ForeignDatabase, RefusesMalformedListsWithTheirPlace) {
   }
 }
 
-TEST_F(ForeignDatabase, RunsNoViewInPlaceOfATable) {
+TEST_F(ForeignDatabase, RefusesViewsInPlaceOfTables) {
   run("ALTER TABLE batch RENAME TO hidden; CREATE VIEW batch AS SELECT * FROM hidden");
   EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results of a batch, found something else"));
 }
