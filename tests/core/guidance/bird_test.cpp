@@ -69,7 +69,7 @@ TEST_P(BirdOf, ReportsTrueDerivativesOfItsPath) {
 }
 
 // Frequency of rise and fall: the height less its mean over a cycle changes sign twice per cycle.
-TEST(Bird, Bounds) {
+TEST(Bird, RisesAndFallsAtItsFrequency) {
   BirdConfig config;
   config.bound_m = 0.1;
   config.bound_hz = 2.0;
@@ -100,7 +100,7 @@ TEST(Bird, FliesAtRealisticBirdSpeed) {
   EXPECT_LT(speeds_mps[speeds_mps.size() / 2], 9.0);
 }
 
-TEST(Bird, TurnsOfASudden) {
+TEST(Bird, TurnsSuddenly) {
   const auto turned_rad = [](double turn_s) {
     BirdConfig config;
     config.turn_s = turn_s;

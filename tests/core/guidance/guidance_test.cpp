@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,57 +10,40 @@
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
 
 namespace swiftlet {
 namespace {
 
 constexpr double kDt = 0.004;
 
-AgentSetup starting_at(const Vector3& p_m, double yaw_rad = 0.0) {
-  AgentSetup setup;
-  setup.T_local_body_start = make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
-  return setup;
+MotionLimits limits_of(MotionLimitsConfig::Set set) {
+  MotionLimitsConfig config;
+  config.set = set;
+  return config.resolve();
 }
 
 /// A vehicle that follows the reference governor exactly; a floor may support it.
-class IdealFlight {
+class IdealFlight : public testing::GuidanceDriver {
  public:
   template <class Config>
-  IdealFlight(const char* type, const Config& config, MotionLimitsConfig::Set limits = MotionLimitsConfig::Set::kMedium,
-              Vector3 start = Vector3::Zero(), double start_yaw = 0.0)
-      : setup_(starting_at(start, start_yaw)), governor_(limits_named(limits)) {
-    Module module(guidance_module_types(), type);
-    module.as<Config>() = config;
-    guidance_ = make_guidance(module, {setup_, governor_.limits()});
-    estimate_.valid = true;
-    estimate_.T_local_body = setup_.T_local_body_start;
-    Reference r;
-    r.position_m = start;
-    r.yaw_rad = start_yaw;
-    governor_.reset(r);
-  }
-
-  static MotionLimits limits_named(MotionLimitsConfig::Set set) {
-    MotionLimitsConfig config;
-    config.set = set;
-    return config.resolve();
+  IdealFlight(const char* type, const Config& config, MotionLimitsConfig::Set set = MotionLimitsConfig::Set::kMedium,
+              const Vector3& start_m = Vector3::Zero(), double start_yaw_rad = 0.0)
+      : GuidanceDriver(type, config, start_m, start_yaw_rad, limits_of(set)), governor_(limits) {
+    dt_s = kDt;
+    Reference start;
+    start.position_m = start_m;
+    start.yaw_rad = start_yaw_rad;
+    governor_.reset(start);
   }
 
   void step() {
-    observation_.t += from_seconds(kDt);
-    poses_.push(estimate_);
-    guidance_->step({.dt_s = kDt, .estimate = estimate_, .observation = observation_, .poses = poses_}, out, outbox);
+    GuidanceDriver::step();
     const Reference& r = governor_.step(out.goal, kDt, out.speed_limit_mps);
-    Vector3 p = r.position_m;
-    Vector3 v = r.velocity_mps;
-    if (p.z() < floor_z) {
-      p.z() = floor_z;
-      v.z() = 0.0;
-    }
-    estimate_.T_local_body = make_pose(p, Eigen::Quaterniond(Eigen::AngleAxisd(r.yaw_rad, Vector3::UnitZ())));
-    estimate_.v_local_mps = v;
-    estimate_.t = observation_.t;
+    const bool lands = r.position_m.z() < floor_z;
+    put({r.position_m.x(), r.position_m.y(), std::max(floor_z, r.position_m.z())}, r.yaw_rad);
+    estimate.v_local_mps = r.velocity_mps;
+    if (lands) estimate.v_local_mps.z() = 0.0;
   }
   /// Runs until done; the time that took, or -1.
   double run(double longest_s) {
@@ -69,30 +53,22 @@ class IdealFlight {
     }
     return -1.0;
   }
-  Vector3 p() const { return estimate_.T_local_body.translation(); }
-  Vector3 v() const { return estimate_.v_local_mps; }
-  double yaw() const { return yaw_of(estimate_.T_local_body.linear()); }
-  const ReferenceGovernor& governor() const { return governor_; }
-  Guidance& guidance() { return *guidance_; }
+  Vector3 p() const { return p_m(); }
+  Vector3 v() const { return estimate.v_local_mps; }
+  double yaw() const { return yaw_of(estimate.T_local_body.linear()); }
 
-  GuidanceOutput out;
-  Outbox outbox;
   double floor_z = -1e9;
 
  private:
-  AgentSetup setup_;
   ReferenceGovernor governor_;
-  std::unique_ptr<Guidance> guidance_;
-  StateEstimate estimate_;
-  Observation observation_;
-  LocalPoses poses_;
 };
 
 TEST(Guidance, ConstructsEveryTypeFromItsDefaults) {
-  const AgentSetup setup = starting_at({1, 2, 3});
+  AgentSetup setup;
+  setup.T_local_body_start.translation() = Vector3(1, 2, 3);
   for (const GuidanceType& type : guidance_registry().rows()) {
     const auto guidance = make_guidance(Module(guidance_module_types(), type.module.name),
-                                        {setup, IdealFlight::limits_named(MotionLimitsConfig::Set::kAgile)});
+                                        {setup, limits_of(MotionLimitsConfig::Set::kAgile)});
     StateEstimate estimate;
     estimate.valid = true;
     estimate.T_local_body = setup.T_local_body_start;
@@ -129,50 +105,11 @@ TEST(Waypoints, AreVisitedInOrderWithDwell) {
   EXPECT_LT(t, expected_s + 3 * 1.0 + 9.0);
 }
 
-TEST(Waypoints, LoopForEver) {
-  WaypointsConfig config;
-  config.waypoints_m = {{3, 0, 0}, {0, 0, 0}};
-  config.loop = true;
-  IdealFlight flight("waypoints", config);
-  int visits = 0;
-  bool away = false;
-  for (int i = 0; i < 15000; ++i) {
-    flight.step();
-    if (flight.p().x() < 0.5 && away) ++visits;
-    if (flight.p().x() < 0.5) away = false;
-    if (flight.p().x() > 2.0) away = true;
-  }
-  EXPECT_GT(visits, 5);
-  EXPECT_EQ(flight.out.mission, MissionStatus::kEndless);
-}
-
 TEST(Waypoints, CompleteTheMissionImmediatelyIfEmpty) {
   IdealFlight flight("waypoints", WaypointsConfig{}, MotionLimitsConfig::Set::kMedium, {1, 2, 3});
   flight.step();
   EXPECT_EQ(flight.out.mission, MissionStatus::kDone);
   EXPECT_EQ(flight.out.goal.position_m, Vector3(1, 2, 3));
-}
-
-TEST(Waypoints, FaceAlongLegOrAsConfigured) {
-  WaypointsConfig config;
-  config.waypoints_m = {{0, 10, 0}};
-  IdealFlight along("waypoints", config);
-  for (int i = 0; i < 1000; ++i) along.step();
-  EXPECT_NEAR(along.yaw(), std::numbers::pi / 2, 0.01);
-  config.yaw = WaypointsConfig::Yaw::kFixed;
-  config.yaw_deg = -45.0;
-  IdealFlight fixed("waypoints", config);
-  for (int i = 0; i < 1000; ++i) fixed.step();
-  EXPECT_NEAR(fixed.yaw(), -std::numbers::pi / 4, 0.01);
-}
-
-TEST(Waypoints, RotateWithTheStartFrame) {
-  WaypointsConfig config;
-  config.waypoints_m = {{2, 0, 1}};
-  config.frame = WaypointsConfig::Frame::kStart;
-  IdealFlight flight("waypoints", config, MotionLimitsConfig::Set::kMedium, {5, 5, 5}, std::numbers::pi / 2);
-  flight.step();
-  EXPECT_LT((flight.out.goal.position_m - Vector3(5, 7, 6)).norm(), 1e-12);
 }
 
 TEST(Waypoints, LandAtEndAndStopMotors) {
@@ -238,6 +175,8 @@ TEST(Trajectory, HasConsistentGoalDerivatives) {
       if (before.velocity_mps.norm() > 0.0 && now.velocity_mps.norm() > 0.0) {
         ++compared;
         fastest = std::max(fastest, now.velocity_mps.norm());
+        ASSERT_LE(now.acceleration_mps2.head<2>().norm(), flight.limits.horizontal_acceleration_mps2);
+        ASSERT_LE(std::abs(now.acceleration_mps2.z()), flight.limits.vertical_acceleration_mps2);
         const Vector3 v_mean = (now.position_m - before.position_m) / kDt;
         const Vector3 a_mean = (now.velocity_mps - before.velocity_mps) / kDt;
         ASSERT_LT((v_mean - 0.5 * (now.velocity_mps + before.velocity_mps)).norm(), 1e-4) << static_cast<int>(shape);
@@ -415,10 +354,6 @@ TEST(Agile, PassesThroughTheReferenceGovernorUnchanged) {
     flight.step();
     ASSERT_EQ(flight.p(), flight.out.goal.position_m) << "at " << i * kDt;
   }
-}
-
-TEST(Agile, RefusesWhatTheLimitsForbid) {
-  EXPECT_THROW(IdealFlight("agile", AgileConfig{}, MotionLimitsConfig::Set::kMedium), std::invalid_argument);
 }
 
 }  // namespace

@@ -38,39 +38,62 @@ inline GuideConfig guides_uav2(std::vector<Eigen::Vector3d> goals_m) {
   return config;
 }
 
-/// A guide and a guided vehicle that both fly to their goals at 1 m/s without inertia.
+/// A vehicle that flies along the path that it received at 1 m/s, without inertia.
+struct GuidedVehicle : RelativeEstimate {
+  GuidedVehicle(VehicleId id, const Vector3& start_m) {
+    other = id;
+    position_m = start_m;
+    covariance.setIdentity();
+    covariance *= 1e-4;
+  }
+  /// Estimate at an instant; positions of the vehicle's own reports only while these are received.
+  void observe(TimeNs now, bool is_heard = true) {
+    t = seen = now;
+    report_yaw_rad = yaw_rad;
+    if (!is_heard) return;
+    report_t = report_stamp = now;
+    report_position_m = position_m;
+  }
+  void receive(const GuidingPath& path) {
+    newest = path;
+    path_local_m.clear();
+    const Eigen::AngleAxisd turn(report_yaw_rad, Vector3::UnitZ());
+    for (const GuidingWaypoint& waypoint : path.waypoints) {
+      path_local_m.push_back(report_position_m + turn * waypoint.p_body_m.cast<double>());
+    }
+  }
+  void fly(double tick_s) {
+    velocity_mps.setZero();
+    if (path_local_m.empty() || stuck) return;
+    velocity_mps = velocity_toward(path_local_m.front(), position_m, tick_s);
+    position_m += tick_s * velocity_mps;
+    while (path_local_m.size() > 1 && (path_local_m.front() - position_m).norm() < 0.2) {
+      path_local_m.erase(path_local_m.begin());
+    }
+  }
+
+  bool localized = true, stuck = false;
+  GuidingPath newest;
+  std::vector<Vector3> path_local_m;
+};
+
+/// A guide and the vehicle that it guides.
 struct GuideAndGuided : GuidanceDriver {
   explicit GuideAndGuided(const GuideConfig& config, CellListMap world = CellListMap(0.25),
                           const Vector3& primary_m = {-4, -3, 0.7}, const Vector3& secondary_m = {0, 0, 0.7})
-      : GuidanceDriver("guide", config, primary_m), world_(std::move(world)) {
+      : GuidanceDriver("guide", config, primary_m), guided(kSecondary, secondary_m), world_(std::move(world)) {
     map = &world_;
-    guided.other = kSecondary;
-    guided.position_m = secondary_m;
     guided.yaw_rad = 2.0;
-    guided.covariance.setIdentity();
-    guided.covariance *= 1e-4;
   }
 
   void tick() {
-    guided.t = guided.seen = observation.t + from_seconds(dt_s);
-    if (hears) guided.heard = guided.heard_stamp = guided.t;
-    if (hears) guided.heard_position_m = guided.position_m;
-    guided.heard_yaw_rad = guided.yaw_rad;
-    relatives.clear();
-    if (localized) relatives.push_back(guided);
-    step();
+    observe_and_step();
     notes[out.note] = to_seconds(observation.t);
-    for (const Message& message : outbox.messages()) take(message);
     std::vector<Message> sent;
     outbox.empty_into(sent);
-    estimate.v_local_mps = fly(out.goal.position_m, estimate.T_local_body.translation());
-    put(p_m() + dt_s * estimate.v_local_mps);
-    guided.velocity_mps =
-        told_local_m.empty() || stuck ? Vector3(Vector3::Zero()) : fly(told_local_m.front(), guided.position_m);
-    guided.position_m += dt_s * guided.velocity_mps;
-    while (told_local_m.size() > 1 && (told_local_m.front() - guided.position_m).norm() < 0.2) {
-      told_local_m.erase(told_local_m.begin());
-    }
+    for (const Message& message : sent) take(message);
+    approach();
+    guided.fly(dt_s);
     flown_local_m.push_back(guided.position_m);
   }
   void run(double seconds) {
@@ -80,68 +103,60 @@ struct GuideAndGuided : GuidanceDriver {
       tick();
     }
   }
-  /// A scan reveals an obstacle.
-  void discover(const Vector3& min_local_m, const Vector3& max_local_m) { world_.occupy_box(min_local_m, max_local_m); }
   void run_until(const std::string& note, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.note != note; ++i) tick();
   }
-  bool said(const std::string& note) const { return notes.count(note) > 0; }
+  /// One tick in which no vehicle moves, whatever the messages.
+  void hold(double own_mps = 0.0, double guided_mps = 0.0) {
+    guided.velocity_mps = {guided_mps, 0, 0};
+    estimate.v_local_mps = {0, own_mps, 0};
+    observe_and_step();
+  }
+  /// A scan reveals an obstacle.
+  void discover(const Vector3& min_local_m, const Vector3& max_local_m) { world_.occupy_box(min_local_m, max_local_m); }
+  /// A scan reveals a column of half a meter around a place.
+  void discover_around(const Vector3& p_local_m) {
+    discover(p_local_m - Vector3(0.25, 0.25, 0.75), p_local_m + Vector3(0.25, 0.25, 0.75));
+  }
+  bool noted(const std::string& note) const { return notes.count(note) > 0; }
 
-  RelativeEstimate guided;
-  bool hears = true, localized = true, stuck = false;
-  std::vector<Vector3> told_local_m, flown_local_m;
-  std::vector<std::size_t> told_sizes;
-  GuidingPath::Word word = GuidingPath::Word::kGuide;  // the newest
-  double radius_m = 0.0;
+  GuidedVehicle guided;
+  bool hears = true;
+  std::vector<Vector3> flown_local_m;
+  std::vector<std::size_t> message_sizes;
   std::map<std::string, double> notes;  // time of the last report of each note
 
  private:
-  Vector3 fly(const Vector3& goal_m, const Vector3& from_m) const {
-    const Vector3 way = goal_m - from_m;
-    return way.norm() < 1.0 * dt_s ? Vector3(way / dt_s) : Vector3(way.normalized());
+  void observe_and_step() {
+    guided.observe(observation.t + from_seconds(dt_s), hears);
+    relatives.clear();
+    if (guided.localized) relatives.push_back(guided);
+    step();
   }
   void take(const Message& message) {
     EXPECT_EQ(message.to, kSecondary);
     GuidingPath path;
     ASSERT_EQ(read_message(message, path), Reading::kDone);
-    told_sizes.push_back(message.size_bytes());
-    word = path.word;
-    radius_m = path.radius_m;
-    told_local_m.clear();
-    EXPECT_TRUE(path.waypoints.empty() || path.t == guided.heard_stamp);
-    const Eigen::AngleAxisd turn(guided.heard_yaw_rad, Vector3::UnitZ());
-    for (const GuidingWaypoint& waypoint : path.waypoints) {
-      told_local_m.push_back(guided.heard_position_m + turn * waypoint.p_body_m.cast<double>());
-    }
+    message_sizes.push_back(message.size_bytes());
+    EXPECT_TRUE(path.waypoints.empty() || path.t == guided.report_stamp);
+    guided.receive(path);
   }
 
   CellListMap world_;
 };
 
-/// One tick in which no vehicle moves, whatever the messages.
-inline void hold(GuideAndGuided& team, double own_mps = 0.0, double its_mps = 0.0) {
-  team.guided.t = team.guided.seen = team.observation.t + from_seconds(team.dt_s);
-  if (team.hears) team.guided.heard = team.guided.heard_stamp = team.guided.t;
-  team.guided.heard_position_m = team.guided.position_m;
-  team.guided.heard_yaw_rad = team.guided.yaw_rad;
-  team.guided.velocity_mps = {its_mps, 0, 0};
-  team.estimate.v_local_mps = {0, own_mps, 0};
-  team.relatives.clear();
-  if (team.localized) team.relatives.push_back(team.guided);
-  team.step();
-}
-inline void hold_for(GuideAndGuided& team, double seconds, double own_mps = 0.0, double its_mps = 0.0) {
-  for (int i = 0; i < static_cast<int>(std::lround(seconds / team.dt_s)); ++i) hold(team, own_mps, its_mps);
+inline void hold_for(GuideAndGuided& team, double seconds, double own_mps = 0.0, double guided_mps = 0.0) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / team.dt_s)); ++i) team.hold(own_mps, guided_mps);
 }
 /// Holds until the note is reported.
 inline double hold_until(GuideAndGuided& team, const std::string& note, double longest_s) {
   const TimeNs from = team.observation.t;
-  while (team.out.note != note && team.observation.t < from + from_seconds(longest_s)) hold(team);
+  while (team.out.note != note && team.observation.t < from + from_seconds(longest_s)) team.hold();
   EXPECT_EQ(team.out.note, note);
   return to_seconds(team.observation.t - from);
 }
 /// Paths sent since the last call.
-inline std::vector<GuidingPath> heard(GuideAndGuided& team) {
+inline std::vector<GuidingPath> sent_paths(GuideAndGuided& team) {
   std::vector<Message> sent;
   team.outbox.empty_into(sent);
   std::vector<GuidingPath> paths(sent.size());
@@ -150,27 +165,27 @@ inline std::vector<GuidingPath> heard(GuideAndGuided& team) {
 }
 
 inline GuidingPath newest(GuideAndGuided& team) {
-  const std::vector<GuidingPath> paths = heard(team);
+  const std::vector<GuidingPath> paths = sent_paths(team);
   EXPECT_FALSE(paths.empty());
   return paths.empty() ? GuidingPath() : paths.back();
 }
 
-/// The guide stands at its viewpoint, and the other one may go.
+/// The guide hovers at its viewpoint and the guided vehicle may fly.
 inline void place_at_viewpoint(GuideAndGuided& team) {
   hold_until(team, "primary moving", 5.0);
   for (int i = 0; i < 20 && team.out.note == std::string("primary moving"); ++i) {  // corner by corner
-    hold(team);
+    team.hold();
     team.put(team.out.goal.position_m);
   }
   ASSERT_STREQ(team.out.note, "secondary moving");
-  heard(team);
+  sent_paths(team);
 }
 
-/// The guided one flies along x, a decimeter a tick.
+/// The guided vehicle flies along x, a decimeter a tick.
 inline void fly_to(GuideAndGuided& team, double x_m) {
   while (team.guided.position_m.x() < x_m - 0.1) {
     team.guided.position_m.x() += 0.1;
-    hold(team, 0.0, 1.0);
+    team.hold(0.0, 1.0);
   }
   team.guided.position_m.x() = x_m;
 }

@@ -17,6 +17,7 @@ namespace {
 
 using testing::CellListMap;
 using testing::GuidanceDriver;
+using testing::GuidedVehicle;
 
 GuideConfig guides_several(std::vector<GuidedVehicleConfig> secondaries) {
   GuideConfig config = testing::quick_guide();
@@ -24,98 +25,55 @@ GuideConfig guides_several(std::vector<GuidedVehicleConfig> secondaries) {
   return config;
 }
 
-/// uav2, uav3 and so on, that fly at 1 m/s without inertia, and so does their guide.
+/// uav2, uav3 and so on, and their guide.
 struct TeamOfSeveral : GuidanceDriver {
-  struct Guided {
-    RelativeEstimate estimate;
-    std::vector<Vector3> told_local_m;
-    GuidingPath::Word word = GuidingPath::Word::kGuide;
-    double radius_m = 0.0;
-    bool localized = true;
-  };
-
   TeamOfSeveral(const GuideConfig& config, const std::vector<Vector3>& starts_m, CellListMap world = CellListMap(0.25))
       : GuidanceDriver("guide", config, {-4, -3, 0.7}), world_(std::move(world)) {
     map = &world_;
-    for (const Vector3& start_m : starts_m) {
-      Guided& guided = team.emplace_back();
-      guided.estimate.other = static_cast<VehicleId>(team.size());
-      guided.estimate.position_m = start_m;
-      guided.estimate.covariance.setIdentity();
-      guided.estimate.covariance *= 1e-4;
-    }
+    for (const Vector3& start_m : starts_m) team.emplace_back(static_cast<VehicleId>(team.size() + 1), start_m);
   }
 
   void tick() {
     relatives.clear();
-    for (Guided& guided : team) {
-      RelativeEstimate& e = guided.estimate;
-      e.t = e.seen = e.heard = e.heard_stamp = observation.t + from_seconds(dt_s);
-      e.heard_position_m = e.position_m;
-      if (guided.localized) relatives.push_back(e);
+    for (GuidedVehicle& guided : team) {
+      guided.observe(observation.t + from_seconds(dt_s));
+      if (guided.localized) relatives.push_back(guided);
     }
     step();
     std::vector<Message> sent;
     outbox.empty_into(sent);
-    for (const Message& message : sent) hear(message);
-    const Vector3 v_mps = toward(out.goal.position_m, p_m());
-    estimate.v_local_mps = v_mps;
-    put(p_m() + dt_s * v_mps);
+    for (const Message& message : sent) {
+      GuidingPath path;
+      ASSERT_EQ(read_message(message, path), Reading::kDone);
+      team.at(static_cast<std::size_t>(message.to) - 1).receive(path);
+    }
+    approach();
     int num_moving = 0;
     for (std::size_t i = 0; i < team.size(); ++i) {
-      if (!fly(team[i])) continue;
+      team[i].fly(dt_s);
+      if (team[i].path_local_m.empty()) continue;
       ++num_moving;
       if (turns.empty() || turns.back() != i) turns.push_back(i);
     }
     most_moving = std::max(most_moving, num_moving);
-    watch_distances();
+    for (std::size_t a = 0; a < team.size(); ++a) {
+      least_m = std::min(least_m, (team[a].position_m - p_m()).head<2>().norm());
+      for (std::size_t b = 0; b < a; ++b) {
+        least_m = std::min(least_m, (team[a].position_m - team[b].position_m).head<2>().norm());
+      }
+    }
   }
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.mission == MissionStatus::kRunning; ++i) tick();
   }
-  double far_m(std::size_t i, const Vector3& goal_m) const { return (team[i].estimate.position_m - goal_m).norm(); }
+  double far_m(std::size_t i, const Vector3& goal_m) const { return (team[i].position_m - goal_m).norm(); }
 
-  std::vector<Guided> team;
+  std::vector<GuidedVehicle> team;
   int most_moving = 0;
   std::vector<std::size_t> turns;  // vehicles in the order in which they moved
   double least_m = 100.0;          // horizontally, between any two
 
  private:
-  Vector3 toward(const Vector3& goal_m, const Vector3& from_m) const {
-    const Vector3 way_m = goal_m - from_m;
-    return way_m.norm() < 1.0 * dt_s ? Vector3(way_m / dt_s) : Vector3(way_m.normalized());
-  }
-  void hear(const Message& message) {
-    ASSERT_GE(message.to, 1);
-    Guided& guided = team.at(static_cast<std::size_t>(message.to) - 1);
-    GuidingPath path;
-    ASSERT_EQ(read_message(message, path), Reading::kDone);
-    guided.word = path.word;
-    guided.radius_m = path.radius_m;
-    guided.told_local_m.clear();
-    for (const GuidingWaypoint& waypoint : path.waypoints) {
-      guided.told_local_m.push_back(guided.estimate.position_m + waypoint.p_body_m.cast<double>());
-    }
-  }
-  bool fly(Guided& guided) {
-    RelativeEstimate& e = guided.estimate;
-    e.velocity_mps.setZero();
-    while (guided.told_local_m.size() > 1 && (guided.told_local_m.front() - e.position_m).norm() < 0.2) {
-      guided.told_local_m.erase(guided.told_local_m.begin());
-    }
-    if (guided.told_local_m.empty()) return false;
-    e.velocity_mps = toward(guided.told_local_m.front(), e.position_m);
-    e.position_m += dt_s * e.velocity_mps;
-    return true;
-  }
-  void watch_distances() {
-    std::vector<Vector3> all_m = {p_m()};
-    for (const Guided& guided : team) all_m.push_back(guided.estimate.position_m);
-    for (std::size_t a = 0; a < all_m.size(); ++a) {
-      for (std::size_t b = 0; b < a; ++b) least_m = std::min(least_m, (all_m[a] - all_m[b]).head<2>().norm());
-    }
-  }
-
   CellListMap world_;
 };
 
@@ -133,7 +91,7 @@ TEST(GuideOfSeveral, ReachesGoalsInTurnWithoutConflict) {
   EXPECT_EQ(team.most_moving, 1);
   EXPECT_GT(team.least_m, 1.2) << "columns are 1.3 m wide, and the guide's 1.5 m";
   for (int i = 0; i < 3; ++i) team.tick();
-  for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_EQ(guided.word, GuidingPath::Word::kDone);
+  for (const GuidedVehicle& guided : team.team) EXPECT_EQ(guided.newest.command, GuidingPath::Command::kDone);
 }
 
 TEST(GuideOfSeveral, WaitsUntilAllVehiclesAreLocalized) {
@@ -165,16 +123,6 @@ TEST(GuideOfSeveral, RetriesBlockedVehicleAfterTheOthers) {
   EXPECT_LT(team.far_m(1, {6, 0, 0.7}), 0.3);
 }
 
-TEST(GuideOfSeveral, EachAdvancesStepByStep) {
-  GuideConfig config = guides_several({{.name = "uav2"}, {.name = "uav3"}});
-  config.advance.step_m = {3, 0, 0};
-  config.advance.distance_m = 8.0;
-  TeamOfSeveral team(config, {{0, -2, 0.7}, {0, 2, 0.7}});
-  team.run(300.0);
-  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
-  for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_GT(guided.estimate.position_m.x(), 7.9);
-}
-
 GuideConfig plans_quickly(GuideConfig config) {
   config.planning_latency_s = config.settle_s = 0.1;
   return config;
@@ -188,14 +136,6 @@ TEST(GuideOfSeveral, TakesTurnsInListOrder) {
   team.run(120.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
   EXPECT_EQ(team.turns, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));
-}
-
-TEST(GuideOfSeveral, SkipsVehiclesWithoutAGoal) {
-  TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2"}, {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
-                     {{0, -4, 0.7}, {0, 0, 0.7}});
-  team.run(60.0);
-  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
-  EXPECT_EQ(team.turns, (std::vector<std::size_t>{1}));
 }
 
 TEST(GuideOfSeveral, SkipsLostVehiclesUntilRelocalized) {
@@ -216,17 +156,17 @@ TEST(GuideOfSeveral, SkipsLostVehiclesUntilRelocalized) {
 
 // Bodies need 0.6 m each, and a figure 0.3 m at least.
 TEST(GuideOfSeveral, MovesLostVehicleClearOfNeighbors) {
-  for (const double beside_m : {1.49, 1.51, 2.2}) {
+  for (const double beside_m : {1.4, 1.6, 2.2}) {
     TeamOfSeveral team(
         guides_several({{.name = "uav2", .goals_m = {{6, 1, 0.7}}}, {.name = "uav3", .goals_m = {{6, 5, 0.7}}}}),
         {{1, 1, 0.7}, {1, 1 + beside_m, 0.8}});
     team.run(0.3);
     team.team[0].localized = false;
     team.run(3.4);
-    EXPECT_EQ(team.team[0].word, beside_m > 1.5 ? GuidingPath::Word::kMove : GuidingPath::Word::kGuide);
-    EXPECT_NEAR(team.team[0].radius_m, beside_m > 1.5 ? beside_m - 1.2 : 0.0, 1e-9);
-    EXPECT_EQ(team.team[1].word, GuidingPath::Word::kGuide) << "it is not its turn";
-    EXPECT_EQ(team.team[1].radius_m, 0.0);
+    EXPECT_EQ(team.team[0].newest.command, beside_m > 1.5 ? GuidingPath::Command::kMove : GuidingPath::Command::kGuide);
+    EXPECT_NEAR(team.team[0].newest.radius_m, beside_m > 1.5 ? beside_m - 1.2 : 0.0, 1e-9);
+    EXPECT_EQ(team.team[1].newest.command, GuidingPath::Command::kGuide) << "it is not its turn";
+    EXPECT_EQ(team.team[1].newest.radius_m, 0.0);
   }
 }
 

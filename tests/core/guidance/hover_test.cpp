@@ -25,7 +25,7 @@ TEST(Hover, TakesWorldPointAndDegreeHeading) {
   testing::GuidanceDriver driver("hover", config, {0.0, 0.0, 2.0});
   EXPECT_EQ(driver.step().goal.position_m, Vector3(7.0, 8.0, 9.0));
   EXPECT_NEAR(driver.out.goal.yaw_rad, std::acos(0.0), 1e-12);
-  // The vehicle learns that its frame lies elsewhere in the world: the point stays in the world.
+  // A correction of the local frame leaves the point in the world.
   driver.estimate.correct(level_alignment(0.5, {2.0, 1.0, 0.0}, Vector3::Zero()));
   driver.step();
   EXPECT_LT((driver.estimate.T_world_local * driver.out.goal.position_m - config.point_m).norm(), 1e-9);

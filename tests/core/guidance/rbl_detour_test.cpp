@@ -145,18 +145,6 @@ TEST(RblDetour, FliesStraightWhereClearWhenHeld) {
   EXPECT_FALSE(flight.detour.straight_local_m());
 }
 
-TEST(RblDetour, FliesStraightBrieflyAfterBeingHeld) {
-  Flight flight(quick());
-  flight.world.occupy_box({2.0, -4.0, 0.0}, {2.25, 4.0, 2.0});
-  while (!flight.detour.on_path()) flight.tick();
-  flight.held = true;
-  while (!flight.detour.straight_local_m()) flight.tick();
-  flight.held = false;
-  const Vector3 from_m = flight.now.p_local_m;
-  while (flight.detour.straight_local_m()) flight.tick();
-  EXPECT_NEAR((flight.now.p_local_m - from_m).norm(), 2.0, 0.3) << "not only until it moves again";
-}
-
 TEST(RblDetour, ReplansWhenAnObstacleAppearsAhead) {
   Flight flight(quick());
   flight.world.occupy_box({3.0, -1.5, 0.0}, {3.25, 4.0, 2.0});
@@ -313,23 +301,6 @@ TEST(RblDetour, ViewsBlockedGoalFromBesideIt) {
   never.now.p_local_m = {8.0, 0.2, 2.5};
   for (int i = 0; i < 600 && !never.detour.has_failed(); ++i) never.tick();
   EXPECT_TRUE(never.detour.has_failed());
-}
-
-TEST(RblDetour, ViewsGoalWhenHeldAboveIt) {
-  RblDetourConfig config = quick();
-  config.climb_m = 2.0;
-  for (const bool above : {true, false}) {
-    Flight flight(config);
-    flight.held = true;
-    flight.now.z_max_m = 5.0;
-    flight.now.p_local_m = above ? Vector3(8.0, 0.5, 2.0) : Vector3(4.5, 0.5, 2.0);
-    flight.now.sees_goal_from_m = 3.0;
-    for (int i = 0; i < 30 && !flight.detour.on_path(); ++i) flight.tick();
-    ASSERT_TRUE(flight.detour.on_path());
-    const Vector3 end_m = flight.detour.corners_local_m().back();
-    EXPECT_NEAR((end_m - flight.now.goal_local_m).head<2>().norm(), above ? 3.0 : 0.0, 0.3);
-    EXPECT_EQ(flight.detour.is_looking(), above);
-  }
 }
 
 TEST(RblDetour, CountsAbandonedSearchesWithoutFailing) {

@@ -31,9 +31,9 @@ double least_between(const Braking& a, const Braking& b) {
   double least_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= 200; ++i) {
     const Vector3 p_m = a.p_local_m + i / 200.0 * (a.stop_local_m - a.p_local_m);
-    const Vector3 way_m = b.stop_local_m - b.p_local_m;
-    const double along = std::clamp((p_m - b.p_local_m).dot(way_m) / std::max(1e-12, way_m.squaredNorm()), 0.0, 1.0);
-    least_m = std::min(least_m, (b.p_local_m + along * way_m - p_m).norm());
+    const Vector3 leg_m = b.stop_local_m - b.p_local_m;
+    const double along = std::clamp((p_m - b.p_local_m).dot(leg_m) / std::max(1e-12, leg_m.squaredNorm()), 0.0, 1.0);
+    least_m = std::min(least_m, (b.p_local_m + along * leg_m - p_m).norm());
   }
   return least_m;
 }
@@ -53,49 +53,23 @@ TEST(RblSeparation, PredictsBrakingDistanceFromTheLimits) {
   EXPECT_EQ(at_rest.stop_local_m, at_rest.p_local_m);
 }
 
-TEST(RblSeparation, BrakesWithinBothAccelerationLimits) {
-  Draws draws("rbl-braking");
-  for (int i = 0; i < 200; ++i) {
-    MotionLimits limits;
-    limits.horizontal_acceleration_mps2 = draws.between(0.5, 5.0);
-    limits.vertical_acceleration_mps2 = draws.between(0.5, 5.0);
-    const Vector3 p_m = draws.vector(3.0), v_mps = draws.vector(5.0);
-    const double braking_s = std::max(v_mps.head<2>().norm() / limits.horizontal_acceleration_mps2,
-                                      std::abs(v_mps.z()) / limits.vertical_acceleration_mps2);
-    const Braking braking = braking_of(p_m, v_mps, 0.3, limits);
-    EXPECT_LT((braking.stop_local_m - p_m - (0.3 + 0.5 * braking_s) * v_mps).norm(), 1e-9);
-  }
-}
-
-TEST(RblSeparation, KeepsTheDistanceBetweenBothPlanes) {
-  Draws draws("rbl-separation", 7);
-  for (int i = 0; i < 2000; ++i) {
-    const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
-    const HalfSpace of_a = braking_cut(a, b, kApart_m, kApart_m, 0.0);
-    const HalfSpace of_b = braking_cut(b, a, kApart_m, kApart_m, 0.0);
-    // the braking paths cross: the direction is that of the other vehicle's present position
-    if (least_between(a, b) < 0.01) continue;
-    ASSERT_NEAR((of_a.normal_local + of_b.normal_local).norm(), 0.0, 1e-9);
-    const Vector3 last_of_a = a.p_local_m + of_a.offset_m * of_a.normal_local;
-    const double kept_m = beyond_m(of_b, b, last_of_a);
-    if (least_between(a, b) > kApart_m + 0.02) {
-      ASSERT_NEAR(kept_m, kApart_m, 1e-9) << i;
-    }
-    ASSERT_GE(kept_m, kApart_m - 1e-9) << i << ": who is too near makes all of the missing room";
-  }
-}
-
-TEST(RblSeparation, KeepsHalfTheRoomWhileBraking) {
+TEST(RblSeparation, KeepsDistanceAndHalfTheRoom) {
   Draws draws("rbl-separation", 7);
   int num_with_room = 0;
   for (int i = 0; i < 2000; ++i) {
     const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
+    const HalfSpace of_a = braking_cut(a, b, kApart_m, kApart_m, 0.0);
+    const HalfSpace of_b = braking_cut(b, a, kApart_m, kApart_m, 0.0);
     const double least_m = least_between(a, b);
+    if (least_m < 0.01) continue;  // the braking paths cross
+    ASSERT_NEAR((of_a.normal_local + of_b.normal_local).norm(), 0.0, 1e-9);
+    const double kept_m = beyond_m(of_b, b, a.p_local_m + of_a.offset_m * of_a.normal_local);
+    ASSERT_GE(kept_m, kApart_m - 1e-9) << i;
     if (least_m < kApart_m + 0.02) continue;
     ++num_with_room;
-    const HalfSpace cut = braking_cut(a, b, kApart_m, kApart_m, 0.0);
+    ASSERT_NEAR(kept_m, kApart_m, 1e-9) << i;
     // Half the room before the braking path remains, by brute force.
-    const double farthest_m = std::max(beyond_m(cut, a, a.p_local_m), beyond_m(cut, a, a.stop_local_m));
+    const double farthest_m = std::max(beyond_m(of_a, a, a.p_local_m), beyond_m(of_a, a, a.stop_local_m));
     ASSERT_NEAR(farthest_m, -0.5 * (least_m - kApart_m), 0.01) << i;
   }
   EXPECT_GT(num_with_room, 1000);
@@ -122,6 +96,8 @@ TEST(RblSeparation, KeepsMoreRoomAboveAndBelow) {
   EXPECT_NEAR(offset_m({3.0, 0.0, 0.0}), 1.0, 1e-12);  // half of 3 m less 1 m
   EXPECT_NEAR(offset_m({0.0, 0.0, 4.0}), 1.0, 1e-12);  // half of 4 m less 2 m
   EXPECT_NEAR(offset_m({0.0, 0.0, 2.0}), 0.0, 1e-12);
+  const HalfSpace pledged = pledged_cut(Vector3::Zero(), {0.0, 0.0, 4.0}, Vector3::Zero(), 1.0, 2.0, 0.0, 0.4);
+  EXPECT_NEAR(pledged.offset_m, 0.4 * 2.0, 1e-12);
 }
 
 TEST(RblSeparation, HandlesCoincidentPositions) {
@@ -173,14 +149,6 @@ TEST(RblSeparation, KeepsPledgedDistanceDespiteRareObservations) {
   EXPECT_LT(least_room_m(2.0, 0.4, 0.9, 0.0), 0.0) << "with more than half they meet";
 }
 
-TEST(RblSeparation, ScalesHeightsInPledgesToo) {
-  const HalfSpace level = pledged_cut(Vector3::Zero(), {3.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, 1.0, 2.0, 0.0, 0.4);
-  EXPECT_NEAR(level.offset_m, 0.4 * 2.0 - 0.5, 1e-12);
-  const HalfSpace above = pledged_cut(Vector3::Zero(), {0.0, 0.0, 4.0}, Vector3::Zero(), 1.0, 2.0, 0.0, 0.4);
-  EXPECT_NEAR((above.normal_local - Vector3::UnitZ()).norm(), 0.0, 1e-12);
-  EXPECT_NEAR(above.offset_m, 0.4 * 2.0, 1e-12);
-}
-
 TEST(RblSeparation, DodgesToExactlyTheSafetyDistance) {
   const MotionLimits limits;
   Draws draws("rbl-separation", 7);
@@ -213,53 +181,52 @@ TEST(RblSeparation, DodgesToExactlyTheSafetyDistance) {
   EXPECT_GT(num_level, 50);
 }
 
+/// Direction in which a vehicle evades an intruder that flies east at 3 m/s, 5 m west of it.
+Vector3 evasion(const Vector3& p_m, const Vector3* begun_local = nullptr, const MotionLimits& limits = {}) {
+  const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 0.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, begun_local);
+  return cut ? Vector3(-cut->normal_local) : Vector3(Vector3::Zero());
+}
+
 TEST(RblSeparation, DodgesRightOnCollisionCourse) {
-  const MotionLimits limits;
-  const auto out = [&](double y_m) {
-    const Vector3 p_m(0.0, y_m, 5.0);
-    return Vector3(-dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits)->normal_local);
-  };
-  EXPECT_NEAR(out(0.0).y(), -1.0, 1e-12);  // the other flies east: its right is the south
-  EXPECT_NEAR(out(0.2).y(), 1.0, 1e-12);
-  EXPECT_NEAR(out(-0.2).y(), -1.0, 1e-12);
+  EXPECT_NEAR(evasion(Vector3::Zero()).y(), -1.0, 1e-12);  // the intruder's right is the south
+  EXPECT_NEAR(evasion({0.0, 0.2, 0.0}).y(), 1.0, 1e-12);
+  EXPECT_NEAR(evasion({0.0, -0.2, 0.0}).y(), -1.0, 1e-12);
 }
 
 TEST(RblSeparation, ContinuesDodgeUnlessOtherSideNearer) {
-  const MotionLimits limits;
   const Vector3 begun_local(0.0, 1.0, 0.0);  // a dodge to the south
-  const auto out_y = [&](double y_m, const Vector3* begun) {
-    const Vector3 p_m(0.0, y_m, 5.0);
-    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, begun)->normal_local.y();
-  };
-  EXPECT_NEAR(out_y(0.2, nullptr), 1.0, 1e-12);
-  EXPECT_NEAR(out_y(0.2, &begun_local), -1.0, 1e-12);
-  EXPECT_NEAR(out_y(-0.2, &begun_local), -1.0, 1e-12);
-  EXPECT_NEAR(out_y(1.0, &begun_local), 1.0, 1e-12);
-  // As far as needed on the side of the dodge that has begun.
-  const Vector3 p_m(0.0, 0.2, 5.0);
-  const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, &begun_local);
-  EXPECT_NEAR(cut->offset_m, -(kApart_m + 0.2), 1e-12);
+  EXPECT_NEAR(evasion({0.0, 0.2, 0.0}, &begun_local).y(), -1.0, 1e-12);
+  EXPECT_NEAR(evasion({0.0, 1.0, 0.0}, &begun_local).y(), 1.0, 1e-12);
 }
 
 TEST(RblSeparation, DodgesLevelUnlessVerticallyFaster) {
-  const auto height_of = [&](double above_m, double climb_mps2) {
-    MotionLimits limits;
-    limits.vertical_acceleration_mps2 = climb_mps2;
-    const Vector3 p_m(0.0, 0.05, 5.0 + above_m);
-    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits)->normal_local.z();
-  };
-  EXPECT_EQ(height_of(0.3, 1.0), 0.0);
-  EXPECT_GT(height_of(0.3, 20.0), 0.5);
-  EXPECT_GT(height_of(1.4, 1.0), 0.5);  // almost high enough
-  EXPECT_LT(height_of(-1.4, 1.0), -0.5);
+  MotionLimits climbing;
+  climbing.vertical_acceleration_mps2 = 20.0;
+  EXPECT_EQ(evasion({0.0, 0.05, 0.3}).z(), 0.0);
+  EXPECT_GT(evasion({0.0, 0.05, 0.3}, nullptr, climbing).z(), 0.5);
+  EXPECT_GT(evasion({0.0, 0.05, 1.4}).z(), 0.5) << "almost high enough";
+  EXPECT_LT(evasion({0.0, 0.05, -1.4}).z(), -0.5);
+  const Vector3 p_m = Vector3::Zero();
+  const auto falling = dodging_cut({p_m, p_m}, {0.0, 0.0, 4.0}, {0.0, 0.0, -2.0}, kApart_m, 1.5, MotionLimits{});
+  ASSERT_TRUE(falling.has_value());
+  EXPECT_EQ(falling->normal_local.z(), 0.0);
 }
 
-TEST(RblSeparation, DodgesVehiclesFallingFromAbove) {
-  const Vector3 p_m(0.0, 0.0, 5.0);
-  const auto cut = dodging_cut({p_m, p_m}, {0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, kApart_m, 1.5, MotionLimits{});
-  ASSERT_TRUE(cut.has_value());
-  EXPECT_EQ(cut->normal_local.z(), 0.0);
-  EXPECT_NEAR(cut->offset_m, -kApart_m, 1e-12);
+/// An intruder on a straight course past a vehicle that follows its goals. `look` adds the measurements of each tick.
+/// Returns the least distance, with heights scaled.
+template <class Look>
+double least_distance_m(testing::GuidanceDriver& driver, Vector3 other_m, const Vector3& v_mps, double end_x_m,
+                        double height_scale, const Look& look) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; other_m.x() < end_x_m; ++i) {
+    other_m += driver.dt_s * v_mps;
+    look(i, other_m);
+    driver.step();
+    driver.follow();
+    const Vector3 apart_m = other_m - driver.p_m();
+    least_m = std::min(least_m, Vector3(apart_m.x(), apart_m.y(), height_scale * apart_m.z()).norm());
+  }
+  return least_m;
 }
 
 // A vehicle backing straight off would be caught.
@@ -270,44 +237,29 @@ TEST(RblSeparation, LetsFastStraightIntrudersPass) {
     for (const double side_m : {-0.6, -0.2, 0.0, 0.2, 0.6}) {
       for (const double above_m : {0.0, 0.4}) {
         testing::GuidanceDriver driver("rbl", config, config.goal_m);
-        Vector3 other_m(-18.0, side_m, 5.0 + above_m);
-        double least_m = std::numeric_limits<double>::infinity();
-        while (other_m.x() < 5.0) {
-          other_m.x() += driver.dt_s * speed_mps;
-          driver.sees(2, other_m);
-          const Vector3 next_m = driver.step().goal.position_m;
-          driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-          driver.put(next_m);
-          const Vector3 apart_m =
-              Vector3(1.0, 1.0, kApart_m / config.separation.vertical_m).cwiseProduct(Vector3(other_m - driver.p_m()));
-          least_m = std::min(least_m, apart_m.norm());
-        }
+        const double least_m = least_distance_m(driver, {-18.0, side_m, 5.0 + above_m}, {speed_mps, 0.0, 0.0}, 5.0,
+                                                kApart_m / config.separation.vertical_m,
+                                                [&](int, const Vector3& other_m) { driver.sees(2, other_m); });
         EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << speed_mps << " m/s, " << side_m << ", " << above_m;
       }
     }
   }
 }
 
-// Doubt about where it is takes room from the cell. It must not take the time to step aside as well.
+// An uncertain position shrinks the cell but does not delay the evasion.
 TEST(RblSeparation, EvadesPoorlyObservedIntruder) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
   for (const double side_m : {-0.4, -0.1, 0.1, 0.4}) {
     testing::GuidanceDriver driver("rbl", config, config.goal_m);
-    Vector3 other_m(-14.0, side_m, 5.0);
-    double least_m = std::numeric_limits<double>::infinity();
-    for (int i = 0; other_m.x() < 5.0; ++i) {
-      other_m.x() += driver.dt_s * 4.0;
-      if (i % 10 == 0 && other_m.x() < -7.0) {  // once a second, until samples are lost, with the range to 0.1 m
-        const Vector3 to_m = other_m - driver.p_m();
-        driver.sees(2, other_m, 0.01 * to_m * to_m.transpose() + 1e-4 * Matrix3::Identity());
-      }
-      const Vector3 next_m = driver.step().goal.position_m;
-      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-      driver.put(next_m);
-      least_m = std::min(least_m, (other_m - driver.p_m()).norm());
-    }
+    // Once a second, until samples are lost, with the range to 0.1 m.
+    const auto look = [&](int i, const Vector3& other_m) {
+      const Vector3 to_m = other_m - driver.p_m();
+      if (i % 10 != 0 || other_m.x() >= -7.0) return;
+      driver.sees(2, other_m, 0.01 * to_m * to_m.transpose() + 1e-4 * Matrix3::Identity());
+    };
+    const double least_m = least_distance_m(driver, {-14.0, side_m, 5.0}, {4.0, 0.0, 0.0}, 5.0, 1.0, look);
     EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << side_m;
   }
 }
@@ -328,39 +280,30 @@ struct ByLidar {
     for (int i = 0; i < 80; ++i) {
       other_m -= driver.dt_s * 3.0 * ahead;
       driver.sees(2, other_m);
-      const Vector3 next_m = driver.step().goal.position_m;
-      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-      driver.put(next_m, driver.out.goal.yaw_rad);
+      driver.step();
+      driver.follow(driver.out.goal.yaw_rad);
       least_m = std::min(least_m, (other_m - driver.p_m()).norm());
       nearest_wall_m = std::min(nearest_wall_m, world.distance_m(driver.p_m(), 5.0));
     }
   }
 };
 
-// Turning towards the flight direction and waiting for a view of it would take too long to evade.
-TEST(RblSeparation, SidestepsByLidarAtAnyHeading) {
-  for (const double from_deg : {0.0, 70.0, 180.0, 250.0}) {
-    ByLidar flight;
-    flight.config.goal_m = {0.0, 0.0, 5.0};
-    flight.config.lidar.enabled = true;
-    flight.from_deg = from_deg;
-    flight.fly();
-    EXPECT_GT(flight.least_m, 2.0 * flight.config.cells.encumbrance_m) << from_deg;
-  }
-}
-
-// The evasion is urgent: three times as far as its centroid.
-TEST(RblSeparation, AvoidsWallsWhileEvadingByLidar) {
-  for (const double from_deg : {60.0, 90.0, 120.0, 180.0}) {
-    ByLidar flight;
-    flight.config.goal_m = {0.0, 0.0, 5.0};
-    flight.config.lidar.enabled = true;
-    flight.world.occupy_box({-6.0, -1.75, 2.0}, {6.0, -1.5, 8.0});
-    flight.world.occupy_box({1.5, -1.75, 2.0}, {1.75, 4.0, 8.0});
-    flight.from_deg = from_deg;
-    flight.fly();
-    EXPECT_GT(flight.nearest_wall_m, 0.45) << from_deg;
-    EXPECT_GT(flight.least_m, 0.81) << from_deg;
+// Turning towards the flight direction and waiting for a view of it would take too long to evade. The evasion is
+// urgent: three times as far as its centroid, but not into a wall.
+TEST(RblSeparation, EvadesByLidarAwayFromWalls) {
+  for (const bool walled : {false, true}) {
+    for (const double from_deg : {0.0, 60.0, 90.0, 120.0, 180.0, 250.0}) {
+      if (walled && (from_deg == 0.0 || from_deg == 250.0)) continue;  // through a wall
+      ByLidar flight;
+      flight.config.goal_m = {0.0, 0.0, 5.0};
+      flight.config.lidar.enabled = true;
+      if (walled) flight.world.occupy_box({-6.0, -1.75, 2.0}, {6.0, -1.5, 8.0});
+      if (walled) flight.world.occupy_box({1.5, -1.75, 2.0}, {1.75, 4.0, 8.0});
+      flight.from_deg = from_deg;
+      flight.fly();
+      EXPECT_GT(flight.nearest_wall_m, 0.45) << from_deg;
+      EXPECT_GT(flight.least_m, walled ? 0.81 : 2.0 * flight.config.cells.encumbrance_m) << from_deg;
+    }
   }
 }
 
@@ -381,7 +324,7 @@ TEST(RblSeparation, DescendsByLidarThroughObservedSpace) {
     driver.put({8.0, 0.0, 5.5});
     for (int i = 0; i < 200; ++i) {
       driver.step();
-      driver.put(driver.out.goal.position_m, driver.out.goal.yaw_rad);
+      driver.follow(driver.out.goal.yaw_rad);
     }
     EXPECT_EQ((driver.p_m() - config.goal_m).norm() < 0.2, looked) << driver.p_m().transpose();
   }
@@ -405,9 +348,8 @@ double highest_m(const RblConfig& config, const OccupancyView* map, bool flies_i
     driver.sees(2, other_m);
     driver.sees(3, config.goal_m + Vector3(0.0, 1.15, 0.0));
     driver.sees(4, config.goal_m - Vector3(0.0, 1.15, 0.0));
-    const Vector3 next_m = driver.step().goal.position_m;
-    driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-    driver.put(next_m);
+    driver.step();
+    driver.follow();
     highest_m = std::max(highest_m, driver.p_m().z());
   }
   return highest_m;
@@ -425,7 +367,7 @@ TEST(RblSeparation, LimitsClimbWhenLeavingThePlane) {
   EXPECT_LE(highest_m(config, nullptr, false), 5.01);
 }
 
-TEST(RblSeparation, LeavesPlaneByLidarWhereFree) {
+TEST(RblSeparation, LeavesPlaneByLidarWhereObserved) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
@@ -435,15 +377,6 @@ TEST(RblSeparation, LeavesPlaneByLidarWhereFree) {
   roofed.occupy_box({-4.0, -4.0, 6.0}, {4.0, 4.0, 6.25});
   EXPECT_GT(highest_m(config, &open, true), 5.4);
   EXPECT_LE(highest_m(config, &roofed, true), 5.51);
-}
-
-TEST(RblSeparation, LeavesPlaneByLidarWhereObserved) {
-  RblConfig config;
-  config.variant = RblConfig::Variant::k2d;
-  config.goal_m = {0.0, 0.0, 5.0};
-  config.ground_m = 4.4;
-  config.lidar.enabled = true;
-  const testing::CellListMap open(0.25);
   EXPECT_LE(highest_m(config, &open, false), 5.2) << "it was never farther away, and looks ahead only";
 }
 
@@ -461,13 +394,12 @@ TEST(RblSeparation, ReturnsToPlaneAfterVerticalEvasion) {
       driver.sees(2, other_m);
       driver.sees(3, {0.0, 1.15, 5.0});
       driver.sees(4, {0.0, -1.15, 5.0});
-      const Vector3 next_m = driver.step().goal.position_m;
-      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-      driver.put(next_m);
+      driver.step();
+      driver.follow();
       least_m = std::min(least_m, (other_m - driver.p_m()).norm());
-      const double rise_m = next_m.z() - 5.0;
+      const double rise_m = driver.p_m().z() - 5.0;
       if (std::abs(rise_m) > std::abs(farthest_m)) farthest_m = rise_m;
-      beside_m = std::max(beside_m, std::abs(next_m.y()));
+      beside_m = std::max(beside_m, std::abs(driver.p_m().y()));
     }
     EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << above_m;
     EXPECT_LT(beside_m, 0.3) << above_m;
@@ -492,9 +424,8 @@ TEST(RblSeparation, StaysAtGoalAfterLosingNeighbor) {
   for (int i = 0; i < 900; ++i) {
     if (other_m.x() < 60.0) other_m.x() += 1.0 * driver.dt_s;
     if ((other_m - driver.p_m()).norm() < view.range_max_m) driver.sees(2, other_m);
-    const Vector3 next_m = driver.step().goal.position_m;
-    driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
-    driver.put(next_m, driver.out.goal.yaw_rad);
+    driver.step();
+    driver.follow(driver.out.goal.yaw_rad);
     farthest_m = std::max(farthest_m, (driver.p_m() - config.goal_m).norm());
   }
   EXPECT_LT(farthest_m, 0.5);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {
 namespace {
@@ -66,16 +66,16 @@ TEST(RblSettling, KeepsVerdictUntilItGetsNearer) {
   const RblGoal goal = goal_at({0.0, 0.0, 5.0});
   const std::vector<Neighbor> there{neighbor_at({0.1, 0.0, 5.0})}, gone{neighbor_at({-3.0, 0.0, 5.0})};
   int i = 0;
-  const auto says = [&](double x_m, const std::vector<Neighbor>& others) {
+  const auto status_at = [&](double x_m, const std::vector<Neighbor>& others) {
     return settling.update(goal, {x_m, 0.0, 5.0}, others, nullptr, from_seconds(0.1 * i++));
   };
-  while (i <= 50) says(1.5, there);
+  while (i <= 50) status_at(1.5, there);
   // The other one flies off: the vehicle has settled until it flies on itself.
-  while (i <= 60) EXPECT_EQ(says(1.5, gone).mission, MissionStatus::kDone) << i;
+  while (i <= 60) EXPECT_EQ(status_at(1.5, gone).mission, MissionStatus::kDone) << i;
   const std::vector<Neighbor> nearer{neighbor_at({1.2, 0.3, 5.0})};
-  EXPECT_NE(std::string(says(1.5, nearer).note).find("another vehicle is there"), std::string::npos) << "not anew";
-  EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning);
-  while (i <= 100) EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning) << i;
+  EXPECT_NE(std::string(status_at(1.5, nearer).note).find("another vehicle is there"), std::string::npos) << "not anew";
+  EXPECT_EQ(status_at(1.35, gone).mission, MissionStatus::kRunning);
+  while (i <= 100) EXPECT_EQ(status_at(1.35, gone).mission, MissionStatus::kRunning) << i;
 }
 
 TEST(RblSettling, ReportsStallAfterTwiceItsPatience) {
@@ -91,7 +91,7 @@ TEST(RblSettling, ReportsStallAfterTwiceItsPatience) {
 TEST(RblSettling, FailsForUnreachableGoals) {
   EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, -2.0}), {0.0, 0.0, 1.2}).mission, MissionStatus::kFailed);
   EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, 12.0}), {0.0, 0.0, 9.0}).mission, MissionStatus::kFailed);
-  const testing::ToldMap map({{0.0, 0.0, 5.0}});
+  const testing::CellListMap map(0.2, {{0.0, 0.0, 5.0}});
   const RblStatus status = after_waiting(goal_at({0.0, 0.0, 5.0}), {1.0, 0.0, 5.0}, {}, &map);
   EXPECT_EQ(status.mission, MissionStatus::kFailed);
   EXPECT_NE(std::string(status.note).find("obstacle"), std::string::npos);
@@ -113,7 +113,7 @@ TEST(RblSettling, KeepsRunningWhileApproachingGoal) {
   }
 }
 
-TEST(RblSettling, WithoutPatienceNothingIsSaid) {
+TEST(RblSettling, IsDisabledAtZeroPatience) {
   const RblStatus status =
       after_waiting(goal_at({0.0, 0.0, 5.0}), {1.5, 0.0, 5.0}, {neighbor_at({0.1, 0.0, 5.0})}, nullptr, 0.0);
   EXPECT_EQ(status.mission, MissionStatus::kRunning);

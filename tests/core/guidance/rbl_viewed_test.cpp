@@ -57,7 +57,7 @@ TEST(RblViewed, ExcludesSpaceHiddenByObstacles) {
   EXPECT_TRUE(viewed.contains({4.0, 0.0, 5.0}, map));
 }
 
-TEST(RblViewed, ItRemembersTheLastHundredMeters) {
+TEST(RblViewed, RemembersTheLastHundredMeters) {
   const testing::CellListMap empty(0.25);
   RblViewed viewed(kReach_m, kOwn_m);
   for (double x_m = 0.0; x_m <= 200.0; x_m += 0.5) viewed.look({x_m, 0.0, 5.0}, 0.0, view_at(0.0));

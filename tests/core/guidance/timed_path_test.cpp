@@ -5,58 +5,36 @@
 
 #include <cmath>
 
-#include "swiftlet/core/stages/guidances.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
 
 namespace swiftlet {
 namespace {
 
 const std::vector<Vector3> kBend = {{0, 0, 2}, {1, 0, 2}, {2, 0, 2}, {2, 1, 2.5}, {2, 2, 3}, {2, 3, 3}};
 
-TEST(TimedPath, InterpolatesMotionAndEndsOnTime) {
-  Module module(guidance_module_types(), "timed_path");
-  module.as<TimedPathConfig>().points_m = kBend;
-  module.as<TimedPathConfig>().interval_s = 0.5;
-  AgentSetup agent;
-  agent.T_local_body_start = make_pose(kBend.front(), Eigen::Quaterniond::Identity());
-  const auto guidance = make_guidance(module, {agent, {}});
-  const UniformSpline spline(kBend, 0.5);
-  StateEstimate estimate;
-  Observation observation;
-  double last_yaw_rad = 0.0;
-  for (int tick = 1; tick <= 1000; ++tick) {
-    GuidanceOutput out;
-    LocalPoses poses;
-    Outbox outbox;
-    guidance->step({.dt_s = 0.004, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
-    const auto expected = spline.at(0.004 * tick);
-    ASSERT_LT((out.goal.position_m - expected.p_m).norm(), 1e-9);
-    ASSERT_LT((out.goal.velocity_mps - expected.v_mps).norm(), 1e-9);
-    ASSERT_LT((out.goal.acceleration_mps2 - expected.a_mps2).norm(), 1e-9);
-    ASSERT_EQ(out.mission == MissionStatus::kDone, 0.004 * tick >= 3.5 - 1e-9) << tick;
-    last_yaw_rad = out.goal.yaw_rad;
-  }
-  EXPECT_NEAR(last_yaw_rad, 1.5707963, 0.05);  // towards +y, as the last legs go
-}
-
 /// Goals of a path at every tick of its flight.
 std::vector<Reference> goals_of_path(const TimedPathConfig& config, double tick_s,
-                                     const Pose& start = Pose::Identity()) {
-  Module module(guidance_module_types(), "timed_path");
-  module.as<TimedPathConfig>() = config;
-  AgentSetup agent;
-  agent.T_local_body_start = start;
-  const auto guidance = make_guidance(module, {agent, {}});
-  StateEstimate estimate;
-  Observation observation;
-  LocalPoses poses;
-  Outbox outbox;
-  GuidanceOutput out;
+                                     const Vector3& start_m = Vector3::Zero(), double start_yaw_rad = 0.0) {
+  testing::GuidanceDriver driver("timed_path", config, start_m, start_yaw_rad);
+  driver.dt_s = tick_s;
   std::vector<Reference> goals;
-  while (out.mission != MissionStatus::kDone && goals.size() < 100000) {
-    guidance->step({.dt_s = tick_s, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
-    goals.push_back(out.goal);
-  }
+  while (driver.out.mission != MissionStatus::kDone && goals.size() < 100000) goals.push_back(driver.step().goal);
   return goals;
+}
+
+TEST(TimedPath, InterpolatesMotionAndEndsOnTime) {
+  TimedPathConfig config;
+  config.points_m = kBend;
+  config.interval_s = 0.5;
+  const std::vector<Reference> goals = goals_of_path(config, 0.004);
+  const UniformSpline spline(kBend, 0.5);
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const auto expected = spline.at(0.004 * static_cast<double>(i + 1));
+    ASSERT_LT((goals[i].position_m - expected.p_m).norm(), 1e-9);
+    ASSERT_LT((goals[i].velocity_mps - expected.v_mps).norm(), 1e-9);
+    ASSERT_LT((goals[i].acceleration_mps2 - expected.a_mps2).norm(), 1e-9);
+  }
+  EXPECT_NEAR(0.004 * static_cast<double>(goals.size()), spline.duration_s(), 0.005);
 }
 
 TEST(TimedPath, DerivesYawRateFromYaw) {
@@ -78,17 +56,16 @@ TEST(TimedPath, DerivesYawRateFromYaw) {
   EXPECT_GT(turning, 300);
 }
 
-TEST(TimedPath, WhatIsSlowKeepsItsHeading) {
+TEST(TimedPath, KeepsItsHeadingWhileSlow) {
   TimedPathConfig config;
   config.points_m = {{0, 0, 0}, {0, 0.1, 0}, {0, 0.2, 0}, {0, 0.3, 0}, {0, 0.4, 0}};  // 0.1 m/s to the left
   config.interval_s = 1.0;
-  const Pose start = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3::UnitZ())));
-  for (const Reference& goal : goals_of_path(config, 0.01, start)) {
+  for (const Reference& goal : goals_of_path(config, 0.01, Vector3::Zero(), 0.3)) {
     ASSERT_NEAR(goal.yaw_rad, 0.3, 1e-12);
     ASSERT_EQ(goal.yaw_rate_radps, 0.0);
   }
   config.interval_s = 0.4;  // 0.25 m/s
-  EXPECT_NEAR(goals_of_path(config, 0.01, start)[80].yaw_rad, 0.5 * M_PI, 1e-9);
+  EXPECT_NEAR(goals_of_path(config, 0.01, Vector3::Zero(), 0.3)[80].yaw_rad, 0.5 * M_PI, 1e-9);
 }
 
 TEST(TimedPath, UsesConfiguredFixedHeading) {
@@ -103,8 +80,7 @@ TEST(TimedPath, UsesConfiguredFixedHeading) {
 }
 
 TEST(TimedPath, StaysAtStartWithoutPoints) {
-  const Pose start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
-  const std::vector<Reference> goals = goals_of_path({}, 0.01, start);
+  const std::vector<Reference> goals = goals_of_path({}, 0.01, {1, 2, 3});
   ASSERT_FALSE(goals.empty());
   for (const Reference& goal : goals) {
     EXPECT_LT((goal.position_m - Vector3(1, 2, 3)).norm(), 1e-12);
