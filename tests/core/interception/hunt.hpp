@@ -4,55 +4,40 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "swiftlet/core/interception/intercept.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
 
 namespace swiftlet::testing {
 
 inline const MotionLimits kFast{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 
 /// A vehicle that follows its reference exactly, and tracks given by the tests as a function of time.
-class Hunt {
+class Hunt : public GuidanceDriver {
  public:
-  explicit Hunt(const InterceptConfig& config, const Vector3& start_m, VehicleId self = 0, int num_vehicles = 2) {
-    setup_.T_local_body_start = make_pose(start_m, Eigen::Quaterniond::Identity());
-    setup_.self = self;
-    setup_.vehicle_names = {"interceptor", "target"};
-    setup_.num_vehicles = num_vehicles;
-    Module module(guidance_module_types(), "intercept");
-    module.as<InterceptConfig>() = config;
-    guidance = make_guidance(module, {setup_, kFast});
-    estimate_.valid = true;
-    estimate_.T_local_body = setup_.T_local_body_start;
+  explicit Hunt(const InterceptConfig& config, const Vector3& start_m, VehicleId self = 0, int num_vehicles = 2)
+      : GuidanceDriver("intercept", config, start_m, 0.0, kFast) {
+    dt_s = 0.004;
+    setup.self = self;
+    setup.num_vehicles = num_vehicles;
+    make("intercept", config);
   }
 
   /// @param before_tick  sets tracks and received messages
   void run(double duration_s, const std::function<void(double t_s, Hunt&)>& before_tick) {
-    const TimeNs end = observation_.t + from_seconds(duration_s);
-    while (observation_.t < end) {
-      observation_.t += kTick;
-      estimate_.t = observation_.t;
-      poses_.push(estimate_);
-      before_tick(to_seconds(observation_.t), *this);
-      guidance->step({.dt_s = to_seconds(kTick),
-                      .estimate = estimate_,
-                      .observation = observation_,
-                      .poses = poses_,
-                      .tracks = tracks,
-                      .map = map},
-                     out, outbox);
-      observation_.messages.clear();
+    const TimeNs end = observation.t + from_seconds(duration_s);
+    while (observation.t < end) {
+      begin_tick();
+      before_tick(now_s(), *this);
+      end_tick();
       EXPECT_TRUE(out.goal_is_feasible);
-      EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), kFast.horizontal_speed_mps * (1 + 1e-9));
-      EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), kFast.horizontal_acceleration_mps2 * (1 + 1e-9));
-      EXPECT_LE(std::abs(out.goal.acceleration_mps2.z()), kFast.vertical_acceleration_mps2 * (1 + 1e-9));
-      estimate_.T_local_body =
-          make_pose(out.goal.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(out.goal.yaw_rad, Vector3::UnitZ())));
-      estimate_.v_local_mps = out.goal.velocity_mps;
+      EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), limits.horizontal_speed_mps * (1 + 1e-9));
+      EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), limits.horizontal_acceleration_mps2 * (1 + 1e-9));
+      EXPECT_LE(std::abs(out.goal.acceleration_mps2.z()), limits.vertical_acceleration_mps2 * (1 + 1e-9));
+      put(out.goal.position_m, out.goal.yaw_rad);
+      estimate.v_local_mps = out.goal.velocity_mps;
       if (notes.empty() || notes.back() != out.note) notes.emplace_back(out.note);
     }
   }
@@ -62,42 +47,25 @@ class Hunt {
 
   /// The only track, as of now.
   void sees(const Vector3& p_m, const Vector3& v_mps, std::uint32_t id = 7) {
-    tracks.resize(1);
-    tracks[0].id = id;
-    tracks[0].t = observation_.t;
-    tracks[0].corrected = true;
-    tracks[0].position_m = p_m;
-    tracks[0].velocity_mps = v_mps;
-    tracks[0].covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();
+    tracks.clear();
+    sees_also(p_m, v_mps, id);
   }
   /// Another track.
   void sees_also(const Vector3& p_m, const Vector3& v_mps, std::uint32_t id) {
-    tracks.push_back(tracks.empty() ? Track{} : tracks.front());
-    tracks.back().id = id;
-    tracks.back().t = observation_.t;
-    tracks.back().corrected = true;
-    tracks.back().position_m = p_m;
-    tracks.back().velocity_mps = v_mps;
+    Track& track = tracks.emplace_back();
+    track.id = id;
+    track.t = observation.t;
+    track.corrected = true;
+    track.position_m = p_m;
+    track.velocity_mps = v_mps;
+    track.covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();
   }
-  void hears(const Message& message) { observation_.messages.push_back(message); }
-  Vector3 p_m() const { return estimate_.T_local_body.translation(); }
-  const Vector3& v_mps() const { return estimate_.v_local_mps; }
-  TimeNs now() const { return observation_.t; }
-  double now_s() const { return to_seconds(observation_.t); }
+  void hears(const Message& message) { observation.messages.push_back(message); }
+  const Vector3& v_mps() const { return estimate.v_local_mps; }
+  TimeNs now() const { return observation.t; }
+  double now_s() const { return to_seconds(observation.t); }
 
-  std::unique_ptr<Guidance> guidance;
-  std::vector<Track> tracks;
-  const OccupancyView* map = nullptr;
-  GuidanceOutput out;
-  Outbox outbox;
   std::vector<std::string> notes;
-
- private:
-  static constexpr TimeNs kTick = 4'000'000;
-  AgentSetup setup_;
-  StateEstimate estimate_;
-  Observation observation_;
-  LocalPoses poses_;
 };
 
 /// A circle of 10 m at 4 m/s, at a height of 15 m.

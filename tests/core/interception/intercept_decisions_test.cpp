@@ -18,34 +18,25 @@ bool noted(const Prey& hunt, const char* note) {
 
 constexpr const char* kLost = "the target is lost: searching";
 
-TEST(InterceptDecisions, TheNearestTrackIsTheTarget) {
+TEST(InterceptDecisions, ChasesTheNearestTrack) {
   for (const double sign : {-1.0, 1.0}) {
     Prey hunt({}, {0.0, 0.0, 12.0});
     hunt.run(1.5, [&](double, Prey& h) {
       h.sees({sign * 15.0, 0.0, 12.0}, Vector3::Zero(), 7);
-      h.tracks.push_back(h.tracks[0]);
-      h.tracks[1].id = 8;
-      h.tracks[1].position_m.x() = -sign * 25.0;
+      h.sees_also({-sign * 25.0, 0.0, 12.0}, Vector3::Zero(), 8);
       if (sign > 0.0) std::swap(h.tracks[0], h.tracks[1]);
     });
     EXPECT_GT(sign * hunt.p_m().x(), 1.0);
   }
 }
 
-TEST(InterceptDecisions, AcceptsNewTrackNearThePrediction) {
-  Prey hunt({}, {-25.0, 0.0, 12.0});
-  hunt.run(2.0, [](double t_s, Prey& h) {
-    h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, t_s < 1.0 ? 7 : 8);
-    if (t_s >= 1.0) h.tracks[0].position_m.x() += 2.5;
-  });
-  EXPECT_FALSE(noted(hunt, kLost));
-}
-
-TEST(InterceptDecisions, RejectsNewTrackFarFromPrediction) {
-  Prey hunt({}, {-25.0, 0.0, 12.0});
-  hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero(), 7); });
-  hunt.run(0.01, [](double, Prey& h) { h.sees({10.0, 3.5, 12.0}, Vector3::Zero(), 8); });
-  EXPECT_TRUE(noted(hunt, kLost));
+TEST(InterceptDecisions, AcceptsOnlyTracksNearThePrediction) {
+  for (const double off_m : {2.0, 4.0}) {
+    Prey hunt({}, {-25.0, 0.0, 12.0});
+    hunt.run(1.0, [](double t_s, Prey& h) { h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 7); });
+    hunt.run(0.5, [&](double t_s, Prey& h) { h.sees({10.0 + off_m, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 8); });
+    EXPECT_EQ(noted(hunt, kLost), off_m > 3.0) << off_m;
+  }
 }
 
 TEST(InterceptDecisions, LosesATrackAfterItsTimeout) {
@@ -168,7 +159,7 @@ TEST(InterceptDecisions, RepeatsCapturesWithoutACaptureLimit) {
   EXPECT_LT(farthest_m, 25.0);
 }
 
-TEST(InterceptDecisions, TwoCapturesAreTwo) {
+TEST(InterceptDecisions, EndsAfterItsCaptures) {
   InterceptConfig config;
   config.captures = 2;
   Prey hunt(config, {-14.0, 0.0, 17.0});
