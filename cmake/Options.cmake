@@ -53,4 +53,4 @@ endif()
 # Tests need to be compiled soon more than to run fast; what they test is optimized in full.
 add_library(swiftlet_test_options INTERFACE)
 target_link_libraries(swiftlet_test_options INTERFACE swiftlet_options)
-target_compile_options(swiftlet_test_options INTERFACE $<$<CONFIG:Release>:-O1>)
+target_compile_options(swiftlet_test_options INTERFACE $<$<CONFIG:Release>:-O0>)

@@ -28,7 +28,7 @@ function(swiftlet_compile_together target)
 endfunction()
 
 # The law of the house stands in the lines swiftlet_room(...) of CMakeLists.txt, and nowhere else:
-#   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [LISTED_BY core/z] [COMPONENT pcl])
+#   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [LISTED_BY core/z] [PARTS a b] [COMPONENT pcl])
 # A room is the folder core/math with what is its own, the folder include/swiftlet/core/math with what others may use, and
 # one static library swiftlet_core_math. Its public headers may use what USES names, its other files what INSIDE names as
 # well. No other header is on a target's include path: each room has two folders of links, ${PROJECT_BINARY_DIR}/rooms.
@@ -36,20 +36,15 @@ endfunction()
 # LISTED_BY names a room further down whose tables have a row of it: that room uses it inside.
 # A room comes after those that it uses, so there are no circles. core/base and sim/base are what every room may use.
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in a registry.
+# PARTS names folders of a room, in their order: what stands in a part may include the headers that stand directly in the room's
+# folder and those of the parts before it. The room's own files include all of them.
 # A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
 file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/rooms)
 
-# The public headers of a room stand under its name, those of a base directly in include/swiftlet/core or sim.
 function(swiftlet_link_headers room folder)
-  set(headers ${room})
-  if(room MATCHES "^(core|sim)/base$")
-    file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/swiftlet ${PROJECT_SOURCE_DIR}/include/swiftlet/${CMAKE_MATCH_1}/*.hpp)
-  endif()
-  foreach(link ${headers})
-    cmake_path(GET link PARENT_PATH parent)
-    file(MAKE_DIRECTORY ${folder}/public/swiftlet/${parent} ${folder}/private/${parent})
-    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/swiftlet/${link} ${folder}/public/swiftlet/${link} SYMBOLIC)
-  endforeach()
+  cmake_path(GET room PARENT_PATH parent)
+  file(MAKE_DIRECTORY ${folder}/public/swiftlet/${parent} ${folder}/private/${parent})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/swiftlet/${room} ${folder}/public/swiftlet/${room} SYMBOLIC)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${room} ${folder}/private/${room} SYMBOLIC)
 endfunction()
 
@@ -66,8 +61,27 @@ function(swiftlet_targets_of out)
   set(${out} ${targets} PARENT_SCOPE)
 endfunction()
 
+# Compiles a part of a room into the room's library.
+function(swiftlet_part room part seen)
+  string(REPLACE "/" "_" target swiftlet_${room})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/${part}/*.cpp)
+  file(GLOB links CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/${room} ${PROJECT_SOURCE_DIR}/${room}/*.hpp)
+  set(folder ${PROJECT_BINARY_DIR}/rooms/${room}_parts/${part})
+  file(MAKE_DIRECTORY ${folder}/${room})
+  foreach(link ${links} ${seen} ${part})
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${room}/${link} ${folder}/${room}/${link} SYMBOLIC)
+  endforeach()
+  add_library(${target}_${part} OBJECT ${sources})
+  target_include_directories(${target}_${part} PRIVATE ${folder} ${PROJECT_BINARY_DIR}/rooms/${room}/public)
+  get_target_property(libraries ${target} LINK_LIBRARIES)
+  target_link_libraries(${target}_${part} PRIVATE ${libraries})
+  swiftlet_share_headers(${target}_${part} swiftlet_house_headers)
+  swiftlet_compile_together(${target}_${part})
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_${part}>)
+endfunction()
+
 function(swiftlet_room room)
-  cmake_parse_arguments(ARG "" "COMPONENT;LISTED_BY" "USES;INSIDE;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT;LISTED_BY" "USES;INSIDE;LIBS;PRIVATE_LIBS;PARTS" ${ARGN})
   string(REPLACE "/" "_" name ${room})
   set(target swiftlet_${name})
   if(room MATCHES "^sim/")
@@ -90,7 +104,7 @@ function(swiftlet_room room)
   endif()
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
   set(reach PUBLIC)
-  if(sources)
+  if(sources OR ARG_PARTS)
     add_library(${target} STATIC ${sources})
     target_include_directories(${target} PRIVATE ${folder}/private)
     target_link_libraries(${target} PRIVATE swiftlet_options ${inside} ${ARG_PRIVATE_LIBS})
@@ -110,6 +124,11 @@ function(swiftlet_room room)
     $<BUILD_INTERFACE:${folder}/public> $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
   target_compile_definitions(${target} ${reach} EIGEN_MAX_ALIGN_BYTES=16)  # whatever the processor that a user builds for
   target_link_libraries(${target} ${reach} ${ARG_LIBS} ${uses})
+  set(seen)
+  foreach(part ${ARG_PARTS})
+    swiftlet_part(${room} ${part} "${seen}")
+    list(APPEND seen ${part})
+  endforeach()
 endfunction()
 
 # Who is no room (a program, a test) sees the public headers of the rooms named here, and with INSIDE all of those.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "command_line.hpp"
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 
 namespace swiftlet::tools {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 
 namespace swiftlet {
 

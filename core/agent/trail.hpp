@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "swiftlet/core/overlay.hpp"
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/overlay.hpp"
+#include "swiftlet/core/base/time.hpp"
 
 namespace swiftlet {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/airframe.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/airframe.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 #include <algorithm>
 #include <cmath>

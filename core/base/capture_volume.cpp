@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/capture_volume.hpp"
+#include "swiftlet/core/base/capture_volume.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 
 namespace swiftlet {
 namespace {

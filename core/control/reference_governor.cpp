@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/beam_index.hpp"
+#include "core/detection/beam_index.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/enclosure.hpp"
+#include "core/detection/enclosure.hpp"
 
 #include <algorithm>
 #include <array>

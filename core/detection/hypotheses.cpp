@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/hypotheses.hpp"
+#include "core/detection/hypotheses.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/separate_background.hpp"
+#include "core/detection/separate_background.hpp"
 
 #include <algorithm>
 #include <bit>

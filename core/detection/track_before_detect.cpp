@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/detection/track_before_detect.hpp"
 
-#include "swiftlet/core/detection/hypotheses.hpp"
+#include "core/detection/hypotheses.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {

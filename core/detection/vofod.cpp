@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "core/detection/vofod_stages.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {

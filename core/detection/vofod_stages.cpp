@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "core/detection/vofod_stages.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 namespace {

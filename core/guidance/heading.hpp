@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "swiftlet/core/frames.hpp"
-#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/base/overlay.hpp"
 
 namespace swiftlet {
 

@@ -5,7 +5,9 @@
 #include <optional>
 #include <span>
 
+#include "core/interception/chase_mpc.hpp"
 #include "core/interception/surroundings.hpp"
+#include "core/interception/target_prediction.hpp"
 #include "swiftlet/core/interception/intercept.hpp"
 
 namespace swiftlet {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/interception/surroundings.hpp"
-#include "swiftlet/core/interception/target_prediction.hpp"
-#include "swiftlet/core/message.hpp"
+#include "core/interception/target_prediction.hpp"
+#include "swiftlet/core/base/message.hpp"
+#include "swiftlet/core/base/observation.hpp"
+#include "swiftlet/core/base/track.hpp"
 #include "swiftlet/core/messages/chase_report.hpp"
-#include "swiftlet/core/observation.hpp"
-#include "swiftlet/core/track.hpp"
 
 namespace swiftlet {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/geofence.hpp"
+#include "core/interception/geofence.hpp"
 
 #include <algorithm>
 

@@ -8,8 +8,12 @@
 
 #include "core/interception/chase_planner.hpp"
 #include "core/interception/chase_team.hpp"
+#include "core/interception/geofence.hpp"
 #include "core/interception/intercept_overlays.hpp"
+#include "core/interception/pursuit_laws.hpp"
 #include "core/interception/surroundings.hpp"
+#include "core/interception/target_prediction.hpp"
+#include "core/interception/target_search.hpp"
 
 namespace swiftlet {
 namespace {

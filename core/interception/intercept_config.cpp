@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/interception/chase_mpc.hpp"
 #include "swiftlet/core/interception/intercept.hpp"
 
 namespace swiftlet {

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

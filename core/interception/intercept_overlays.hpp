@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
-#include "swiftlet/core/capture_volume.hpp"
-#include "swiftlet/core/interception/geofence.hpp"
-#include "swiftlet/core/overlay.hpp"
+#include "core/interception/geofence.hpp"
+#include "swiftlet/core/base/capture_volume.hpp"
+#include "swiftlet/core/base/overlay.hpp"
 
 namespace swiftlet {
 

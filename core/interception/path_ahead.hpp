@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/pursuit_laws.hpp"
+#include "core/interception/pursuit_laws.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "swiftlet/core/interception/pursuit_laws.hpp"
+#include "core/interception/pursuit_laws.hpp"
 
 namespace swiftlet {
 namespace {

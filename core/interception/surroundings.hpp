@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "core/interception/geofence.hpp"
 #include "core/interception/path_ahead.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
-#include "swiftlet/core/interception/geofence.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 
 namespace swiftlet {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/target_prediction.hpp"
+#include "core/interception/target_prediction.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/tracking/motion_filter.hpp"
 
 namespace swiftlet {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"

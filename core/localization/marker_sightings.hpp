@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/localization/relative_filter.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
-#include "swiftlet/core/localization/relative_filter.hpp"
 
 namespace swiftlet {
 

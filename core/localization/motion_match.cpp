@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/localization/motion_match.hpp"
+#include "core/localization/motion_match.hpp"
 
 #include <algorithm>
 #include <cmath>

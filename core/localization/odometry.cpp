@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 

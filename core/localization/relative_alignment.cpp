@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/localization/relative_filter.hpp"
+#include "core/localization/relative_filter.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -8,11 +8,11 @@
 
 #include "core/localization/marker_sightings.hpp"
 #include "core/localization/teammate.hpp"
+#include "swiftlet/core/base/vehicle_named.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/odometry_report.hpp"
-#include "swiftlet/core/vehicle_named.hpp"
 
 namespace swiftlet {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/localization/motion_match.hpp"
+#include "core/localization/motion_match.hpp"
+#include "core/localization/relative_filter.hpp"
 #include "swiftlet/core/localization/relative_alignment.hpp"
-#include "swiftlet/core/localization/relative_filter.hpp"
 #include "swiftlet/core/localization/relative_localizer.hpp"
 #include "swiftlet/core/messages/odometry_report.hpp"
 

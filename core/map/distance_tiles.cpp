@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/map/lanes.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

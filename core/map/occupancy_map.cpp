@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "core/map/cell_walk.hpp"
-#include "swiftlet/core/elementary.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "core/map/lanes.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

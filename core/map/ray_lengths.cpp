@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/map/lanes.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

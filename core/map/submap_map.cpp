@@ -8,7 +8,7 @@
 
 #include "core/map/cell_hash.hpp"
 #include "core/map/cell_walk.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "core/map/lanes.hpp"
-#include "swiftlet/core/elementary.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/pcl/clouds.hpp"
+#include "core/pcl/clouds.hpp"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include <limits>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

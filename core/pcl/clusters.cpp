@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "swiftlet/core/pcl/clouds.hpp"
+#include "core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

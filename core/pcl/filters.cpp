@@ -6,7 +6,7 @@
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_types.h>
 
-#include "swiftlet/core/pcl/clouds.hpp"
+#include "core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

@@ -5,7 +5,7 @@
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/ndt.h>
 
-#include "swiftlet/core/pcl/clouds.hpp"
+#include "core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/planning/met_cells.hpp"
 #include "core/planning/polyline.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

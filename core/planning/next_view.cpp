@@ -7,7 +7,7 @@
 #include <queue>
 
 #include "core/planning/met_cells.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

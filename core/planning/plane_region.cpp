@@ -8,7 +8,7 @@
 #include <polyclipping/clipper.hpp>
 #include <queue>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// Operations on paths of straight legs. Any frame, the same for all arguments.
 namespace swiftlet {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {

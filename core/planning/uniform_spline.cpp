@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 

@@ -7,10 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "core/slam/map_sharing.hpp"
-#include "swiftlet/core/finite.hpp"
+#include "core/slam/graph/global_slam.hpp"
+#include "core/slam/matching/grid_matcher.hpp"
+#include "core/slam/sharing/map_sharing.hpp"
+#include "core/slam/slam_to_now.hpp"
+#include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
-#include "swiftlet/core/slam/slam_to_now.hpp"
 
 namespace swiftlet {
 namespace {

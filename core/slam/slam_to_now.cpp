@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/slam_to_now.hpp"
+#include "core/slam/slam_to_now.hpp"
 
 #include <utility>
 

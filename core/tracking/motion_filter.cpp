@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/ordered_product.hpp"
 
 namespace swiftlet {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 namespace {

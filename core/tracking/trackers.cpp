@@ -2,6 +2,7 @@
 #include "swiftlet/core/tracking/trackers.hpp"
 
 #include <algorithm>
+#include "core/tracking/cloud_tracker.hpp"
 
 namespace swiftlet {
 namespace {

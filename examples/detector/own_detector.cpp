@@ -4,7 +4,7 @@
 
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/detection/euclidean_clusters.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"

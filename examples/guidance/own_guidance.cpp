@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 
 namespace {

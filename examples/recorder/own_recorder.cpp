@@ -4,9 +4,9 @@
 #include <cstdio>
 
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace {
 

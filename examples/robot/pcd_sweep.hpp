@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/scan.hpp"
 
 /// Reads a sweep of a LiDAR from a binary PCD file with the fields x, y, z (float32 or float64, frame of the LiDAR) and
 /// t (uint32, [ns] after the start of the sweep). Other fields and padding are ignored. Every point becomes a beam.

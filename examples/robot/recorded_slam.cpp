@@ -15,7 +15,7 @@
 
 #include "pcd_sweep.hpp"
 #include "swiftlet/core/slam/slam.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
 
 namespace {
 

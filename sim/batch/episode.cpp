@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/run/summary.hpp"
 #include "swiftlet/sim/scenario/yaml_writer.hpp"

@@ -7,7 +7,7 @@
 #include <set>
 #include <string_view>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 

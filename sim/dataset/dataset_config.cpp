@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/scenario/recorder_paths.hpp"
 #include "swiftlet/sim/scenario/reference.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 #include "swiftlet/sim/scenario/yaml_writer.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

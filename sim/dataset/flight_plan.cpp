@@ -8,7 +8,7 @@
 #include <string>
 
 #include "sim/dataset/free_space.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/planning/grid_search.hpp"
 

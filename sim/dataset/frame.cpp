@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/metrics/statistics.hpp"
-#include "swiftlet/core/capture_volume.hpp"
+#include "swiftlet/core/base/capture_volume.hpp"
 #include "swiftlet/sim/metrics/capture_record.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 

@@ -3,13 +3,13 @@
 #include <numbers>
 
 #include "sim/metrics/statistics.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/core/messages/map_closures.hpp"
 #include "swiftlet/core/messages/submap_chunk.hpp"
 #include "swiftlet/core/messages/submap_descriptor.hpp"
 #include "swiftlet/core/messages/submap_places.hpp"
 #include "swiftlet/core/messages/submap_request.hpp"
 #include "swiftlet/core/slam/joined_map.hpp"
-#include "swiftlet/core/time.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet::sim {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/recording/tick_view.hpp"
 
 namespace swiftlet::sim {
 

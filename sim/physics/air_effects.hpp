@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "swiftlet/core/airframe.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/airframe.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// Effect of rotors on the surrounding air and nearby surfaces: ground effect and downwash.
 namespace swiftlet::sim {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 

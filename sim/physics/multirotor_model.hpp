@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 

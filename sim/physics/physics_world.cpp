@@ -10,8 +10,8 @@
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
 #include "sim/physics/wind.hpp"
-#include "swiftlet/core/ensure.hpp"
-#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/parallel/first_exception.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/physics/physics_config.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 
 namespace swiftlet::python {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/base/action.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 
 /// Vehicles that follow commands in an array written by Python, without calls into Python: for learning environments.

@@ -14,10 +14,10 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 
-/// Data types with fields (swiftlet/core/fields.hpp) as numpy arrays that are views of the structs. The type's `visit`
-/// provides names, offsets and descriptions.
+/// Data types with fields (swiftlet/core/base/fields.hpp) as numpy arrays that are views of the structs. The type's
+/// `visit` provides names, offsets and descriptions.
 namespace swiftlet::python {
 
 namespace py = pybind11;

@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 
 namespace swiftlet::python {
 

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 /// Modules written in Python: a class becomes a row of a registry, its keys a configuration.
 namespace swiftlet::python {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sim/python/fields.hpp"
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/base/observation.hpp"
 
 namespace swiftlet::python {
 

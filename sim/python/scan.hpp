@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::python {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 
 namespace swiftlet::python {

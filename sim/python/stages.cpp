@@ -14,8 +14,8 @@
 #include "sim/python/scan.hpp"
 #include "sim/python/values.hpp"
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 
 namespace swiftlet::python {
 namespace {

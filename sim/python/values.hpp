@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "swiftlet/core/ensure.hpp"
-#include "swiftlet/core/finite.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/base/finite.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// Conversion of Python arguments to C++ values. `what` names the argument in messages.
 namespace swiftlet::python {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "sim/raycast/embree_scene.hpp"
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 
 namespace swiftlet::sim {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "sim/recorders/selection.hpp"
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text_row.hpp"

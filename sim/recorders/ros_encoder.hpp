@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/sim/io/byte_buffer.hpp"
 
 namespace swiftlet::sim {

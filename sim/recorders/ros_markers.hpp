@@ -6,8 +6,8 @@
 #include <string>
 
 #include "sim/recorders/ros_encoder.hpp"
-#include "swiftlet/core/detection.hpp"
-#include "swiftlet/core/track.hpp"
+#include "swiftlet/core/base/detection.hpp"
+#include "swiftlet/core/base/track.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 

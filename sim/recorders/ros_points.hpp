@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sim/recorders/ros_encoder.hpp"
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/sim/recorders/ros_config.hpp"
 
 namespace swiftlet::sim {

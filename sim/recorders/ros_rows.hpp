@@ -7,7 +7,7 @@
 
 #include "sim/recorders/ros_encoder.hpp"
 #include "sim/recorders/ros_types.hpp"
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 
 namespace swiftlet::sim {
 

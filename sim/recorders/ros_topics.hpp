@@ -12,7 +12,7 @@
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/sim/recorders/ros_config.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/sim/io/byte_buffer.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 

@@ -9,7 +9,7 @@
 #include "swiftlet/sim/io/byte_buffer.hpp"
 #include "swiftlet/sim/recorders/pose_history.hpp"
 #include "swiftlet/sim/recorders/scan_files_config.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/registry/recorders.hpp"
 
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/base/registry.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/events.hpp"
 #include "swiftlet/sim/recorders/map.hpp"
@@ -10,10 +10,10 @@
 #include "swiftlet/sim/recorders/ply.hpp"
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/replay/replay.hpp"
 #include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

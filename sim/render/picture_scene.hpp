@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/base/overlay.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {

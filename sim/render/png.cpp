@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/render/captions.hpp"
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/scan.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/replay/block.hpp"
-#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/recording/tick_view.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,7 +6,7 @@
 
 #include "embedded/sim_replay.hpp"
 #include "sim/replay/block.hpp"
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/sim/io/base64.hpp"
 
 namespace swiftlet::sim {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/replay/block.hpp"
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 
 namespace swiftlet::sim {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/run/simulation.hpp"

@@ -8,7 +8,7 @@
 #include "swiftlet/sim/metrics/capture_record.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
-#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/recording/tick_view.hpp"
 
 namespace swiftlet::sim {
 

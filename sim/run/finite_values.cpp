@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/finite_values.hpp"
 
-#include "swiftlet/core/ensure.hpp"
-#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/base/finite.hpp"
 
 namespace swiftlet::sim {
 

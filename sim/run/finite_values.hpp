@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/observation.hpp"
 
 namespace swiftlet::sim {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "swiftlet/core/field_bytes.hpp"
+#include "swiftlet/core/base/field_bytes.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "swiftlet/core/prior_map.hpp"
+#include "swiftlet/core/base/prior_map.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {

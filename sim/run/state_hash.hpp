@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/observation.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {

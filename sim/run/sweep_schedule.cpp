@@ -7,7 +7,7 @@
 #include <chrono>
 #include <string>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/parallel/first_exception.hpp"
 

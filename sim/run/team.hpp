@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/run/agent_clock.hpp"
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"

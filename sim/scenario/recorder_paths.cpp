@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,10 +8,11 @@
 #include <string_view>
 
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/sim/plugin/plugin.hpp"
 #include "swiftlet/sim/recorders/ros_config.hpp"
 #include "swiftlet/sim/recorders/scan_files_config.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
@@ -23,7 +24,6 @@
 #include "swiftlet/sim/scenario/yaml_writer.hpp"
 #include "swiftlet/sim/sensors/neighbors.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

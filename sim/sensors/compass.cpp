@@ -2,7 +2,7 @@
 #include "swiftlet/sim/sensors/compass.hpp"
 
 #include "sim/sensors/noise.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 

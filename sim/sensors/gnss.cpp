@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "sim/sensors/noise.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {

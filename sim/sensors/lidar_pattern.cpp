@@ -12,11 +12,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/registry.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/elementary_lanes.hpp"
-#include "swiftlet/core/registry.hpp"
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

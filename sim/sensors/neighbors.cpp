@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "sim/sensors/noise.hpp"
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 

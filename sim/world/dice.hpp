@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {

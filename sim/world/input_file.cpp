@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "sim/world/mesh_builder.hpp"
 
 #include <cmath>
 #include <map>
 #include <numbers>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {

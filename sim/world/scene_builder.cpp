@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 

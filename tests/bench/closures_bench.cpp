@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/slam/graph/closure.hpp"
+#include "core/slam/matching/sweep.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
-#include "swiftlet/core/slam/closure.hpp"
-#include "swiftlet/core/slam/sweep.hpp"
 #include "tests/support/flown_scans.hpp"
 
 namespace swiftlet {

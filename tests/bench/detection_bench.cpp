@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "core/detection/vofod_stages.hpp"
 #include "tests/bench/detection_flight.hpp"
 #include "tests/bench/processor_time.hpp"
 #include "tests/bench/reference_detection.hpp"

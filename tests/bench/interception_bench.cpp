@@ -6,7 +6,7 @@
 #include <chrono>
 #include <vector>
 
-#include "swiftlet/core/interception/chase_mpc.hpp"
+#include "core/interception/chase_mpc.hpp"
 
 namespace swiftlet {
 namespace {

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/base/detection.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/base/detection.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/background_query.hpp"
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/core/slam/grid_matcher.hpp"
-#include "swiftlet/core/slam/local_slam.hpp"
+#include "core/slam/matching/grid_matcher.hpp"
+#include "core/slam/matching/local_slam.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/icp_odometry.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "swiftlet/core/detection/hypotheses.hpp"
+#include "core/detection/hypotheses.hpp"
 #include "tests/bench/detection_flight.hpp"
 #include "tests/bench/processor_time.hpp"
 

@@ -12,7 +12,7 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/submap_map.hpp"
-#include "swiftlet/core/mapping/submap_mapper.hpp"
+#include "swiftlet/core/mappers/submap_mapper.hpp"
 #include "tests/bench/processor_time.hpp"
 #include "tests/support/flown_scans.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "core/tracking/cloud_tracker.hpp"
 #include "swiftlet/core/detection/euclidean_clusters.hpp"
-#include "swiftlet/core/tracking/cloud_tracker.hpp"
 #include "tests/bench/reference_tracking.hpp"
 #include "tests/support/target_clouds.hpp"
 

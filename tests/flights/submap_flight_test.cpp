@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/map_voxels.hpp"
+#include "swiftlet/core/base/map_voxels.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 
 /// The vehicles that Swiftlet comes with, for tests of core libraries, which read no files. Masses, arms, heights,
 /// thrust constants and speeds of ctu-mrs/mrs_multirotor_simulator, torque ratio and motor lag of the MRS Gazebo

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/airframe.hpp"
+#include "swiftlet/core/base/observation.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/observation.hpp"
 
 namespace swiftlet::testing {
 

@@ -10,8 +10,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/base/scan.hpp"
 
 namespace swiftlet::support {
 

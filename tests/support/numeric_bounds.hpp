@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/scenario/units.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "sim/metrics/detection_score.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
-#include "swiftlet/sim/metrics/detection_score.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
-#include "swiftlet/sim/view/series.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
+#include "swiftlet/sim/recording/series.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 

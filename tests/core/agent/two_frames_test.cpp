@@ -6,7 +6,7 @@
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 

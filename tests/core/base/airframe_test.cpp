@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/capture_volume.hpp"
+#include "swiftlet/core/base/capture_volume.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

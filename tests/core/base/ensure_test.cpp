@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 
 #include <gtest/gtest.h>
 

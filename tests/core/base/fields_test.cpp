@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kinds of data: one `visit` that names each field.
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/finite.hpp"
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/finite.hpp"
+#include "swiftlet/core/base/observation.hpp"
 #include "tests/support/field_coverage.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/base/registry.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/air_map.hpp"
+#include "core/detection/air_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/beam_index.hpp"
+#include "core/detection/beam_index.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/body_parts.hpp"
+#include "core/detection/body_parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
+#include "swiftlet/core/base/prior_map.hpp"
+#include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
-#include "swiftlet/core/prior_map.hpp"
-#include "swiftlet/core/scan.hpp"
 
 namespace swiftlet::testing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/samples.hpp"
+#include "core/detection/samples.hpp"
 
 #include <gtest/gtest.h>
 

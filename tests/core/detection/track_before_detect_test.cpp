@@ -8,11 +8,11 @@
 #include <numbers>
 #include <set>
 
-#include "swiftlet/core/detection/air_map.hpp"
-#include "swiftlet/core/detection/beam_index.hpp"
-#include "swiftlet/core/detection/existence.hpp"
-#include "swiftlet/core/detection/hypotheses.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
+#include "core/detection/air_map.hpp"
+#include "core/detection/beam_index.hpp"
+#include "core/detection/existence.hpp"
+#include "core/detection/hypotheses.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
 #include "tests/core/detection/detection_support.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/vicinity.hpp"
+#include "core/detection/vicinity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "core/detection/vofod_stages.hpp"
 #include "tests/core/detection/detection_support.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "core/detection/vofod_stages.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/detection/vofod_stages.hpp"
 #include "swiftlet/core/detection/ground_truth.hpp"
-#include "swiftlet/core/detection/vofod_stages.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
 #include "tests/core/detection/detection_support.hpp"
 
 namespace swiftlet {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "core/guidance/flocking/flock_response.hpp"
+#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "swiftlet/core/map/occupancy_view.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 
 namespace swiftlet::testing {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/guide_overlays.hpp"
+#include "core/guidance/guiding/guide_overlays.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "swiftlet/core/stages/mappers.hpp"
-#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/stage_tables/mappers.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "swiftlet/core/tracking/track_overlays.hpp"
 #include "swiftlet/sim/render/colors.hpp"
 

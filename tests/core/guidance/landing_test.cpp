@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/landing.hpp"
+#include "core/guidance/flight/landing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "core/guidance/flocking/neighbor_memory.hpp"
 
 #include <gtest/gtest.h>
 

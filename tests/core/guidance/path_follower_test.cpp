@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/path_follower.hpp"
+#include "core/guidance/flight/path_follower.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_detour.hpp"
+#include "core/guidance/flocking/rbl_detour.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"

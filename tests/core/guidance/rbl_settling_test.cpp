@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_settling.hpp"
+#include "core/guidance/flocking/rbl_settling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
+#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/rbl_sight.hpp"
+#include "core/guidance/flocking/rbl_sight.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

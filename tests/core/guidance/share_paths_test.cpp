@@ -10,7 +10,7 @@
 
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/shared_path.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/chase_mpc.hpp"
+#include "core/interception/chase_mpc.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/interception/chase_mpc.hpp"
+#include "core/interception/chase_mpc.hpp"
 
 namespace swiftlet::testing {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
 #include "tests/core/interception/hunt.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "swiftlet/core/interception/pursuit_laws.hpp"
+#include "core/interception/pursuit_laws.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/target_prediction.hpp"
+#include "core/interception/target_prediction.hpp"
 
 #include <gtest/gtest.h>
 

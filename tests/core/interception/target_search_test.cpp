@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/interception/target_search.hpp"
+#include "core/interception/target_search.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <tuple>
 
-#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/base/overlay.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {

@@ -9,7 +9,7 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
 
 namespace swiftlet {
 namespace {

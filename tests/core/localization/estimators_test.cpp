@@ -5,7 +5,7 @@
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
 
 namespace swiftlet {
 namespace {

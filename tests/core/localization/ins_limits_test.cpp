@@ -7,7 +7,7 @@
 
 #include "swiftlet/core/localization/ins.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Present pose of another vehicle: late data, missing data, and consistency of the covariance.
-#include "swiftlet/core/localization/relative_filter.hpp"
+#include "core/localization/relative_filter.hpp"
 
 #include <gtest/gtest.h>
 

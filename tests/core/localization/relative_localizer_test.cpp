@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "tests/core/localization/relative_support.hpp"
 
 namespace swiftlet {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "swiftlet/core/localization/relative_filter.hpp"
+#include "core/localization/relative_filter.hpp"
 #include "tests/core/localization/relative_support.hpp"
 
 namespace swiftlet {

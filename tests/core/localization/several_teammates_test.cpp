@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "swiftlet/core/localization/motion_match.hpp"
-#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "core/localization/motion_match.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "tests/core/localization/relative_support.hpp"
 
 namespace swiftlet {

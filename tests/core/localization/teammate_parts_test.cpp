@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/localization/teammate.hpp"
-#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "tests/core/localization/relative_support.hpp"
 
 namespace swiftlet {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/pcl/clouds.hpp"
+#include "core/pcl/clouds.hpp"
 
 #include <gtest/gtest.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "tests/core/pcl/scans.hpp"
 
 namespace swiftlet {

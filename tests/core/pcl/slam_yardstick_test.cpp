@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/slam/matching/local_slam.hpp"
 #include "swiftlet/core/pcl/filters.hpp"
 #include "swiftlet/core/pcl/registration.hpp"
-#include "swiftlet/core/slam/local_slam.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/sensors/lidar.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/adaptive_voxel_filter.hpp"
+#include "core/slam/matching/adaptive_voxel_filter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search on the grid against looking at everything, one by one: windows, budgets, ties and what is left out.
-#include "swiftlet/core/slam/branch_and_bound.hpp"
+#include "core/slam/graph/branch_and_bound.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/closure.hpp"
+#include "core/slam/graph/closure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "core/slam/graph/branch_and_bound.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
-#include "swiftlet/core/slam/branch_and_bound.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 
 namespace swiftlet {

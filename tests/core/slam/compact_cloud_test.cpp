@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/slam/compact_cloud.hpp"
+#include "core/slam/sharing/compact_cloud.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <tuple>
 
-#include "core/slam/submap_look.hpp"
+#include "core/slam/sharing/submap_look.hpp"
 #include "tests/core/slam/shared_yard.hpp"
 
 namespace swiftlet {

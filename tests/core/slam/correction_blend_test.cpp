@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/correction_blend.hpp"
+#include "core/slam/graph/correction_blend.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/slam/graph/global_slam.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
-#include "swiftlet/core/slam/global_slam.hpp"
 
 namespace swiftlet {
 namespace {

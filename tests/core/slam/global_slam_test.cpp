@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/global_slam.hpp"
+#include "core/slam/graph/global_slam.hpp"
 
 #include <gtest/gtest.h>
 

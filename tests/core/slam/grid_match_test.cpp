@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The least squares of the document's local SLAM: derivatives, and displacements that are known.
-#include "swiftlet/core/slam/grid_match.hpp"
+#include "core/slam/matching/grid_match.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Local SLAM as in the document: updates of the filter and of the map, and reported figures.
-#include "swiftlet/core/slam/grid_matcher.hpp"
+#include "core/slam/matching/grid_matcher.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/slam/matching/local_slam.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/slam/local_slam.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {

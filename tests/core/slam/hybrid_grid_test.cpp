@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Grids of probability against closed forms.
-#include "swiftlet/core/slam/hybrid_grid.hpp"
+#include "core/slam/matching/hybrid_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "swiftlet/core/slam/grid_submaps.hpp"
+#include "core/slam/matching/grid_submaps.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/inertial_filter.hpp"
+#include "core/slam/matching/inertial_filter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // When a scan counts, when it goes into the map, and what the map may have drifted.
-#include "swiftlet/core/slam/local_slam.hpp"
+#include "core/slam/matching/local_slam.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/slam/map_join.hpp"
+#include "core/slam/sharing/map_join.hpp"
 
 #include <gtest/gtest.h>
 

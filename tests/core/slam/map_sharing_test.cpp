@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/slam/map_sharing.hpp"
+#include "core/slam/sharing/map_sharing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include <random>
 #include <string>
 
+#include "core/slam/graph/global_slam.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/map_closures.hpp"
 #include "swiftlet/core/messages/submap_chunk.hpp"
 #include "swiftlet/core/messages/submap_descriptor.hpp"
 #include "swiftlet/core/messages/submap_places.hpp"
 #include "swiftlet/core/messages/submap_request.hpp"
-#include "swiftlet/core/slam/global_slam.hpp"
 #include "tests/core/slam/shared_yard.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/slam/near_points.hpp"
+#include "core/slam/graph/near_points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "core/slam/symmetric_eigen.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
-#include "swiftlet/core/slam/symmetric_eigen.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/scan_to_map.hpp"
+#include "core/slam/matching/scan_to_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "core/slam/graph/submap_provider.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/slam/submap_provider.hpp"
 
 namespace swiftlet::testing {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <tuple>
 
+#include "core/slam/slam_to_now.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/slam.hpp"
-#include "swiftlet/core/slam/slam_to_now.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/slam/slam_to_now.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/saved_map.hpp"
-#include "swiftlet/core/slam/slam_to_now.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "core/slam/matching/surface_map.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/slam/surface_map.hpp"
 
 namespace swiftlet {
 namespace {

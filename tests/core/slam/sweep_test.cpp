@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/slam/sweep.hpp"
+#include "core/slam/matching/sweep.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
+#include "swiftlet/core/base/samples.hpp"
+#include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/samples.hpp"
-#include "swiftlet/core/scan.hpp"
 
 namespace swiftlet::testing {
 

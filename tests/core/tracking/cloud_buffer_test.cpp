@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/tracking/cloud_buffer.hpp"
+#include "core/tracking/cloud_buffer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/tracking/cloud_tracker.hpp"
+#include "core/tracking/cloud_tracker.hpp"
 
 #include <gtest/gtest.h>
 

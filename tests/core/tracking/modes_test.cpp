@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "swiftlet/core/tracking/cloud_tracker.hpp"
+#include "core/tracking/cloud_tracker.hpp"
 
 namespace swiftlet {
 namespace {

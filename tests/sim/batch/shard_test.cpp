@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

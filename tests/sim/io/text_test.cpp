@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
 
 namespace swiftlet::sim {

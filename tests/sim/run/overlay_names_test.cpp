@@ -4,11 +4,11 @@
 #include <set>
 
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
-#include "swiftlet/core/stages/mappers.hpp"
-#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
+#include "swiftlet/core/stage_tables/mappers.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 

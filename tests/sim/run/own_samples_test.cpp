@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/mcap.hpp"

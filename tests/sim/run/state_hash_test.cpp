@@ -6,10 +6,10 @@
 
 #include <set>
 
+#include "sim/metrics/detection_score.hpp"
+#include "sim/metrics/relative_score.hpp"
 #include "sim/run/hasher_internal.hpp"
-#include "swiftlet/sim/metrics/detection_score.hpp"
-#include "swiftlet/sim/metrics/relative_score.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "tests/support/field_coverage.hpp"
 
 namespace swiftlet::sim {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/scenario/config_files.hpp"
 
 /// A small configuration that uses every method of ConfigVisitor, and files that exist only in memory. Shared by the

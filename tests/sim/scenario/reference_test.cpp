@@ -6,11 +6,11 @@
 
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 #include "tests/sim/scenario/example_config.hpp"
 #include "tests/support/numeric_bounds.hpp"
 

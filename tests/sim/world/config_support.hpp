@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 namespace swiftlet::sim::test {
 

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/registry.hpp"
 
 namespace swiftlet {
 

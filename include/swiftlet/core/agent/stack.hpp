@@ -3,13 +3,13 @@
 
 #include <memory>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 #include "swiftlet/core/control/control_config.hpp"
 #include "swiftlet/core/detection/detector.hpp"
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
 #include "swiftlet/core/localization/relative_localizer.hpp"
-#include "swiftlet/core/mapping/mapper.hpp"
+#include "swiftlet/core/mappers/mapper.hpp"
 #include "swiftlet/core/tracking/tracker.hpp"
 
 namespace swiftlet {

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 #include "swiftlet/core/control/mixer.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <limits>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 
 namespace swiftlet {
 

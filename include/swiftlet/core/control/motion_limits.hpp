@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 namespace swiftlet {
 

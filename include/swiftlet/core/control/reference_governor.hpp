@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/base/action.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
 
 namespace swiftlet {

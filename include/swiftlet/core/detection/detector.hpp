@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/track.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
-#include "swiftlet/core/track.hpp"
 
 namespace swiftlet {
 

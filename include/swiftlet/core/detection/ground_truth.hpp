@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/detection/detector.hpp"
 
 namespace swiftlet {

@@ -3,10 +3,22 @@
 
 #include <string>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/detection/air_map.hpp"
+#include <Eigen/Core>
+#include "swiftlet/core/base/config.hpp"
 
 namespace swiftlet {
+
+/// Map of the numbers of beams that pass each voxel and that end in it.
+struct AirMapConfig {
+  double voxel_m = 0.5;  ///< [m] edge of a voxel
+  Eigen::Vector3d size_m = {128.0, 128.0, 64.0};
+  int memory_beams = 64;       ///< [-] most beams that a voxel counts; older ones fade
+  double prior_hits = 0.02;    ///< [-] beams that end in an unknown voxel, as a prior
+  double prior_passes = 0.08;  ///< [-] beams that pass an unknown voxel, as a prior
+
+  void visit(ConfigVisitor& v);
+  double bytes() const;
+};
 
 /// Model of a target and of not yet detected targets.
 struct ExpectedTarget {

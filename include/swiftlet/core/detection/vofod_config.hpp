@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/prior_map.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
-#include "swiftlet/core/prior_map.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
 
 namespace swiftlet {

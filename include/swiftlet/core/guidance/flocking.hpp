@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "swiftlet/core/guidance/guidance.hpp"
-#include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/neighbor_source.hpp"
 
 /// Two other flocking models without communication, as baselines for the rule-based Lloyd algorithm [Kamler 2025, sec.
 /// 2.5].
@@ -69,16 +69,5 @@ struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
 
 std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup);
 std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup);
-
-/// Persistence of a path: distance between its ends over its length; 1 for a straight path, near 0 for a closed one.
-double path_persistence(std::span<const Vector3> path_local_m);
-
-/// Commanded changes of speed and heading from the retina. Bearings are relative to the heading, positive to the left.
-struct VisualResponse {
-  double acceleration_mps2 = 0.0;
-  double turn_radps = 0.0;
-};
-VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
-                               std::span<const Neighbor> neighbors, std::vector<char>& retina);
 
 }  // namespace swiftlet

@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/base/agent.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"

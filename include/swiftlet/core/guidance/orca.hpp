@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "swiftlet/core/guidance/guidance.hpp"
-#include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/neighbor_source.hpp"
 
 namespace swiftlet {
 

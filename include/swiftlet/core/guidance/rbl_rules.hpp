@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

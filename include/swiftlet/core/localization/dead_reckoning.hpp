@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/base/observation.hpp"
 
 namespace swiftlet {
 

@@ -3,11 +3,11 @@
 
 #include <span>
 
-#include "swiftlet/core/counter.hpp"
-#include "swiftlet/core/message.hpp"
-#include "swiftlet/core/observation.hpp"
-#include "swiftlet/core/overlay.hpp"
-#include "swiftlet/core/state_estimate.hpp"
+#include "swiftlet/core/base/counter.hpp"
+#include "swiftlet/core/base/message.hpp"
+#include "swiftlet/core/base/observation.hpp"
+#include "swiftlet/core/base/overlay.hpp"
+#include "swiftlet/core/base/state_estimate.hpp"
 
 namespace swiftlet {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/base/action.hpp"
 
 namespace swiftlet {
 

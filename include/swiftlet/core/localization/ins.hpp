@@ -4,8 +4,8 @@
 #include <array>
 #include <memory>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
 #include "swiftlet/core/localization/imu_noise.hpp"

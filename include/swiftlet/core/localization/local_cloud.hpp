@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
-#include "swiftlet/core/scan.hpp"
 
 namespace swiftlet {
 

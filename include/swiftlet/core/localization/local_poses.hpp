@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "swiftlet/core/state_estimate.hpp"
+#include "swiftlet/core/base/state_estimate.hpp"
 
 namespace swiftlet {
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
 
 namespace swiftlet {

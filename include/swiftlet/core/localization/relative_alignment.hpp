@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/localization/relative_odometry.hpp"
 
 /// Pose of another vehicle's local frame ("other") in the own one ("local"), estimated from sightings of the other and

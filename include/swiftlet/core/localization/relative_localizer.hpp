@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/counter.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/localization/relative_alignment.hpp"
-#include "swiftlet/core/localization/relative_filter.hpp"
+#include "swiftlet/core/localization/relative_filter_config.hpp"
 
 namespace swiftlet {
 

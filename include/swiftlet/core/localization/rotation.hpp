@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/elementary.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

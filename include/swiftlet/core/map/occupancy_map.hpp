@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/core/map/block_log.hpp"
 #include "swiftlet/core/map/distance_tiles.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/map/ray_cells.hpp"
 #include "swiftlet/core/map/submap_cells.hpp"
-#include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "swiftlet/core/base/map_voxels.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/core/map/voxel_grid.hpp"
-#include "swiftlet/core/map_voxels.hpp"
-#include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
 

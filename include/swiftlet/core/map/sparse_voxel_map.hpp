@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/time.hpp"
 #include "swiftlet/core/map/block_log.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
-#include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/map/ray_cells.hpp"
 #include "swiftlet/core/map/voxel_grid.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/map/submap_cells.hpp"
 
 namespace swiftlet {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/map_voxels.hpp"
+#include "swiftlet/core/base/prior_map.hpp"
 #include "swiftlet/core/map/background_query.hpp"
 #include "swiftlet/core/map/voxel_grid.hpp"
-#include "swiftlet/core/map_voxels.hpp"
-#include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet {
 

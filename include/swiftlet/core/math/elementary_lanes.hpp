@@ -8,7 +8,7 @@
 #include <numbers>
 #include <span>
 
-#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 

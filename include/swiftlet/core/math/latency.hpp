@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 
 namespace swiftlet {
 

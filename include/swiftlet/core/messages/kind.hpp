@@ -4,12 +4,12 @@
 #include <span>
 #include <string>
 
-#include "swiftlet/core/fields.hpp"
+#include "swiftlet/core/base/fields.hpp"
 #include "swiftlet/core/messages/wire.hpp"
 
-/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/fields.hpp), in a file
-/// of its own, with one line in registry.cpp. Encoding, size, reference page, table and topic in recordings are derived
-/// from these. Increase kVersion when the fields change: messages with other versions are rejected.
+/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/base/fields.hpp), in a
+/// file of its own, with one line in registry.cpp. Encoding, size, reference page, table and topic in recordings are
+/// derived from these. Increase kVersion when the fields change: messages with other versions are rejected.
 namespace swiftlet {
 
 /// Result of reading a message.

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "swiftlet/core/message.hpp"
+#include "swiftlet/core/base/message.hpp"
 
 /// Encoding of a message's content: field after field in the order of its `visit`, little-endian, without padding. A
 /// time has 8 bytes, a vehicle and an `int` 4, a flag and a choice 1, a pose 56 (position, quaternion). Texts and lists

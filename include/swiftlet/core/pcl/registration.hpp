@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// PCL's registration methods as functions of two clouds and a guess, as baselines for the scan matchers.
 namespace swiftlet {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/map/voxel_grid.hpp"
 

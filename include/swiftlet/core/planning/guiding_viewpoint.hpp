@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "swiftlet/core/planning/plane_region.hpp"
 

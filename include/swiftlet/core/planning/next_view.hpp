@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 

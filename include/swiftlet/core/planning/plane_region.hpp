@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// Regions of a horizontal plane with polygonal borders. Coordinates are rounded to micrometers and operations are
 /// exact, so nearly collinear edges need no special treatment. Any frame, the same for all arguments.

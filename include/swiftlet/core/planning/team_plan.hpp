@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 #include "swiftlet/core/planning/guiding_viewpoint.hpp"
 

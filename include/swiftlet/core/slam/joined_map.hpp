@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

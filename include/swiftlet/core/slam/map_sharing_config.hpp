@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/slam/closure.hpp"
-#include "swiftlet/core/slam/pose_graph.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/slam/closure_config.hpp"
+#include "swiftlet/core/slam/graph_config.hpp"
 
 namespace swiftlet {
 

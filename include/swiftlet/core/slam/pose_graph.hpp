@@ -6,11 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/frames.hpp"
-#include "swiftlet/core/slam/block_cholesky.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/slam/graph_config.hpp"
 
 namespace swiftlet {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Residuals longer than `huber` have linear instead of quadratic cost (Huber).
 inline constexpr double kNoHuber = std::numeric_limits<double>::infinity();
@@ -46,43 +48,16 @@ struct PositionFactor {
   double huber = kNoHuber;
 };
 
-/// Weighting of a GNSS fix by its standard deviations.
-enum class GnssWeighting {
-  kIsotropic,  ///< all axes by the largest [Orsulic 2021, eq. 6]
-  kPerAxis,    ///< each axis by its own [eq. 5]
-  kReleased,   ///< each axis by the square of its own, as in the authors' released program
-};
-
-struct GnssFactorConfig {
-  GnssWeighting weighting = GnssWeighting::kIsotropic;
-  double a = 1.0;
-  double b_1_m = 0.0;
-  double huber = 1.0;
-
-  void visit(ConfigVisitor& v);
-};
-
 /// a / sigma + b along each axis [Orsulic 2021, eq. 7].
 Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m);
 
-struct GraphSolverConfig {
-  int iterations = 20;
-  double step_min = 1e-6;  ///< [m, rad] step size below which the optimization ends
-
-  void visit(ConfigVisitor& v);
-};
+class BlockCholesky;
+struct GraphWorkspace;
 
 struct GraphReport {
   int num_iterations = 0;
   double cost_before = 0.0, cost_after = 0.0;
   bool converged = false;
-};
-
-/// Scratch memory of an optimization. Reuse saves its allocation, a tenth of the time for 10 000 nodes.
-struct GraphWorkspace {
-  BlockCholesky H;
-  std::vector<Vector6> gradient, step, of_relatives, of_relatives_tried;
-  std::vector<Pose> tried;
 };
 
 /// Sparse, robust pose graph in the world frame. Optimization by Levenberg-Marquardt; budgets count iterations, never
@@ -112,10 +87,7 @@ class PoseGraph {
 
   double cost() const;
   GraphReport optimize(const GraphSolverConfig& config, GraphWorkspace& workspace);
-  GraphReport optimize(const GraphSolverConfig& config) {
-    GraphWorkspace workspace;
-    return optimize(config, workspace);
-  }
+  GraphReport optimize(const GraphSolverConfig& config);
   /// Covariance of a small change of one pose (moved()) under the present factors. The identity when they leave any
   /// pose unconstrained.
   Matrix6 covariance_of(int pose) const;

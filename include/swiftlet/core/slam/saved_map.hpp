@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "swiftlet/core/base/map_voxels.hpp"
 #include "swiftlet/core/map/submap_poses.hpp"
-#include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 
 namespace swiftlet {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
-#include "swiftlet/core/slam/global_slam.hpp"
-#include "swiftlet/core/slam/grid_matcher.hpp"
-#include "swiftlet/core/slam/local_slam.hpp"
+#include "swiftlet/core/slam/global_slam_config.hpp"
+#include "swiftlet/core/slam/grid_matching_config.hpp"
+#include "swiftlet/core/slam/local_slam_config.hpp"
 
 namespace swiftlet {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <memory>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
 

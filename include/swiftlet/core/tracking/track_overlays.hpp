@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/overlay.hpp"
-#include "swiftlet/core/track.hpp"
+#include "swiftlet/core/base/overlay.hpp"
+#include "swiftlet/core/base/track.hpp"
 
 namespace swiftlet {
 

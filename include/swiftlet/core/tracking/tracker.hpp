@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/counter.hpp"
+#include "swiftlet/core/base/observation.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/background_query.hpp"
-#include "swiftlet/core/observation.hpp"
 
 namespace swiftlet {
 

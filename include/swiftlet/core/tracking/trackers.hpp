@@ -3,8 +3,9 @@
 
 #include <memory>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/tracking/cloud_tracker.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/tracking/cloud_tracker_config.hpp"
+#include "swiftlet/core/tracking/motion_filter.hpp"
 #include "swiftlet/core/tracking/tracker.hpp"
 
 namespace swiftlet {

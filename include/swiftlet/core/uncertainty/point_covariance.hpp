@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 /// Uncertainty of a point measured by a LiDAR with an uncertain pose [Vrba 2025, sec. IV-A].
 namespace swiftlet {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 /// The batch file: its variants, parameter sweep, seeds and execution limits.
 namespace swiftlet::sim {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
 
 namespace swiftlet::sim {

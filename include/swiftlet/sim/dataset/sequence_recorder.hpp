@@ -11,7 +11,7 @@
 #include "swiftlet/sim/dataset/dataset_config.hpp"
 #include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

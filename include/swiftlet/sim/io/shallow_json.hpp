@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
 

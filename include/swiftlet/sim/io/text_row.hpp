@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/core/time.hpp"
+#include "swiftlet/core/base/time.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/capture_volume.hpp"
+#include "swiftlet/core/base/capture_volume.hpp"
 #include "swiftlet/sim/metrics/metric_table.hpp"
 #include "swiftlet/sim/metrics/metrics_config.hpp"
-#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/recording/tick_view.hpp"
 #include "swiftlet/sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/core/map_voxels.hpp"
+#include "swiftlet/core/base/map_voxels.hpp"
 
 namespace swiftlet::sim {
 

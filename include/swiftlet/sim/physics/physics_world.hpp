@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 #include "swiftlet/sim/physics/physics_config.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/world/neighborhood.hpp"

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/core/stages/detectors.hpp"
-#include "swiftlet/core/stages/estimators.hpp"
-#include "swiftlet/core/stages/guidances.hpp"
-#include "swiftlet/core/stages/mappers.hpp"
-#include "swiftlet/core/stages/relative_localizers.hpp"
-#include "swiftlet/core/stages/trackers.hpp"
+#include "swiftlet/core/stage_tables/detectors.hpp"
+#include "swiftlet/core/stage_tables/estimators.hpp"
+#include "swiftlet/core/stage_tables/guidances.hpp"
+#include "swiftlet/core/stage_tables/mappers.hpp"
+#include "swiftlet/core/stage_tables/relative_localizers.hpp"
+#include "swiftlet/core/stage_tables/trackers.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"

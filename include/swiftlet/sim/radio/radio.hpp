@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/message.hpp"
+#include "swiftlet/core/base/message.hpp"
 #include "swiftlet/sim/radio/radio_config.hpp"
 #include "swiftlet/sim/radio/radio_statistics.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/view/recorder.hpp"
-#include "swiftlet/sim/view/series.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
+#include "swiftlet/sim/recording/series.hpp"
 
 namespace swiftlet::sim {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

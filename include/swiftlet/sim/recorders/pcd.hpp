@@ -5,7 +5,7 @@
 #include <string>
 
 #include "swiftlet/sim/recorders/scan_files_config.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

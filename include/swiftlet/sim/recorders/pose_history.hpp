@@ -3,7 +3,7 @@
 
 #include <deque>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet::sim {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "swiftlet/sim/recorders/ros_config.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

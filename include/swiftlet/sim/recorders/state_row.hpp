@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/fields.hpp"
-#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/core/base/fields.hpp"
+#include "swiftlet/sim/recording/tick_view.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "swiftlet/core/registry.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/core/base/registry.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/base/registry.hpp"
+#include "swiftlet/sim/recording/series.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
-#include "swiftlet/sim/view/series.hpp"
 
 namespace swiftlet::sim {
 

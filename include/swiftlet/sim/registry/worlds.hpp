@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/base/registry.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/sim/render/image.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 

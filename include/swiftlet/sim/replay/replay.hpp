@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 
 namespace swiftlet::sim {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/run/summary.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
-#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/base/counter.hpp"
 #include "swiftlet/sim/metrics/metric_table.hpp"
 #include "swiftlet/sim/radio/radio_statistics.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 
 namespace swiftlet::sim {
 

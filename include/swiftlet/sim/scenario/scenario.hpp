@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/core/agent.hpp"
-#include "swiftlet/core/airframe.hpp"
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/core/base/agent.hpp"
+#include "swiftlet/core/base/airframe.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/metrics/metrics_config.hpp"
 #include "swiftlet/sim/physics/physics_config.hpp"
 #include "swiftlet/sim/radio/radio_config.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/scan.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/neighbor_view.hpp"
+#include "swiftlet/core/base/neighbor_view.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {

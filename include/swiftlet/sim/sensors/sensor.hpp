@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/observation.hpp"
 #include "swiftlet/core/math/random.hpp"
-#include "swiftlet/core/observation.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"

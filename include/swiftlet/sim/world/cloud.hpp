@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "swiftlet/core/config.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {

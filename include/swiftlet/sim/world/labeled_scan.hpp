@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/base/scan.hpp"
 
 namespace swiftlet::sim {
 

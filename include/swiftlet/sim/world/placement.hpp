@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 /// Placement of objects: spacing between them, and zones kept free for flights.

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/base/counter.hpp"
 #include "swiftlet/sim/world/foliage.hpp"
 
 namespace swiftlet::sim {

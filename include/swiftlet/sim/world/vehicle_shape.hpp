@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/base/airframe.hpp"
 #include "swiftlet/sim/world/markers.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/base/action.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet::sim {
 

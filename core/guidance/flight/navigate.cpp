@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/navigate.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/guidance/flight/path_follower.hpp"
+#include "core/guidance/path_overlay.hpp"
+#include "swiftlet/core/math/latency.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kLeastRounding_m = 0.0;  // without room, corners are taken slowly
+constexpr double kReserve = 0.8;          // share of the acceleration that paths use; the rest is for corrections
+
+/// Limits of a path that the reference governor can follow.
+PathLimits path_limits(double speed_mps, const MotionLimits& limits) {
+  return {.speed_mps = std::min(speed_mps, limits.horizontal_speed_mps),
+          .vertical_speed_mps = std::min(speed_mps, limits.vertical_speed_mps),
+          .acceleration_mps2 = kReserve * limits.horizontal_acceleration_mps2,
+          .vertical_acceleration_mps2 = kReserve * limits.vertical_acceleration_mps2};
+}
+
+class Navigate : public Guidance {
+ public:
+  Navigate(const NavigateConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        limits_(path_limits(config.speed_mps, setup.limits)),
+        planner_(config.planning_latency_s),
+        follower_(config.planner, config.visited_m) {
+    hold_.position_m = setup.agent.T_local_body_start.translation();
+    hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
+  }
+
+  GuidanceNeeds needs() const override { return {.map = true}; }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    now_ = input.observation.t;
+    switch (state_) {
+      case State::kPlanning:
+        plan(input);
+        break;
+      case State::kFlying:
+        follow(input);
+        break;
+      case State::kFailure:
+        if (failures_ <= config_.retries && waited(config_.retry_after_s)) enter(State::kPlanning);
+        break;
+      case State::kDone:
+        break;
+    }
+    output.goal = hold_;
+    output.speed_limit_mps = config_.speed_mps;
+    fill(output);
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    if (follower_.corners_local_m().empty()) return;
+    Overlay path = path_overlay("navigate.path", follower_.corners_local_m(), 4.0F);
+    path.kind = Overlay::Kind::kPolyline;
+    path.legend = {{"planned path", path.colors.front()}};
+    overlays.push_back(std::move(path));
+  }
+
+  void append_counters(std::vector<Counter>& counters) const override {
+    const bool cells = config_.search == NavigateConfig::Search::kAStar;
+    counters.push_back({"searches for a path that were given up", num_given_up_, num_plans_,
+                        cells ? "planner.max_expansions" : "sampling.max_samples"});
+  }
+
+ private:
+  enum class State { kPlanning, kFlying, kFailure, kDone };
+
+  void enter(State state) {
+    state_ = state;
+    entered_ = now_;
+    planner_.stop();
+  }
+  bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
+
+  void plan(const GuidanceInput& input) {
+    if (next_goal_ == config_.goals_m.size() && !config_.goals_m.empty() && ++rounds_flown_ != config_.rounds) {
+      next_goal_ = 0;
+    }
+    if (next_goal_ == config_.goals_m.size()) {
+      enter(State::kDone);
+    } else if (planner_.due(now_)) {
+      take_plan(input);
+    } else if (planner_.idle() && input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps) {
+      const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
+      path_ = search(*input.map, input.estimate.T_local_body.translation(), goal_local_m);
+      ++num_plans_;
+      if (path_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
+      planner_.start(now_);
+    } else if (waited(config_.stage_timeout_s)) {
+      fail("the vehicle does not come to rest");
+    }
+  }
+
+  ClearPath search(const OccupancyView& map, const Vector3& p_local_m, const Vector3& goal_local_m) const {
+    if (config_.search == NavigateConfig::Search::kAStar) {
+      return find_clear_path(map, config_.planner, p_local_m, goal_local_m);
+    }
+    const SampledSearch sampled_search =
+        config_.search == NavigateConfig::Search::kRrt ? SampledSearch::kRrt : SampledSearch::kInformedRrtStar;
+    return find_sampled_path(map, config_.planner, config_.sampling, sampled_search, p_local_m, goal_local_m,
+                             static_cast<std::uint32_t>(num_plans_));
+  }
+
+  void take_plan(const GuidanceInput& input) {
+    if (path_.status != ClearPathStatus::kFound) {
+      fail(text_of(path_.status));
+      return;
+    }
+    std::optional<SplineTrajectory> timed;
+    if (config_.follow == NavigateConfig::Follow::kTimed) {
+      const ClearSpace space(*input.map, config_.planner, path_.corners_local_m.front());
+      timed = time_path(
+          path_.corners_local_m, limits_, [&space](const Vector3& p_m) { return space.is_clear(p_m); },
+          kLeastRounding_m);
+    }
+    if (timed) {
+      follower_.start(std::move(path_.corners_local_m), std::move(*timed));
+    } else {  // no room to round the corners
+      follower_.start(std::move(path_.corners_local_m));
+    }
+    enter(State::kFlying);
+  }
+
+  void follow(const GuidanceInput& input) {
+    const PathFollower::Outcome outcome = follower_.step(input);
+    const double yaw_rad = hold_.yaw_rad;
+    hold_ = follower_.target_local();
+    hold_.yaw_rad = yaw_rad;
+    if (outcome == PathFollower::Outcome::kArrived) {
+      failures_ = 0;
+      // A correction may have moved the goal since the path was planned; then the rest is planned anew.
+      const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
+      if ((goal_local_m - follower_.corners_local_m().back()).norm() < config_.visited_m) ++next_goal_;
+    }
+    if (outcome != PathFollower::Outcome::kFlying) {
+      hold_ = {.position_m = hold_.position_m, .yaw_rad = yaw_rad};
+      enter(State::kPlanning);
+    } else if (waited(config_.stage_timeout_s)) {
+      fail("the vehicle does not reach its goal");
+    }
+  }
+
+  void fail(const char* reason) {
+    reason_ = reason;
+    ++failures_;
+    enter(State::kFailure);
+  }
+
+  void fill(GuidanceOutput& output) const {
+    output.mission = MissionStatus::kRunning;
+    switch (state_) {
+      case State::kPlanning:
+        output.note = "planning";
+        return;
+      case State::kFlying:
+        output.note = "flies to its goal";
+        return;
+      case State::kDone:
+        output.note = "all goals reached";
+        output.mission = config_.goals_m.empty() ? MissionStatus::kEndless : MissionStatus::kDone;
+        return;
+      case State::kFailure:
+        output.note = reason_;
+        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
+        return;
+    }
+  }
+
+  NavigateConfig config_;
+  PathLimits limits_;
+  TimeNs now_ = 0, entered_ = 0;
+  State state_ = State::kPlanning;
+  int failures_ = 0;
+  const char* reason_ = "";
+  Worker planner_;
+  ClearPath path_;
+  PathFollower follower_;
+  std::size_t next_goal_ = 0;
+  int rounds_flown_ = 0;
+  Reference hold_;
+  std::uint64_t num_plans_ = 0, num_given_up_ = 0;
+};
+
+}  // namespace
+
+void NavigateConfig::visit(ConfigVisitor& v) {
+  v.field("goals_m", goals_m, "[m] goals in order, world frame", Range::between(-1e5, 1e5));
+  v.destinations("goals_m", goals_m);
+  v.field("rounds", rounds, "[-] number of rounds through all goals; 0: without end", Range::between(0, 1e6));
+  v.choice("search", search, {"a_star", "rrt", "informed_rrt_star"},
+           "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");
+  v.choice("follow", follow, {"corners", "timed"},
+           "[-] from corner to corner, or along a smooth path with its times; where that has no room, by corners");
+  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("visited_m", visited_m, "[m] distance within which a corner of the path counts as visited",
+          Range::positive());
+  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+          Range::between(0.0, 1000.0));
+  v.field("stage_timeout_s", stage_timeout_s, "[s] time after which planning or a flight has failed",
+          Range::positive());
+  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
+  v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
+  v.object("planner", planner, "limits of the path, and search by a_star");
+  v.object("sampling", sampling, "search by rrt and informed_rrt_star");
+}
+
+std::unique_ptr<Guidance> make_navigate(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Navigate>(dynamic_cast<const NavigateConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

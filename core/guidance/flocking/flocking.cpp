@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/flocking.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/guidance/flocking/flock_response.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
+constexpr double kNearest_m = 1e-3;
+constexpr double kLevel_m = 0.6;             // obstacles farther above or below are ignored
+constexpr TimeNs kLook = kNsPerSecond / 10;  // period of the search for obstacles
+
+double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+
+Vector3 horizontal(Vector3 v) {
+  v.z() = 0.0;
+  return v;
+}
+
+/// Repulsive velocity from all neighbors within the distance, stronger for nearer ones.
+Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
+  Vector3 push = Vector3::Zero();
+  for (const Neighbor& neighbor : neighbors) {
+    const Vector3 away = horizontal(p_local_m - neighbor.position_local_m);
+    const double d = std::max(away.norm(), kNearest_m);
+    if (d >= distance_m) continue;
+    push += gain_mps * (distance_m / d - 1.0) * away / d;
+  }
+  return push;
+}
+
+/// Common part of both models: flight at constant height, neighbors, and repulsion from obstacles.
+class LevelFlight : public Guidance {
+ public:
+  GuidanceNeeds needs() const override { return {.map = lidar_.enabled}; }
+
+ protected:
+  LevelFlight(const NeighborSourceConfig& neighbors, const FlockObstacleConfig& lidar, const GuidanceSetup& setup)
+      : neighbors_(neighbors), lidar_(lidar) {
+    goal_.position_m = setup.agent.T_local_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
+    height_m_ = goal_.position_m.z();
+  }
+
+  /// Updates neighbors and the nearest obstacle from the tick's input.
+  void look(const GuidanceInput& input) {
+    neighbors_.update(input);
+    if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
+  }
+
+  /// Repulsive velocity from the nearest obstacle, stronger at smaller distance.
+  Vector3 off_obstacle(const Vector3& p_local_m) const {
+    const Vector3 away = horizontal(p_local_m - obstacle_m_);
+    const double d = std::max(away.norm(), kNearest_m);
+    if (!obstacle_ || d >= lidar_.avoid_distance_m) return Vector3::Zero();
+    return lidar_.avoid_gain_mps * (lidar_.avoid_distance_m / d - 1.0) * away / d;
+  }
+
+  void fly(const Vector3& p_local_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
+    goal_.position_m = p_local_m + kAhead_s * v_mps;
+    goal_.position_m.z() = height_m_;
+    output.goal = goal_;
+    output.speed_limit_mps = speed_mps;
+  }
+
+  NeighborMemory neighbors_;
+  Reference goal_;
+  double height_m_ = 0.0;
+  bool arrived_ = false;
+
+ private:
+  void find_obstacle(const GuidanceInput& input) {
+    next_look_ = input.observation.t + kLook;
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const double edge_m = input.map->edge_m();
+    input.map->occupied_within(p_local_m, lidar_.avoid_distance_m, kEver, voxels_m_);
+    obstacle_ = false;
+    double least_m = lidar_.avoid_distance_m;
+    for (const Vector3& voxel_m : voxels_m_) {
+      if (std::abs(voxel_m.z() - p_local_m.z()) > kLevel_m) continue;
+      const Vector3 nearest_m = nearest_in_voxel(p_local_m, voxel_m, edge_m);
+      const double d = horizontal(p_local_m - nearest_m).norm();
+      if (d >= least_m) continue;
+      least_m = d;
+      obstacle_m_ = nearest_m;
+      obstacle_ = true;
+    }
+  }
+
+  FlockObstacleConfig lidar_;
+  std::vector<Vector3> voxels_m_;
+  Vector3 obstacle_m_ = Vector3::Zero();
+  bool obstacle_ = false;
+  TimeNs next_look_ = 0;
+};
+
+/// Positions of one neighbor over the last seconds, oldest first.
+struct RememberedPath {
+  std::int64_t key = 0;
+  std::vector<Vector3> points_local_m;
+  TimeNs last = 0;
+};
+
+double similarity(const RememberedPath& path, std::span<const RememberedPath> all) {
+  const Vector3 direction = horizontal(path.points_local_m.back() - path.points_local_m.front());
+  double sum = 0.0;
+  int count = 0;
+  for (const RememberedPath& other : all) {
+    if (other.key == path.key || other.points_local_m.size() < 2) continue;
+    const Vector3 with = horizontal(other.points_local_m.back() - other.points_local_m.front());
+    const double lengths = direction.norm() * with.norm();
+    if (lengths < kNearest_m) continue;
+    sum += direction.dot(with) / lengths;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+class Pacnav : public LevelFlight {
+ public:
+  Pacnav(const PacnavConfig& config, const GuidanceSetup& setup)
+      : LevelFlight(config.neighbors, config.lidar, setup), config_(config) {}
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    look(input);
+    remember(input.observation.t);
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goal_m);
+    const double to_goal_m = horizontal(goal_local_m - p_local_m).norm();
+    const double radius_m = config_.informed ? config_.arrival_radius_m : 2.0 * config_.follow_radius_m;
+    arrived_ = arrived_ || to_goal_m <= radius_m;
+    Vector3 v = toward(p_local_m, aim(p_local_m, goal_local_m));
+    v += avoidance(p_local_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
+    v += off_obstacle(p_local_m);
+    if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
+    fly(p_local_m, v, config_.speed_mps, output);
+    output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
+  }
+
+ private:
+  Vector3 toward(const Vector3& p_local_m, const Vector3& aim_local_m) const {
+    const Vector3 offset = horizontal(aim_local_m - p_local_m);
+    const double d = offset.norm();
+    return d > kNearest_m ? Vector3(offset / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
+  }
+
+  /// The goal, or a place behind the neighbor with the most persistent path; without one, the own position.
+  Vector3 aim(const Vector3& p_local_m, const Vector3& goal_local_m) const {
+    if (config_.informed) return goal_local_m;
+    double best = 0.0;
+    const RememberedPath* leader = nullptr;
+    for (const RememberedPath& path : paths_) {
+      if (path.points_local_m.size() < 3) continue;
+      const double persistence = path_persistence(path.points_local_m);
+      const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
+      if (persistence < config_.least_persistence || score <= best) continue;
+      best = score;
+      leader = &path;
+    }
+    if (leader == nullptr) return p_local_m;
+    const Vector3 behind = horizontal(p_local_m - leader->points_local_m.back());
+    const double d = behind.norm();
+    return d <= config_.follow_radius_m ? p_local_m
+                                        : Vector3(leader->points_local_m.back() + behind / d * config_.follow_radius_m);
+  }
+
+  void remember(TimeNs now) {
+    const auto most = static_cast<std::size_t>(config_.memory_s / config_.sample_s) + 1;
+    for (const Neighbor& neighbor : neighbors_.neighbors()) {
+      auto path =
+          std::find_if(paths_.begin(), paths_.end(), [&](const RememberedPath& p) { return p.key == neighbor.key; });
+      if (path == paths_.end()) path = paths_.insert(paths_.end(), {neighbor.key, {}, 0});
+      if (!path->points_local_m.empty() && now - path->last < from_seconds(config_.sample_s)) continue;
+      if (path->points_local_m.size() >= most) path->points_local_m.erase(path->points_local_m.begin());
+      path->points_local_m.push_back(neighbor.position_local_m);
+      path->last = now;
+    }
+    std::erase_if(paths_, [&](const RememberedPath& p) { return now - p.last > from_seconds(config_.memory_s); });
+  }
+
+  PacnavConfig config_;
+  std::vector<RememberedPath> paths_;
+};
+
+class Mezey : public LevelFlight {
+ public:
+  Mezey(const MezeyConfig& config, const GuidanceSetup& setup)
+      : LevelFlight(config.neighbors, config.lidar, setup), config_(config), heading_rad_(goal_.yaw_rad) {}
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    look(input);
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const Vector3 to_goal = horizontal(FrameChange::to_local(input.estimate).point(config_.goal_m) - p_local_m);
+    arrived_ = arrived_ || (config_.goal_weight_radps > 0.0 && to_goal.norm() <= config_.arrival_radius_m);
+    const VisualResponse seen = visual_response(config_, p_local_m, heading_rad_, neighbors_.neighbors(), retina_);
+    double turn = seen.turn_radps;
+    if (to_goal.norm() > kNearest_m) {
+      turn += config_.goal_weight_radps * elementary::sin(elementary::atan2(to_goal.y(), to_goal.x()) - heading_rad_);
+    }
+    speed_mps_ +=
+        input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
+    speed_mps_ = std::clamp(speed_mps_, 0.0, 2.0 * config_.cruise_speed_mps);
+    heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
+    // A vehicle that has arrived stops.
+    const double v = arrived_ ? 0.0 : speed_mps_;
+    goal_.yaw_rad = heading_rad_;
+    fly(p_local_m,
+        v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_local_m),
+        2.0 * config_.cruise_speed_mps, output);
+    output.mission = arrived_                          ? MissionStatus::kDone
+                     : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
+                                                       : MissionStatus::kEndless;
+  }
+
+ private:
+  MezeyConfig config_;
+  std::vector<char> retina_;
+  double heading_rad_ = 0.0, speed_mps_ = 0.0;
+};
+
+}  // namespace
+
+double path_persistence(std::span<const Vector3> path_local_m) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < path_local_m.size(); ++i) length_m += (path_local_m[i] - path_local_m[i - 1]).norm();
+  return length_m > kNearest_m ? (path_local_m.back() - path_local_m.front()).norm() / length_m : 0.0;
+}
+
+VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
+                               std::span<const Neighbor> neighbors, std::vector<char>& retina) {
+  const int n = config.retina_pixels;
+  retina.assign(static_cast<std::size_t>(n), 0);
+  const double pixel = 2.0 * kPi / n;
+  for (const Neighbor& neighbor : neighbors) {
+    const Vector3 offset = horizontal(neighbor.position_local_m - p_local_m);
+    const double d = offset.norm();
+    const double half = d > config.body_radius_m ? elementary::asin(config.body_radius_m / d) : kPi / 2.0;
+    const double bearing = wrap(elementary::atan2(offset.y(), offset.x()) - heading_rad);
+    const int first = static_cast<int>(std::floor((bearing - half + kPi) / pixel));
+    const int last = static_cast<int>(std::floor((bearing + half + kPi) / pixel));
+    for (int i = first; i <= last; ++i) retina[static_cast<std::size_t>(((i % n) + n) % n)] = 1;
+  }
+  // Covered pixels repel, edges attract: near neighbors cover many pixels, far ones are all edge.
+  VisualResponse response;
+  for (int i = 0; i < n; ++i) {
+    const double phi = -kPi + (i + 0.5) * pixel;
+    const bool edge = retina[i] != retina[(i + 1) % n];
+    const double seen = retina[i] != 0 ? pixel : 0.0;
+    const double phi_edge = -kPi + (i + 1.0) * pixel;
+    response.acceleration_mps2 +=
+        config.alpha0 * (-elementary::cos(phi) * seen + (edge ? config.alpha1 * elementary::cos(phi_edge) : 0.0));
+    response.turn_radps +=
+        config.beta0 * (-elementary::sin(phi) * seen + (edge ? config.beta1 * elementary::sin(phi_edge) : 0.0));
+  }
+  return response;
+}
+
+void FlockObstacleConfig::visit(ConfigVisitor& v) {
+  v.field("enabled", enabled, "[-] avoid the obstacles of the map (mapping)");
+  v.field("avoid_distance_m", avoid_distance_m, "[m] obstacles nearer than this push away", Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
+}
+
+void PacnavConfig::visit(ConfigVisitor& v) {
+  v.field("informed", informed,
+          "[-] the vehicle knows the goal; uninformed ones follow a neighbor that seems to know it");
+  v.field("goal_m", goal_m, "[m] world; x and y count");
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (informed)",
+          Range::positive());
+  v.field("follow_radius_m", follow_radius_m,
+          "[m] uninformed: distance to the followed neighbor; the vehicle has arrived within twice this of the goal",
+          Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
+  v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
+  v.field("sample_s", sample_s, "[s] between the points of a path", Range::between(0.001, 1e6));
+  v.field("avoid_distance_m", avoid_distance_m, "[m] neighbors nearer than this push away", Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
+  v.field("least_persistence", least_persistence, "[-] least persistence of a path that is followed",
+          Range::probability());
+  v.object("neighbors", neighbors, "source of the neighbors");
+  v.object("lidar", lidar, "obstacles");
+  v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
+}
+
+void MezeyConfig::visit(ConfigVisitor& v) {
+  v.field("goal_m", goal_m, "[m] world; x and y count");
+  v.field("goal_weight_radps", goal_weight_radps,
+          "[rad/s] turn towards the goal; 0: the published model, which has none", Range::non_negative());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
+  v.field("cruise_speed_mps", cruise_speed_mps, "[m/s] v_0", Range::positive());
+  v.field("relaxation_radps", relaxation_radps, "[1/s] gamma, return to the cruise speed", Range::positive());
+  v.field("alpha0", alpha0, "[m/s^2] strength of the change of speed", Range::non_negative());
+  v.field("alpha1", alpha1, "[-] weight of edges for the speed: sets the distance of balance", Range::non_negative());
+  v.field("beta0", beta0, "[rad/s] strength of the turn", Range::non_negative());
+  v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
+  v.field("body_radius_m", body_radius_m, "[m] size in which neighbors are seen", Range::positive());
+  v.field("retina_pixels", retina_pixels, "[-] number of pixels of the projection field", Range::between(8, 100000));
+  v.object("neighbors", neighbors, "source of the neighbors");
+  v.object("lidar", lidar, "obstacles");
+}
+
+std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Pacnav>(dynamic_cast<const PacnavConfig&>(config), setup);
+}
+
+std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Mezey>(dynamic_cast<const MezeyConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

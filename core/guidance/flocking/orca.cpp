@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/orca.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/heading.hpp"
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kOrcaAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
+constexpr double kApproach_s = 1.5;   // time in which the remaining distance to the goal is flown
+constexpr double kOrcaStep_s = 0.2;   // time step of the method; vehicles that overlap already separate within it
+constexpr double kNothing = 1e-9;
+constexpr double kSlack_mps = 5e-3;  // tolerated violation of a plane
+constexpr int kRounds = 60;
+
+Vector3 within(const Vector3& v, double longest) {
+  const double length = v.norm();
+  return length > longest ? Vector3(longest / length * v) : v;
+}
+
+Vector3 unit(const Vector3& v, const Vector3& otherwise) {
+  const double length = v.norm();
+  return length > kNothing ? Vector3(v / length) : otherwise;
+}
+
+/// Point of the intersection of all half-spaces and the ball that is nearest to the wanted one, by alternating
+/// projections [Dykstra 1983].
+Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double relaxation_mps,
+                std::vector<Vector3>& corrections) {
+  corrections.assign(planes.size() + 1, Vector3::Zero());
+  Vector3 v = wanted;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i <= planes.size(); ++i) {
+      const Vector3 from = v + corrections[i];
+      if (i == planes.size()) {
+        v = within(from, speed_mps);
+      } else {
+        const double missing = planes[i].normal_local.dot(planes[i].point_local_mps - from) - relaxation_mps;
+        v = missing > 0.0 ? Vector3(from + missing * planes[i].normal_local) : from;
+      }
+      corrections[i] = from - v;
+    }
+  }
+  return v;
+}
+
+bool satisfies(std::span<const OrcaPlane> planes, const Vector3& v, double relaxation_mps) {
+  return std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
+    return plane.normal_local.dot(v - plane.point_local_mps) > -relaxation_mps - kSlack_mps;
+  });
+}
+
+class Orca : public Guidance {
+ public:
+  Orca(const OrcaConfig& config, const GuidanceSetup& setup)
+      : config_(config), neighbors_(config.neighbors, setup.agent.neighbor_views) {
+    goal_.position_m = setup.agent.T_local_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    Vector3 to_goal_m = to_local.point(config_.goal_m) - p_local_m;
+    if (config_.planar) to_goal_m.z() = 0.0;
+    neighbors_.update(input);
+    if (input.observation.t >= next_) {
+      next_ = input.observation.t + from_seconds(0.5 * kOrcaStep_s);
+      v_local_mps_ = velocity(input.estimate, to_goal_m, to_local);
+      neighbors_.announce(input.estimate, outbox);
+    }
+    arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
+    goal_.position_m = p_local_m + kOrcaAhead_s * v_local_mps_;
+    if (config_.planar) goal_.position_m.z() = to_local.point(config_.goal_m).z();
+    output.goal = goal_;
+    output.speed_limit_mps = config_.speed_mps;
+    output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
+  }
+
+ private:
+  Vector3 velocity(const StateEstimate& estimate, const Vector3& to_goal_m, const FrameChange& to_local) {
+    const Vector3 p_local_m = estimate.T_local_body.translation();
+    const double distance_m = 2.0 * config_.encumbrance_m + config_.margin_m;
+    planes_.clear();
+    for (const Neighbor& neighbor : neighbors_.neighbors()) {
+      planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
+                                   level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kOrcaStep_s));
+    }
+    // Turned slightly to the right: two vehicles that fly straight at each other would only brake.
+    const Vector3 wanted = Eigen::AngleAxisd(-config_.turn_deg * kRadPerDeg, Vector3::UnitZ()) *
+                           within(to_goal_m / kApproach_s, config_.speed_mps);
+    if (!config_.planar) {
+      const double up_m = to_local.height(config_.z_max_m) - p_local_m.z();
+      const double down_m = p_local_m.z() - to_local.height(config_.z_min_m);
+      planes_.push_back({Vector3(0.0, 0.0, up_m / kApproach_s), -Vector3::UnitZ()});
+      planes_.push_back({Vector3(0.0, 0.0, -down_m / kApproach_s), Vector3::UnitZ()});
+    }
+    return orca_velocity(planes_, wanted, config_.speed_mps, scratch_);
+  }
+  Vector3 level(const Vector3& v) const { return config_.planar ? Vector3(v.x(), v.y(), 0.0) : v; }
+
+  OrcaConfig config_;
+  NeighborMemory neighbors_;
+  std::vector<OrcaPlane> planes_;
+  std::vector<Vector3> scratch_;
+  TimeNs next_ = 0;
+  Vector3 v_local_mps_ = Vector3::Zero();
+  Reference goal_;
+  bool arrived_ = false;
+};
+
+}  // namespace
+
+OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps, const Vector3& other_v_local_mps,
+                     double distance_m, double horizon_s, double step_s) {
+  const Vector3& p = to_other_local_m;
+  const Vector3 v = v_local_mps - other_v_local_mps;
+  const double pp = p.squaredNorm(), rr = distance_m * distance_m;
+  const Vector3 aside = unit(-p, -Vector3::UnitX());
+  Vector3 normal, change;
+  const auto off_sphere = [&](double seconds) {
+    const Vector3 w = v - p / seconds;
+    normal = unit(w, aside);
+    change = (distance_m / seconds - w.norm()) * normal;
+  };
+  if (pp <= rr) {
+    off_sphere(step_s);
+  } else {
+    const Vector3 w = v - p / horizon_s;
+    const double along = w.dot(p);
+    if (along < 0.0 && along * along > rr * w.squaredNorm()) {
+      off_sphere(horizon_s);  // the front of the truncated cone
+    } else {                  // the side of the cone
+      const double b = p.dot(v), c = v.squaredNorm() - p.cross(v).squaredNorm() / (pp - rr);
+      const double t = (b + std::sqrt(std::max(0.0, b * b - pp * c))) / pp;
+      const Vector3 off = v - t * p;
+      normal = unit(off, aside);
+      change = (distance_m * t - off.norm()) * normal;
+    }
+  }
+  return {v_local_mps + 0.5 * change, normal};
+}
+
+Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
+                      std::vector<Vector3>& scratch) {
+  double relaxation_mps = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
+    if (satisfies(planes, v, relaxation_mps)) return v;
+    relaxation_mps = relaxation_mps > 0.0 ? 1.6 * relaxation_mps : 0.05;
+  }
+  return nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
+}
+
+void OrcaConfig::visit(ConfigVisitor& v) {
+  v.field("goal_m", goal_m, "[m] world");
+  v.destinations("goal_m", goal_m);
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] highest speed", Range::positive());
+  v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
+  v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
+  v.field("horizon_s", horizon_s, "[s] time horizon for which velocities keep vehicles apart", Range::positive());
+  v.field("turn_deg", turn_deg, "[deg] turn of the wanted velocity to the right, which avoids deadlocks",
+          Range::between(-90.0, 90.0));
+  v.field("z_min_m", z_min_m, "[m] lowest flight level");
+  v.field("z_max_m", z_max_m, "[m] highest flight level");
+  v.field("planar", planar, "[-] at the goal's height, avoiding level");
+  v.object("neighbors", neighbors, "source of the neighbors");
+  v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
+}
+
+std::unique_ptr<Guidance> make_orca(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Orca>(dynamic_cast<const OrcaConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

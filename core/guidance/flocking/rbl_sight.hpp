@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "swiftlet/core/base/neighbor_view.hpp"
+
+namespace swiftlet {
+
+/// Heading of a vehicle whose sensor of neighbors has a blind sector.
+class RblSight {
+ public:
+  /// @param views  none: all around
+  explicit RblSight(std::vector<NeighborView> views) : views_(std::move(views)) {}
+
+  /// The heading that keeps neighbors out of the blind sector, those unseen for longest and soonest here first, then
+  /// faces the flight direction. It turns to azimuths that were not viewed for long; in flight, only as far as the
+  /// flight direction stays in view.
+  /// @param approaching_local_m  positions of neighbors that may have to be evaded; they stay in view
+  double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
+                 std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now);
+
+  /// Are neighbors in the flight direction in view? Tolerates directions slightly outside the view.
+  bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;
+
+ private:
+  static constexpr int kHeadings = 24;
+
+  bool sees(const Vector3& p_body_m) const;
+  /// Is the unit direction in view, or slightly outside?
+  bool sees_beside(const Vector3& direction_body) const;
+  void look(const Matrix3& R_local_body, TimeNs now);
+
+  std::vector<NeighborView> views_;
+  std::array<TimeNs, kHeadings> looked_{};  // last time in view, by azimuth in the local frame
+  int glance_ = -1;                         // azimuth to be viewed next; -1: none
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/matching/hybrid_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace swiftlet {
+namespace {
+
+constexpr std::size_t kFirstGridTable = 1U << 10;
+constexpr std::uint64_t kBlockAxisBits = 21, kBlockAxisMask = (1U << kBlockAxisBits) - 1,
+                        kBlockAxisHalf = 1U << (kBlockAxisBits - 1);
+
+/// Nonzero; 0 marks an empty slot.
+std::uint64_t block_key(const Eigen::Vector3i& cell) {
+  const auto axis = [](int index) {
+    return (static_cast<std::uint64_t>(static_cast<std::int64_t>(index >> 3)) + kBlockAxisHalf) & kBlockAxisMask;
+  };
+  return (1ULL << 63U) | axis(cell.x()) | axis(cell.y()) << kBlockAxisBits | axis(cell.z()) << 2 * kBlockAxisBits;
+}
+
+std::uint32_t cell_in_block(const Eigen::Vector3i& cell) {
+  return static_cast<std::uint32_t>((cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6);
+}
+
+std::size_t block_slot(std::uint64_t key, std::size_t table_size) {  // Fibonacci hashing
+  return (key * 0x9E3779B97F4A7C15ULL >> 24U) & (table_size - 1);
+}
+
+/// A cubic from 0 to 1 with zero slope at its ends, and its slope.
+struct Rise {
+  double value, slope;
+  explicit Rise(double t) : value(t * t * (3.0 - 2.0 * t)), slope(6.0 * t * (1.0 - t)) {}
+};
+
+double odds_of(double probability) { return probability / (1.0 - probability); }
+
+}  // namespace
+
+std::uint16_t grid_value::value_of(double probability) {
+  const double share = (probability - kLeastProbability) / (kMostProbability - kLeastProbability);
+  return static_cast<std::uint16_t>(1.0 + std::floor(std::clamp(share, 0.0, 1.0) * (kMost - 1) + 0.5));
+}
+
+OddsTable::OddsTable(double probability) : table_(grid_value::kMost + 1) {
+  table_[grid_value::kUnknown] = grid_value::value_of(probability);
+  for (std::uint32_t value = 1; value <= grid_value::kMost; ++value) {
+    const double odds = odds_of(probability) * odds_of(grid_value::probability_of(static_cast<std::uint16_t>(value)));
+    table_[value] = grid_value::value_of(odds / (1.0 + odds));
+  }
+}
+
+HybridGrid::HybridGrid(double resolution_m) : resolution_m_(resolution_m), table_(kFirstGridTable, 0) {}
+
+Eigen::Vector3i HybridGrid::cell_at(const Vector3& p_m) const {
+  return ((p_m / resolution_m_).array() + 0.5).floor().cast<int>();
+}
+
+const HybridGrid::Block* HybridGrid::find(const Eigen::Vector3i& cell) const {
+  const std::uint64_t key = block_key(cell);
+  for (std::size_t slot = block_slot(key, table_.size());; slot = (slot + 1) & (table_.size() - 1)) {
+    if (table_[slot] == 0) return nullptr;
+    if (keys_[table_[slot] - 1] == key) return &blocks_[table_[slot] - 1];
+  }
+}
+
+std::uint16_t HybridGrid::value(const Eigen::Vector3i& cell) const {
+  const Block* block = find(cell);
+  return block == nullptr ? grid_value::kUnknown : (*block)[cell_in_block(cell)];
+}
+
+HybridGrid::Interpolated HybridGrid::interpolate(const Vector3& p_m) const {
+  const Vector3 at = p_m / resolution_m_;
+  const Vector3 lower = at.array().floor();
+  const Eigen::Vector3i cell = lower.cast<int>();
+  // Corner i lies one cell further along x, y, z for its bits 0, 1, 2.
+  std::array<double, 8> q;
+  const bool one_block = (cell.x() & 7) < 7 && (cell.y() & 7) < 7 && (cell.z() & 7) < 7;
+  if (one_block) {
+    const Block* block = find(cell);
+    if (block == nullptr) return {};
+    const std::uint32_t first = cell_in_block(cell);
+    for (std::uint32_t i = 0; i < 8; ++i)
+      q[i] = grid_value::probability_of((*block)[first + (i & 1U) + ((i & 2U) << 2U) + ((i & 4U) << 4U)]);
+  } else {
+    for (int i = 0; i < 8; ++i) q[i] = probability(cell + Eigen::Vector3i(i & 1, i >> 1 & 1, i >> 2));
+  }
+  const Rise x(at.x() - lower.x()), y(at.y() - lower.y()), z(at.z() - lower.z());
+  std::array<double, 4> along_x, by_x;
+  for (int i = 0; i < 4; ++i) {
+    by_x[i] = q[2 * i + 1] - q[2 * i];
+    along_x[i] = q[2 * i] + by_x[i] * x.value;
+  }
+  const double low = along_x[0] + (along_x[1] - along_x[0]) * y.value;
+  const double high = along_x[2] + (along_x[3] - along_x[2]) * y.value;
+  const double by_x_low = by_x[0] + (by_x[1] - by_x[0]) * y.value;
+  const double by_x_high = by_x[2] + (by_x[3] - by_x[2]) * y.value;
+  const double by_y_low = along_x[1] - along_x[0], by_y_high = along_x[3] - along_x[2];
+  Interpolated out;
+  out.probability = low + (high - low) * z.value;
+  out.slope_1_m = Vector3((by_x_low + (by_x_high - by_x_low) * z.value) * x.slope,
+                          (by_y_low + (by_y_high - by_y_low) * z.value) * y.slope, (high - low) * z.slope) /
+                  resolution_m_;
+  return out;
+}
+
+void HybridGrid::insert(std::span<const Vector3> points_m, const Vector3& origin_m, const OddsTable& hit,
+                        const OddsTable& miss, int cells_missed) {
+  changed_.clear();
+  for (const Vector3& p_m : points_m) change(cell_at(p_m), hit);
+  const Eigen::Vector3i from = cell_at(origin_m);
+  for (const Vector3& p_m : points_m) {
+    // As many steps as cells along the longest axis.
+    const Eigen::Vector3i offset = cell_at(p_m) - from;
+    const int steps = offset.cwiseAbs().maxCoeff();
+    for (int step = std::max(0, steps - cells_missed); step < steps; ++step) change(from + offset * step / steps, miss);
+  }
+  for (const Place& place : changed_) blocks_[place.block][place.cell] &= static_cast<std::uint16_t>(~kChanged);
+}
+
+void HybridGrid::change(const Eigen::Vector3i& cell, const OddsTable& table) {
+  const std::uint64_t key = block_key(cell);
+  if (key != last_key_) {
+    last_block_ = find_or_make(key);
+    last_key_ = key;
+  }
+  const std::uint32_t place = cell_in_block(cell);
+  std::uint16_t& value = blocks_[last_block_][place];
+  if ((value & kChanged) != 0) return;
+  value = table.after(value) | kChanged;
+  changed_.push_back({last_block_, place});
+}
+
+std::uint32_t HybridGrid::find_or_make(std::uint64_t key) {
+  std::size_t slot = block_slot(key, table_.size());
+  for (; table_[slot] != 0; slot = (slot + 1) & (table_.size() - 1)) {
+    if (keys_[table_[slot] - 1] == key) return table_[slot] - 1;
+  }
+  keys_.push_back(key);
+  blocks_.emplace_back().fill(grid_value::kUnknown);
+  table_[slot] = static_cast<std::uint32_t>(keys_.size());
+  if (2 * keys_.size() > table_.size()) rebuild(2 * table_.size());
+  return static_cast<std::uint32_t>(keys_.size() - 1);
+}
+
+void HybridGrid::rebuild(std::size_t table_size) {
+  table_.assign(table_size, 0);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    std::size_t slot = block_slot(keys_[i], table_size);
+    while (table_[slot] != 0) slot = (slot + 1) & (table_size - 1);
+    table_[slot] = static_cast<std::uint32_t>(i + 1);
+  }
+}
+
+void HybridGrid::clear() {
+  keys_.clear();
+  blocks_.clear();
+  table_.assign(table_.size(), 0);
+  last_key_ = 0;
+}
+
+std::size_t HybridGrid::bytes() const {
+  return blocks_.capacity() * sizeof(Block) + keys_.capacity() * sizeof(std::uint64_t) +
+         table_.capacity() * sizeof(std::uint32_t) + changed_.capacity() * sizeof(Place);
+}
+
+}  // namespace swiftlet

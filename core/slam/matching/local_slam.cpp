@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/matching/local_slam.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kUnknownVelocity_mps = 0.3;  // velocity sigma above which a scan counts as smeared
+// most IMU samples kept for a second start; with later scans there is none
+constexpr std::size_t kMostStartSamples = 4096;
+// longest age of a sighting of another vehicle at which its position is extrapolated
+constexpr double kVehicleKnown_s = 1.0;
+constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
+// Sigma from which a direction counts as open: planes do not measure the error along it.
+constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
+
+double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return rotation_vector_rad(a.conjugate() * b).norm();
+}
+
+}  // namespace
+
+LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
+                     std::unique_ptr<ScanMatcher> matcher)
+    : config_(config),
+      T_local_body_start_(T_local_body_start),
+      own_radius_m_(own_radius_m),
+      filter_(config.imu, T_local_body_start),
+      matcher_(matcher ? std::move(matcher) : std::make_unique<SurfaceMatcher>(config)),
+      admission_(matcher_->admission()),
+      drift_(T_local_body_start.translation()) {
+  start_.over = config.start_scans == 0;
+  if (!start_.over) start_.imu.reserve(kMostStartSamples);
+}
+
+void LocalSlam::add(const ImuSample& sample) {
+  const bool finite = sample.omega_body_radps.allFinite() && sample.specific_force_body_mps2.allFinite();
+  if (!start_.over && finite && start_.imu.size() < kMostStartSamples) start_.imu.push_back(sample);
+  filter_.predict(sample);
+  const NavState& nav = filter_.state().nav;
+  motion_.push(nav.t, nav.p_m, nav.q);
+}
+
+ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others) {
+  const ScanOutcome outcome = match(*scan, others);
+  if (start_.over) return outcome;
+  start_.scans.push_back({start_.imu.size(), std::move(scan), std::move(others)});
+  if (static_cast<int>(start_.scans.size()) >= config_.start_scans) begin_again();
+  return outcome;
+}
+
+/// Repeats the start with the learned biases: all later scans refer to the first ones, which were undistorted by a
+/// gyroscope of unknown bias.
+void LocalSlam::begin_again() {
+  start_.over = true;
+  if (start_.imu.size() < kMostStartSamples) {
+    const InertialFilter learned = filter_;
+    filter_ = InertialFilter(config_.imu, T_local_body_start_);
+    filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
+    motion_ = {};
+    matcher_->clear();
+    drift_ = MapDrift(T_local_body_start_.translation());
+    shared_covariance_.setZero();
+    inserted_ = {};
+    num_inserted_ = 0;
+    std::size_t next = 0;
+    for (const Start::Swept& swept : start_.scans) {
+      for (; next < swept.after_sample; ++next) add(start_.imu[next]);
+      match(*swept.scan, swept.others);
+    }
+  }
+  start_.imu = {};
+  start_.scans = {};
+}
+
+/// Velocity gained since the start, by the IMU alone.
+Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
+  InertialFilter::State state = learned.state();
+  state.nav = {};
+  state.nav.q = Eigen::Quaterniond(T_local_body_start_.linear());
+  for (std::size_t i = 1; i < start_.imu.size(); ++i) {
+    const ImuSample& sample = start_.imu[i];
+    const double dt_s = to_seconds(sample.t - start_.imu[i - 1].t);
+    state = InertialFilter::advanced(state, sample.omega_body_radps - state.gyro_bias_body_radps,
+                                     sample.specific_force_body_mps2 - state.accel_bias_body_mps2, std::max(dt_s, 0.0));
+  }
+  return state.nav.v_mps;
+}
+
+ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> others) {
+  ScanOutcome outcome;
+  if (motion_.empty()) return outcome;
+  gather(scan, others);
+  if (matcher_->num_points() < kLeastReturns) {
+    outcome.fit.num_points = matcher_->num_points();
+    outcome.fit.num_degenerate = 6;
+    return outcome;
+  }
+  const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
+  const bool smeared = sigma_mps > kUnknownVelocity_mps;
+  const double smear_m = smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0;
+  const bool first = matcher_->is_empty();
+  if (!first) {
+    const Pose T_before = filter_.T_local_body();
+    const Vector3 v_before_mps = filter_.state().nav.v_mps;
+    const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
+    outcome.fit = found.fit;
+    outcome.num_iterations = found.num_iterations;
+    motion_.move(filter_.T_local_body() * T_before.inverse());
+    if (smeared) {
+      motion_.change_velocity(filter_.state().nav.t, filter_.state().nav.v_mps - v_before_mps);
+      gather(scan, others);
+    }
+  }
+  outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
+  drift_.move_to(filter_.state().nav.p_m);
+  if (outcome.num_iterations > 0 && outcome.used) learn_shared_covariance(outcome.fit);
+  if (first || due_for_map()) {
+    if (smeared) matcher_->clear();  // the map holds a scan of unknown motion
+    const Matrix3 R_local_body = filter_.T_local_body().linear();
+    if (matcher_->is_empty()) {
+      drift_.inherit(filter_.pose_covariance(), R_local_body);
+      filter_.anchor_pose();
+    } else {
+      // Errors persist: those of the map while it is in view, the filter's own for several scans. So the renewed share
+      // adds up like one error that lasts until the whole map is renewed.
+      drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_), R_local_body);
+    }
+    insert();
+    outcome.inserted = true;
+  }
+  return outcome;
+}
+
+/// Covariance shared by scans that meet the same part of the map; the filter treats scans as independent.
+void LocalSlam::learn_shared_covariance(const ScanFit& fit) {
+  Matrix6 bounded = fit.evidence.information;
+  bounded.diagonal().head<3>().array() += 1.0 / (kOpen_m * kOpen_m);
+  bounded.diagonal().tail<3>().array() += 1.0 / (kOpen_rad * kOpen_rad);
+  const Matrix6 inverse = bounded.inverse();
+  shared_covariance_ = fit.map_share * inverse * fit.evidence.information * inverse;
+}
+
+void LocalSlam::gather(const Scan& scan, std::span<const SeenVehicle> others) {
+  undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_);
+  if (!others.empty() && config_.vehicle_radius_m > 0.0) leave_out(others);
+  matcher_->take(returns_body_m_, num_inserted_ < admission_.first_scans);
+}
+
+/// Removes points at the predicted positions of other vehicles: moving vehicles are no part of the map.
+void LocalSlam::leave_out(std::span<const SeenVehicle> others) {
+  const TimeNs t = filter_.state().nav.t;
+  const Pose T_body_local = filter_.T_local_body().inverse();
+  std::vector<Eigen::Vector3f> places_body_m;
+  for (const SeenVehicle& other : others) {
+    const double since_s = to_seconds(t - other.t);
+    if (std::abs(since_s) > kVehicleKnown_s || !other.position_local_m.allFinite()) continue;
+    const Vector3 p_local_m = other.position_local_m + since_s * other.velocity_local_mps;
+    places_body_m.push_back((T_body_local * p_local_m).cast<float>());
+  }
+  const auto square = static_cast<float>(config_.vehicle_radius_m * config_.vehicle_radius_m);
+  std::erase_if(returns_body_m_, [&](const Eigen::Vector3f& p) {
+    return std::ranges::any_of(places_body_m, [&](const auto& place) { return (p - place).squaredNorm() < square; });
+  });
+}
+
+bool LocalSlam::due_for_map() const {
+  const NavState& nav = filter_.state().nav;
+  return num_inserted_ < admission_.first_scans || to_seconds(nav.t - inserted_.t) >= admission_.after_s ||
+         (nav.p_m - inserted_.T.translation()).norm() >= admission_.after_m ||
+         angle_between_rad(Eigen::Quaterniond(inserted_.T.linear()), nav.q) >= admission_.after_rad;
+}
+
+void LocalSlam::insert() {
+  inserted_ = {filter_.state().nav.t, filter_.T_local_body()};
+  matcher_->insert(inserted_.T);
+  ++num_inserted_;
+}
+
+Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
+  return filter.pose_covariance() + shared_covariance_ + drift_.covariance(filter.state().nav.q.toRotationMatrix());
+}
+
+void MapDrift::move_to(const Vector3& p_local_m) {
+  // A rotation of the map by phi moves points at distance d by phi x d.
+  Matrix6 A = Matrix6::Identity();
+  A.topRightCorner<3, 3>() = -skew_of(p_local_m - p_local_m_);
+  C_ = (A * C_ * A.transpose()).eval();
+  p_local_m_ = p_local_m;
+}
+
+void MapDrift::inherit(const Matrix6& covariance, const Matrix3& R_local_body) {
+  Matrix6 J = Matrix6::Identity();
+  J.bottomRightCorner<3, 3>() = R_local_body;
+  C_ += J * covariance * J.transpose();
+}
+
+Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
+  Matrix6 J = Matrix6::Identity();
+  J.bottomRightCorner<3, 3>() = R_local_body.transpose();
+  return J * C_ * J.transpose();
+}
+
+void LocalSlamConfig::visit(ConfigVisitor& v) {
+  v.object("imu", imu, "noise of the IMU and what is known at the start");
+  v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
+  v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes in which one return goes into the map",
+          Range::between(0.01, 5.0));
+  v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes in which one return is matched",
+          Range::between(0.01, 10.0));
+  v.field("start_scans", start_scans,
+          "[-] first scans, which are matched a second time with the biases estimated from them; 0: matched once",
+          Range::between(0, 100));
+  v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
+  v.field("known_share_min", known_share_min,
+          "[-] least share of a scan's points near surfaces of the map for the scan to be used", Range::probability());
+  v.field("vehicle_radius_m", vehicle_radius_m,
+          "[m] returns nearer than this to a tracked vehicle are left out; 0: none are", Range::non_negative());
+  v.object("matching", matching, "matching of a scan to the map");
+  v.object("map", map, "map of surfaces");
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/slam/matching/inertial_filter.hpp"
+#include "core/slam/matching/scan_matcher.hpp"
+#include "core/slam/matching/surface_matcher.hpp"
+#include "core/slam/matching/sweep.hpp"
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/scan.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
+#include "swiftlet/core/slam/local_slam_config.hpp"
+
+namespace swiftlet {
+
+/// Covariance of the local error of the map. The filter of the vehicle estimates its pose relative to the map.
+///
+/// An inserted scan carries the error of its pose into the map. So the error of the map is that of its scans, each
+/// weighted by its share in the renewal of the map.
+class MapDrift {
+ public:
+  explicit MapDrift(const Vector3& p_local_m) : p_local_m_(p_local_m) {}
+  void move_to(const Vector3& p_local_m);
+  /// Updates the covariance after an insertion. Covariances are of position (local frame) and attitude (body axes).
+  void inherit(const Matrix6& covariance, const Matrix3& R_local_body);
+  Matrix6 covariance(const Matrix3& R_local_body) const;
+
+ private:
+  Vector3 p_local_m_;
+  Matrix6 C_ = Matrix6::Zero();  // covariance of position and rotation vector, both in local axes
+};
+
+/// Result of one scan.
+struct ScanOutcome {
+  bool used = false;  ///< the scan corrected the estimate, or started the map
+  ScanFit fit;        ///< fit at the last iterate
+  int num_iterations = 0;
+  bool inserted = false;
+};
+
+/// Scan-to-scan motion and the local map. Scans are motion-compensated by the IMU and matched to the map, fused with
+/// inertial propagation, and inserted. Without loop closures the estimate drifts, slowly and smoothly.
+class LocalSlam {
+ public:
+  /// @param matcher  method of scan matching; null: surfaces
+  LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
+            std::unique_ptr<ScanMatcher> matcher = nullptr);
+
+  void add(const ImuSample& sample);
+  /// Adds a scan that ended not after the last IMU sample.
+  /// @param others  nearby flying vehicles, whose returns are removed
+  ScanOutcome add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others = {});
+
+  const InertialFilter& filter() const { return filter_; }
+  const ScanMatcher& matcher() const { return *matcher_; }
+  /// True when the initialization is over, so that the map is no longer rebuilt.
+  bool started() const { return start_.over; }
+  /// Time and pose of the last insertion into the map.
+  const TimedPose& inserted_at() const { return inserted_; }
+  /// Points of the last scan, thinned for the map.
+  std::span<const Eigen::Vector3f> points_body_m() const { return matcher_->points_body_m(); }
+  /// Covariance of the pose in the local frame: that of a filter, relative to the map, plus those of the visible planes
+  /// and of the drift of the map. `filter` is the own one, or one propagated from it.
+  Matrix6 pose_covariance(const InertialFilter& filter) const;
+
+ private:
+  /// Initialization: the first scans are processed again with the biases estimated from them.
+  struct Start {
+    std::vector<ImuSample> imu;
+    struct Swept {
+      std::size_t after_sample = 0;
+      std::shared_ptr<const Scan> scan;
+      std::vector<SeenVehicle> others;
+    };
+    std::vector<Swept> scans;
+    bool over = false;
+  };
+  void begin_again();
+  Vector3 velocity_gained(const InertialFilter& learned) const;
+  ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
+  void gather(const Scan& scan, std::span<const SeenVehicle> others);
+  void leave_out(std::span<const SeenVehicle> others);
+  void learn_shared_covariance(const ScanFit& fit);
+  bool due_for_map() const;
+  void insert();
+
+  LocalSlamConfig config_;
+  Pose T_local_body_start_;
+  double own_radius_m_;
+  Start start_;
+  InertialFilter filter_;
+  MotionHistory motion_;
+  std::unique_ptr<ScanMatcher> matcher_;
+  ScanMatcher::Admission admission_;
+  MapDrift drift_;
+  Matrix6 shared_covariance_ = Matrix6::Zero();  // covariance of the pose due to map errors common to successive scans
+
+  TimedPose inserted_;  // last insertion
+  int num_inserted_ = 0;
+  std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/matching/surface_matcher.hpp"
+
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
+constexpr double kCropEvery_m = 10.0;
+
+/// Keeps at most `most` points, evenly spaced in their order.
+void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
+  const std::size_t num = points_body_m.size();
+  if (num <= most) return;
+  for (std::size_t i = 0; i < most; ++i) points_body_m[i] = points_body_m[i * num / most];
+  points_body_m.resize(most);
+}
+
+}  // namespace
+
+ScanMatcher::Admission SurfaceMatcher::admission() const {
+  return {kEveryScanFirst, config_.insert_after_m, config_.insert_after_deg * kRadPerDeg, config_.insert_after_s};
+}
+
+void SurfaceMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool first) {
+  thinner_.thin_into(returns_body_m, static_cast<float>(config_.map_voxel_m), dense_body_m_);
+  thinner_.thin_into(dense_body_m_, static_cast<float>(config_.match_voxel_m), sparse_body_m_);
+  if (!first) thin_to(static_cast<std::size_t>(config_.map_points), dense_body_m_);
+  thin_to(static_cast<std::size_t>(config_.match_points), sparse_body_m_);
+}
+
+ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
+  Match match;
+  match.num_iterations = filter.update(
+      [&](const Pose& T_local_body) {
+        match.fit = fitter_.fit(map_, sparse_body_m_, T_local_body, config_.matching, uncertainty.smear_m,
+                                uncertainty.range_sigma_m);
+        if (match.fit.num_known < uncertainty.known_share_min * match.fit.num_points) match.fit.evidence = {};
+        return match.fit.evidence;
+      },
+      config_.iterations);
+  return match;
+}
+
+void SurfaceMatcher::insert(const Pose& T_local_body) {
+  points_local_m_.resize(dense_body_m_.size());
+  for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
+    points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
+  map_.insert(points_local_m_, T_local_body.translation());
+  if ((T_local_body.translation() - cropped_local_m_).norm() < kCropEvery_m) return;
+  cropped_local_m_ = T_local_body.translation();
+  map_.keep_around(cropped_local_m_);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/matching/sweep.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "swiftlet/core/base/ensure.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// Linear interpolation of two attitudes a few milliseconds apart: the error of the angle is of third order.
+Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double f) {
+  const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
+  Eigen::Quaterniond q;
+  q.coeffs() = (1.0 - f) * a.coeffs() + f * sign * b.coeffs();
+  return q.normalized();
+}
+
+}  // namespace
+
+void MotionHistory::push(TimeNs t, const Vector3& p_local_m, const Eigen::Quaterniond& q_local_body) {
+  if (count_ > 0 && t <= entry(count_ - 1).t) return;
+  if (count_ < kCapacity) {
+    ++count_;
+  } else {
+    first_ = (first_ + 1) % kCapacity;
+    cursor_ = std::max(cursor_ - 1, 0);
+  }
+  ring_[(first_ + count_ - 1) % kCapacity] = {t, p_local_m, q_local_body};
+}
+
+void MotionHistory::move(const Pose& T_new_old) {
+  const Eigen::Quaterniond turn(T_new_old.linear());
+  for (int i = 0; i < count_; ++i) {
+    Entry& e = ring_[(first_ + i) % kCapacity];
+    e.p_local_m = T_new_old * e.p_local_m;
+    e.q = (turn * e.q).normalized();
+  }
+}
+
+void MotionHistory::change_velocity(TimeNs t, const Vector3& by_local_mps) {
+  for (int i = 0; i < count_; ++i) {
+    Entry& e = ring_[(first_ + i) % kCapacity];
+    e.p_local_m += to_seconds(e.t - t) * by_local_mps;
+  }
+}
+
+Pose MotionHistory::at(TimeNs t) const {
+  ENSURE(count_ > 0, t);
+  while (cursor_ > 0 && entry(cursor_).t > t) --cursor_;
+  while (cursor_ + 2 < count_ && entry(cursor_ + 1).t <= t) ++cursor_;
+  const Entry& a = entry(cursor_);
+  const Entry& b = entry(std::min(cursor_ + 1, count_ - 1));
+  if (t <= a.t || b.t <= a.t) return make_pose(a.p_local_m, a.q);
+  if (t >= b.t) return make_pose(b.p_local_m, b.q);
+  const double f = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
+  return make_pose(a.p_local_m + f * (b.p_local_m - a.p_local_m), between(a.q, b.q, f));
+}
+
+void VoxelThinner::thin(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<std::uint32_t>& kept) {
+  const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(2 * points_m.size(), 1024));
+  if (table_.size() < wanted) {
+    table_.assign(wanted, {});
+    round_ = 0;
+  }
+  if (++round_ == 0) {
+    std::fill(table_.begin(), table_.end(), Slot{});
+    round_ = 1;
+  }
+  const float per_m = 1.0F / edge_m;
+  const std::size_t mask = table_.size() - 1;
+  for (std::uint32_t i = 0; i < points_m.size(); ++i) {
+    const auto axis = [per_m](float x) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x * per_m)) + (1 << 20)) & 0x1FFFFFU;
+    };
+    const Eigen::Vector3f& p = points_m[i];
+    const std::uint64_t key = axis(p.x()) | axis(p.y()) << 21U | axis(p.z()) << 42U;
+    std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 24U) & mask;
+    while (table_[slot].round == round_ && table_[slot].key != key) slot = (slot + 1) & mask;
+    if (table_[slot].round == round_) continue;
+    table_[slot] = {key, round_};
+    kept.push_back(i);
+  }
+}
+
+void VoxelThinner::thin_into(std::span<const Eigen::Vector3f> points_m, float edge_m,
+                             std::vector<Eigen::Vector3f>& kept_m) {
+  kept_.clear();
+  kept_.reserve(points_m.size());
+  thin(points_m, edge_m, kept_);
+  kept_m.resize(kept_.size());
+  for (std::size_t i = 0; i < kept_.size(); ++i) kept_m[i] = points_m[kept_[i]];
+}
+
+void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double own_radius_m, double range_max_m,
+               std::vector<Eigen::Vector3f>& points_body_m) {
+  const BeamTable& beams = *scan.beams;
+  const std::size_t size = beams.size();
+  ENSURE(scan.range_m.size() == size && beams.directions_lidar.size() == size && beams.origins_lidar.size() == size &&
+             beams.column_offset_s.size() == static_cast<std::size_t>(beams.cols) &&
+             (beams.row_offset_s.empty() || beams.row_offset_s.size() == static_cast<std::size_t>(beams.rows)) &&
+             (beams.masked.empty() || beams.masked.size() == size),
+         scan.sensor, size, scan.range_m.size(), beams.directions_lidar.size(), beams.column_offset_s.size());
+  points_body_m.clear();
+  points_body_m.reserve(size);
+  const Pose T_now_local = motion.at(t).inverse();
+  const float own_sq = static_cast<float>(own_radius_m * own_radius_m);
+  const float range_max = static_cast<float>(range_max_m);
+  const auto carried = [&](int i) {
+    return Eigen::Isometry3f((T_now_local * motion.at(scan.time_of(i)) * scan.T_body_lidar).cast<float>());
+  };
+  const auto add = [&](int i, const Eigen::Isometry3f& T_now_lidar) {
+    const Eigen::Vector3f p = T_now_lidar * scan.point_lidar(i);
+    if (p.squaredNorm() >= own_sq && p.allFinite()) points_body_m.push_back(p);
+  };
+  const auto counts = [&](int i) {
+    return scan.hit(i) && scan.range_m[i] <= range_max && (beams.masked.empty() || !beams.masked[i]);
+  };
+  const bool by_column = beams.row_offset_s.empty() || scan.duration == 0;
+  for (int column = 0; column < beams.cols; ++column) {
+    Eigen::Isometry3f T_now_lidar = Eigen::Isometry3f::Identity();
+    if (by_column) T_now_lidar = carried(column);
+    for (int row = 0; row < beams.rows; ++row) {
+      const int i = row * beams.cols + column;
+      if (!counts(i)) continue;
+      if (!by_column) T_now_lidar = carried(i);
+      add(i, T_now_lidar);
+    }
+  }
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/stage_tables/trackers.hpp"
+
+#include "swiftlet/core/shared_tracks/shared_tracks.hpp"
+#include "swiftlet/core/tracking/trackers.hpp"
+
+namespace swiftlet {
+namespace {
+
+void need_scores(const ModuleConfig&, AgentNeeds& needs) { needs.tracks = true; }
+
+void need_neighbors_to_track(const ModuleConfig&, AgentNeeds& needs) { needs.tracks = needs.true_neighbors = true; }
+
+constexpr TrackerType kTrackerTypes[] = {
+    {{"none", "no tracking", make_module_config<NoTrackerConfig>}, make_no_tracker},
+    {{"vofod", "follows detections through the LiDAR's clouds with a Kalman filter [Vrba 2025, algorithm 2]",
+      make_module_config<VofodTrackerConfig>},
+     make_vofod_tracker,
+     need_scores},
+    {{"imm", "like vofod, with interacting multiple models: constant velocity, constant acceleration, coordinated turn",
+      make_module_config<ImmTrackerConfig>},
+     make_imm_tracker,
+     need_scores},
+    {{"detector", "tracks of a detector that tracks before it detects", make_module_config<DetectorTracksConfig>},
+     make_detector_tracks,
+     need_scores},
+    {{"shared", "tracks of such detectors on several vehicles, shared by radio and fused",
+      make_module_config<SharedTracksConfig>},
+     make_shared_tracks,
+     need_scores},
+    {{"ground_truth", "tracks from the mutual-localization sensor, an ideal one when there is none",
+      make_module_config<GroundTruthTrackerConfig>},
+     make_ground_truth_tracker,
+     need_neighbors_to_track},
+};
+
+}  // namespace
+
+Registry<TrackerType>& tracker_registry() {
+  static Registry<TrackerType> table("tracker", kTrackerTypes);
+  return table;
+}
+
+std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup) {
+  return tracker_registry().make(config, setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/localization/imu_noise.hpp"
+
+namespace swiftlet {
+
+/// Noise of the IMU and uncertainty at the start.
+struct InertialConfig : ImuNoise {
+  double start_velocity_sigma_mps = 0.1;
+  double start_tilt_sigma_deg = 0.5;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct SurfaceMapConfig {
+  double cell_m = 2.0;
+  int levels = 4;
+  double fineness = 0.01;       ///< [-] smallest edge of a cell, as a share of the range of its points
+  int points_per_cell = 300;    ///< [-] most points of a cell
+  double plane_sigma_m = 0.06;  ///< [m] largest scatter of the points about a plane
+  double keep_radius_m = 150.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct ScanToMapConfig {
+  double kernel_sigma = 3.0;  ///< [-] residual in standard deviations beyond which points hardly count
+  double reach_m = 0.5;
+  double surface_sigma_m = 0.005;  ///< [m] roughness assumed for the smoothest surface
+  double point_weight = 0.02;      ///< [-] weight of points where the map has no plane; 0: they are left out
+  double degenerate_share = 0.003;
+  int standing_points = 10;
+  double floor_position_m = 0.0005;   ///< [m] standard deviation of the position error common to all points of a scan
+  double floor_attitude_deg = 0.002;  ///< [deg] standard deviation of the attitude error common to all points of a scan
+
+  void visit(ConfigVisitor& v);
+};
+
+struct SurfaceMatchingConfig {
+  double map_voxel_m = 0.2;
+  int map_points = 20000;  ///< [-] most points of a scan that go into the map
+  double match_voxel_m = 0.5;
+  int match_points = 4000;  ///< [-] most points of a scan that are matched
+  int iterations = 5;
+  double insert_after_m = 0.3;    ///< [m] motion after which a scan goes into the map
+  double insert_after_deg = 8.0;  ///< [deg] rotation after which a scan goes into the map
+  double insert_after_s = 1.0;    ///< [s] time after which a scan goes into the map without motion
+  ScanToMapConfig matching;
+  SurfaceMapConfig map;
+};
+
+struct LocalSlamConfig : SurfaceMatchingConfig {
+  InertialConfig imu;
+  double range_max_m = 100.0;
+  int start_scans = 10;
+  double known_share_min = 0.3;
+  double vehicle_radius_m = 1.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+}  // namespace swiftlet

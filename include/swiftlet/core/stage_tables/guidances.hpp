@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/base/registry.hpp"
+#include "swiftlet/core/guidance/guidance.hpp"
+
+namespace swiftlet {
+
+/// One row of core/stage_tables/guidances.cpp.
+struct GuidanceType {
+  ModuleType module;
+  std::unique_ptr<Guidance> (*make)(const ModuleConfig& config, const GuidanceSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
+  const char* overlays = nullptr;  ///< names of the overlays, separated by spaces; null: not declared
+};
+
+Registry<GuidanceType>& guidance_registry();
+inline std::span<const ModuleType> guidance_module_types() { return guidance_registry().modules(); }
+/// Throws std::invalid_argument on an unknown type.
+std::unique_ptr<Guidance> make_guidance(const Module& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet
