@@ -168,7 +168,9 @@ void OccupancyMap::insert(std::span<const Ray> rays, TimeNs now) {
       rays_.add(ray.origin_local_m, ray.origin_local_m + direction * static_cast<float>(config_.range_max_m), false);
     }
   }
-  rays_.take_passed([&](const Cell& block, const Bits& passed) { miss(find_or_make(block), passed); });
+  rays_.take_passed([&](const Cell& block, const Bits& passed) {
+    if (miss_ < 0.0F) miss(find_or_make(block), passed);
+  });
   for (const Cell& cell : rays_.ends()) hit(cell);
 }
 
@@ -457,8 +459,10 @@ void OccupancyMap::append_voxels(MapVoxels& copy) const {
 void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
   v.field("p_hit", p_hit, "[-] probability that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
-  v.field("p_miss", p_miss, "[-] probability that a cell is occupied that rays only passed",
-          Range{0.0, 0.5, true, true});
+  v.field("p_miss", p_miss,
+          "[-] probability that a cell is occupied that rays only passed; 0.5: rays clear nothing, the conservative "
+          "setting of Kamler 2025",
+          Range{0.0, 0.5, true, false});
   v.field("p_occupied", p_occupied, "[-] probability from which a cell counts as occupied",
           Range{0.0, 1.0, true, true});
   v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
@@ -468,7 +472,7 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("distance_max_m", distance_max_m,
           "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
           Range{0.0, 1000.0, true});
-  v.check(p_occupied > p_miss && p_occupied < p_max, "p_occupied", "more than p_miss and less than p_max");
+  v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < p_max, "p_occupied", "more than p_miss and less than p_max");
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/stage_tables/mappers.hpp"
 
-#include <algorithm>
-
 #include "swiftlet/core/mappers/occupancy_mapper.hpp"
-#include "swiftlet/core/mappers/sparse_mapper.hpp"
 #include "swiftlet/core/mappers/submap_mapper.hpp"
 
 namespace swiftlet {
@@ -20,23 +17,12 @@ void need_for_occupancy(const ModuleConfig& config, AgentNeeds& needs) {
   needs.memory.push_back({"mapping.keep_radius_m", dynamic_cast<const OccupancyMapperConfig&>(config).map.bytes()});
 }
 
-void need_for_sparse(const ModuleConfig& config, AgentNeeds& needs) {
-  const auto& sparse = dynamic_cast<const SparseMapperConfig&>(config);
-  needs.memory.push_back({"mapping.keep_radius_m",
-                          SparseVoxelMap::most_bytes(sparse.map, std::max(sparse.range_max_m, sparse.map.edge_m))});
-}
-
 void need_for_submaps(const ModuleConfig& config, AgentNeeds& needs) {
   needs.memory.push_back({"mapping.pieces_max", dynamic_cast<const SubmapMapperConfig&>(config).bytes()});
 }
 
 constexpr MapperType kMapperTypes[] = {
     {{"none", "no map of the surroundings", make_module_config<NoMapperConfig>}, make_no_mapper, nullptr, ""},
-    {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
-      make_module_config<SparseMapperConfig>},
-     make_sparse_mapper,
-     need_for_sparse,
-     ""},
     {{"occupancy", "occupied, free and unknown cells, as OctoMap has them [Hornung 2013]",
       make_module_config<OccupancyMapperConfig>},
      make_occupancy_mapper,

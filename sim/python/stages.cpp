@@ -289,7 +289,9 @@ Table table_of(const Lent& lent, std::span<const Row> Lent::*rows) {
   return Table::copy_of(lent.*rows);
 }
 
-std::vector<HeldScan> scans_of(const Lent& lent) { return {lent.sensed().scans.begin(), lent.sensed().scans.end()}; }
+std::vector<HeldScan> sensed_scans(const Lent& lent) {
+  return {lent.sensed().scans.begin(), lent.sensed().scans.end()};
+}
 
 void send(Lent& lent, const std::string& topic, const py::bytes& payload, VehicleId to) {
   (void)lent.sensed();
@@ -369,7 +371,7 @@ void bind_input(py::module_& module) {
                                for (const auto& cloud : l.clouds) clouds.push_back({cloud});
                                return clouds;
                              })
-      .def_property_readonly("scans", &scans_of, "Scans that were completed in this tick, without truth.")
+      .def_property_readonly("scans", &sensed_scans, "Scans that were completed in this tick, without truth.")
       .def_property_readonly(
           "messages", [](const Lent& l) { return Table::copy_of(std::span<const Message>(l.sensed().messages)); },
           "Messages that the radio received in this tick.")

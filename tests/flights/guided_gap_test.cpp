@@ -80,7 +80,7 @@ void expect_two_passes(const std::string& localization, const std::string& more_
   EXPECT_FALSE(flight.guide_passed);
 }
 
-TEST(GuidedGap, GuideLocalizesBySlam) { expect_two_passes("slam", ""); }
+TEST(GuidedGapInFull, GuideLocalizesBySlam) { expect_two_passes("slam", ""); }
 
 TEST(GuidedGapInFull, GuideLocalizesByDriftingOdometry) {
   expect_two_passes("odometry", ", {type: odometry, name: vio, model: odometry_vio}");

@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
-TEST(GuidedTeam, AllThreeArriveInTurn) {
+TEST(GuidedTeamInFull, AllThreeArriveInTurn) {
   const Scenario scenario =
       load_scenario("guided_team", {{"recorders", "[]"}, {"snapshots", "[]"}, {"metrics.stop_on_crash", "true"}});
   Simulation simulation(scenario);

@@ -60,7 +60,7 @@ Drift drift_of(const std::string& file, const Overrides& overrides, double from_
   return drift;
 }
 
-TEST(Odometry, KissIcpDriftsCentimetersInAisle) {
+TEST(OdometryInFull, KissIcpDriftsCentimetersInAisle) {
   const Drift drift =
       drift_of("warehouse.yaml",
                {{"vehicles[uav1].start.position_m", "[0, 0, 3.6]"},

@@ -7,9 +7,9 @@ UAVs that pass leave occupied cells, which lock the vehicle in unless the map cl
 
 def run(experiment):
     seeds = range(1, experiment.repetitions(10, 1) + 1)
-    miss = "vehicles[0].agent.mapping.miss_log_odds"
+    miss = "vehicles[0].agent.mapping.p_miss"
     rows, arrived = [], {}
-    for name, changes in (("conservative", {miss: 0.0}), ("forgets", {})):
+    for name, changes in (("conservative", {miss: 0.5}), ("forgets", {})):
         flights = experiment.fly("reproduce/rbl_ghosts", [{"seed": seed, **changes} for seed in seeds])
         times_s = [flight.get("time_to_done_s.uav1") for flight in flights]
         rows += [[name, seed, int(time_s is not None), time_s] for seed, time_s in zip(seeds, times_s)]

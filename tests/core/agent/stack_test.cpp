@@ -245,7 +245,7 @@ TEST(Stack, NeverAllocatesInFlight) {
       if (auto* explore = dynamic_cast<ExploreConfig*>(config.guidance.config.get())) explore->look_s = 100.0;
       // Planning is disabled too; flight and reports of the plan go on.
       if (auto* share = dynamic_cast<SharePathsConfig*>(config.guidance.config.get())) share->period_s = 100.0;
-      config.mapping = Module(mapper_module_types(), "sparse");  // required by some guidance
+      config.mapping = Module(mapper_module_types(), "occupancy");  // required by some guidance
       // required by some guidance
       config.relative_localization = Module(relative_localizer_module_types(), "shared_world");
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;
@@ -363,7 +363,7 @@ TEST(Stack, NotifiesListenerOfStagesInOrder) {
   all.detector = Module(detector_module_types(), "vofod");
   all.tracker = Module(tracker_module_types(), "vofod");
   all.relative_localization = Module(relative_localizer_module_types(), "shared_world");
-  all.mapping = Module(mapper_module_types(), "sparse");
+  all.mapping = Module(mapper_module_types(), "occupancy");
   using Stages = std::vector<std::string>;
   const std::vector<std::pair<StackConfig, Stages>> stacks = {
       {all,

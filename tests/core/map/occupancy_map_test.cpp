@@ -263,6 +263,18 @@ TEST(OccupancyMap, HitBelowThresholdMakesCellKnown) {
   EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(end_m); }));
 }
 
+// The conservative setting of Kamler 2025, sec. 3.4.
+TEST(OccupancyMap, EvenMissProbabilityClearsNothing) {
+  OccupancyMapConfig config;
+  config.p_miss = 0.5;
+  OccupancyMap map(config);
+  const Eigen::Vector3f origin(0.05F, 0.05F, 0.05F), wall(4.05F, 0.05F, 0.05F), behind(8.05F, 0.05F, 0.05F);
+  map.insert(std::vector<OccupancyMap::Ray>{{origin, wall, true}}, 1);
+  for (TimeNs t = 2; t < 30; ++t) map.insert(std::vector<OccupancyMap::Ray>{{origin, behind, false}}, t);
+  EXPECT_EQ(map.state(wall.cast<double>()), CellState::kOccupied);
+  EXPECT_EQ(map.state({2.05, 0.05, 0.05}), CellState::kUnknown);
+}
+
 TEST(OccupancyMap, ConfidenceThresholdFiltersOnlyOccupiedCells) {
   OccupancyMap map({});
   for (int i = 1; i <= 6; ++i) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "swiftlet/core/map/occupancy_map.hpp"
-#include "swiftlet/core/map/sparse_voxel_map.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
 #include "swiftlet/core/math/random.hpp"
 
@@ -133,29 +132,11 @@ TEST(PlainMaps, OccupancyMapMatchesCellList) {
   }
 }
 
-TEST(PlainMaps, SparseMapMatchesVoxelList) {
-  SparseVoxelMapConfig config;
-  config.keep_radius_m = 10.0;
-  SparseVoxelMap map(config);
-  map.insert(returns_around<SparseVoxelMap::Ray>(3, 160, 4.0), 1);
-  const Centers all = occupied_cells(map, {4.5, 4.5, 2.5});
-  ASSERT_GT(all.size(), 100U);
-  expect_answers_of(map, all, 4.0, 4);
-}
-
-OccupancyMap::Ray straight_to(const Vector3& end_m) {
-  return {(end_m - Vector3(0.01, 0, 0)).cast<float>(), end_m.cast<float>(), true};
-}
-
 TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;
   config.keep_radius_m = config.range_max_m = 16.0;
   OccupancyMap map(config);
-  SparseVoxelMapConfig sparse_config;
-  sparse_config.edge_m = 0.25;
-  sparse_config.keep_radius_m = 16.0;
-  SparseVoxelMap sparse(sparse_config);
   Centers ends_m;
   for (int x = -9; x < 9; ++x) {
     for (int y = -9; y < 9; ++y) {
@@ -166,20 +147,14 @@ TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
     }
   }
   std::vector<OccupancyMap::Ray> rays;
-  std::vector<SparseVoxelMap::Ray> sparse_rays;
   for (const Vector3& end_m : ends_m) {
     rays.push_back(straight_to(end_m));
-    sparse_rays.push_back({rays.back().origin_local_m, rays.back().end_local_m, true});
   }
   map.keep_around(Vector3::Zero());
   map.insert(rays, 1);
-  sparse.insert(sparse_rays, 1);
-  sparse.keep_around(Vector3::Zero());
   for (const Vector3& end_m : ends_m) {
     ASSERT_EQ(map.state(end_m), CellState::kOccupied) << end_m.transpose();
-    ASSERT_EQ(sparse.state(end_m), CellState::kOccupied) << end_m.transpose();
   }
-  EXPECT_EQ(sparse.num_blocks(), ends_m.size());
 }
 
 TEST(PlainMaps, KeepRemainingValuesWhenScrolling) {

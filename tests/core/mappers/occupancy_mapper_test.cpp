@@ -166,5 +166,43 @@ TEST(OccupancyMapper, MatchesOctomapOnSimulatedScans) {
   }
 }
 
+/// Beams ahead, to the left and up.
+std::shared_ptr<const Scan> three_beams(std::vector<float> ranges_m) {
+  return testing::scan_along({Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()}, std::move(ranges_m));
+}
+
+/// Takes every column and returns up to 10 m.
+OccupancyMapperConfig near_config() {
+  OccupancyMapperConfig config;
+  config.every_column = 1;
+  config.map.range_max_m = 10.0;
+  return config;
+}
+
+TEST(OccupancyMapper, TransformsHitsIntoTheLocalFrame) {
+  OccupancyMapping driver(near_config());
+  driver.estimate.T_local_body.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitZ()).toRotationMatrix();
+  driver.see(three_beams({4.0F, 0.0F, 0.5F}));
+  EXPECT_EQ(driver.state({10.05, 4.05, 2.05}), CellState::kOccupied) << "ahead is +y";
+  EXPECT_EQ(driver.occupied_m().size(), 1U)
+      << "a beam without return hits nothing, and what is nearer than range_min_m is left out";
+}
+
+TEST(OccupancyMapper, CountsReturnsBeyondItsRange) {
+  OccupancyMapping driver(near_config());
+  driver.see(three_beams({9.0F, 11.0F, 0.5F}));
+  ASSERT_EQ(driver.counters().size(), 1U);
+  EXPECT_EQ(driver.counters()[0].count, 1U);
+  EXPECT_EQ(driver.counters()[0].of, 2U) << "the own body is no return of the world";
+  EXPECT_EQ(driver.counters()[0].setting, "range_max_m");
+}
+
+TEST(Mappers, NoneMakesNothing) {
+  EXPECT_EQ(make_mapper(Module(mapper_module_types(), "none"), {}), nullptr);
+  Module unknown(mapper_module_types(), "none");
+  unknown.type = "atlas";
+  EXPECT_THROW(make_mapper(unknown, {}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -12,7 +12,6 @@
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
-#include "swiftlet/core/mappers/sparse_mapper.hpp"
 #include "swiftlet/core/stage_tables/detectors.hpp"
 #include "swiftlet/core/stage_tables/mappers.hpp"
 #include "swiftlet/sim/base/errors.hpp"
@@ -219,26 +218,6 @@ TEST(Memory, RefusesExcessBeforeFlightByKey) {
   detector.as<VofodConfig>().map.size_m = {500.0, 500.0, 50.0};
   for (VehicleConfig& vehicle : team.vehicles) vehicle.agent.as<StackConfig>().detector = detector;
   EXPECT_THAT(refusal_of(team), HasSubstr(" MiB in all"));
-}
-
-Scenario with_sparse_map(int num_vehicles, double keep_radius_m, double edge_m, double range_max_m) {
-  Scenario scenario = row_of(num_vehicles);
-  Module mapping(mapper_module_types(), "sparse");
-  SparseMapperConfig& sparse = mapping.as<SparseMapperConfig>();
-  sparse.range_max_m = range_max_m;
-  sparse.map.edge_m = edge_m;
-  sparse.map.keep_radius_m = keep_radius_m;
-  for (VehicleConfig& vehicle : scenario.vehicles) vehicle.agent.as<StackConfig>().mapping = mapping;
-  return scenario;
-}
-
-TEST(Memory, CountsSparseMapsAtFullRadius) {
-  EXPECT_EQ(refusal_of(with_sparse_map(10, 25.0, 0.2, 40.0)), "none");
-  const Scenario team = with_sparse_map(200, 90.0, 0.2, 100.0);
-  EXPECT_THAT(refusal_of(team),
-              HasSubstr("vehicles[0].agent.mapping.keep_radius_m: expected a setting that fits into"));
-  EXPECT_THROW(Simulation(team, 1), InputError);
-  EXPECT_EQ(refusal_of(with_sparse_map(200, 90.0, 0.2, 8.0)), "none") << "nothing is stored beyond the rays";
 }
 
 }  // namespace

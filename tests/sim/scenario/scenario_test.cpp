@@ -551,7 +551,7 @@ TEST(Scenario, RefusesUnreasonableValuesWithTheirPlace) {
       {"vehicles: [{airframe: {mass_kg: 1e-300}}]", "vehicles[0].airframe.mass_kg"},
       {"vehicles: [{sensors: [{type: imu, rate_hz: 3e9}]}]", "vehicles[0].sensors[0].rate_hz"},
       {"vehicles: [{sensors: [{type: pose, rate_hz: 1e-12}]}]", "vehicles[0].sensors[0].rate_hz"},
-      {"vehicles: [{agent: {mapping: {type: sparse, map: {clear_range_m: 1e9}}}}]", "clear_range_m"},
+      {"vehicles: [{agent: {mapping: {type: occupancy, clear_range_m: 1e9}}}]", "clear_range_m"},
       {detector("ray_max_m: 1e6"), "vehicles[0].agent.detector.ray_max_m"},
       {detector("ray_max_m: 900, map: {size_m: [700, 700, 120]}"), "vehicles[0].agent.detector.ray_max_m"},
       {detector("map: {center_m: [1e18, 0, 0], extent: bounded}"), "vehicles[0].agent.detector.map.center_m"},
