@@ -472,7 +472,8 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("distance_max_m", distance_max_m,
           "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
           Range{0.0, 1000.0, true});
-  v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < p_max, "p_occupied", "more than p_miss and less than p_max");
+  v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < p_max, "p_occupied",
+          "more than p_miss and less than p_max");
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");

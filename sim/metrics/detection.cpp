@@ -2,10 +2,10 @@
 #include <Eigen/Cholesky>
 #include <array>
 
-#include "sim/metrics/detection_score.hpp"
 #include "sim/metrics/statistics.hpp"
 #include "sim/metrics/truth_history.hpp"
 #include "swiftlet/core/math/assignment.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {

@@ -2,10 +2,10 @@
 #include <Eigen/Cholesky>
 #include <numbers>
 
-#include "sim/metrics/relative_score.hpp"
 #include "sim/metrics/statistics.hpp"
 #include "swiftlet/core/base/time.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 
 namespace swiftlet::sim {
 namespace {

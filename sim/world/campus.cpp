@@ -7,9 +7,9 @@
 #include "sim/world/building.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

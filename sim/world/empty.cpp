@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/world/empty.hpp"
 
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,11 +6,11 @@
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

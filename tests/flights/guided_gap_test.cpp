@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "sim/metrics/relative_score.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::sim {

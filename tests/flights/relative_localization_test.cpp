@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "sim/metrics/relative_score.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/stage_tables/guidances.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::sim {

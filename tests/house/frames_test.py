@@ -101,8 +101,7 @@ def source(root, header):
     room = header.parent
     if room.is_relative_to(root / "include"):
         room = root / room.relative_to(root / "include" / "swiftlet")
-    room = room / "base" if room == root / "core" else room
-    return "".join(path.read_text() for path in sorted(room.glob("*.cpp")))
+    return "".join(path.read_text() for path in sorted(room.rglob("*.cpp")))
 
 
 def class_around(code, at):

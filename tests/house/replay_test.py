@@ -68,7 +68,7 @@ class Made(unittest.TestCase):
         (cls.path / "yard.yaml").write_text(SCENARIO)
         result = swiftlet(cls.path, "run", "yard.yaml", "--out", "run", "--replay", "--threads", 1)
         assert result.returncode == 0, result.stderr
-        assert f"to look at it, open {cls.path.resolve() / 'run/replay.html'}" in result.stdout, result.stdout
+        assert f"to view it, open {cls.path.resolve() / 'run/replay.html'}" in result.stdout, result.stdout
         cls.page = cls.path / "run/replay.html"
 
     @classmethod

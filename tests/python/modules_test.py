@@ -196,7 +196,7 @@ class Modules(support.InFolder):
     def test_the_input_of_a_step_is_gone_after_it(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "keeps"}}))
         simulator.tick()
-        with self.assertRaisesRegex(RuntimeError, "copy what is to stay"):
+        with self.assertRaisesRegex(RuntimeError, "copy them to keep them"):
             KEPT[-1].estimate
 
     def test_a_detector_of_python_is_scored(self):

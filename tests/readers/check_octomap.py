@@ -24,8 +24,8 @@ def main():
                 subprocess.run(["convert_octree", path, binary], check=True, capture_output=True)
             else:
                 shutil.copy(path, binary)
-            result = subprocess.run(["bt2vrml", binary], check=True, capture_output=True, text=True)
-            count = int(re.search(r"Finished writing (\d+) voxels", result.stdout + result.stderr).group(1))
+            printed = subprocess.run(["bt2vrml", binary], check=True, capture_output=True, text=True)
+            count = int(re.search(r"Finished writing (\d+) voxels", printed.stdout + printed.stderr).group(1))
             wanted = maps[path.stem.split("_")[1]]
             occupied = sum(voxel[3] >= wanted["occupied_from"] for voxel in wanted["voxels"])
             result.equal(count, occupied, f"{path}: occupied cells")

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/metrics/detection_score.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
 #include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/recording/series.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"

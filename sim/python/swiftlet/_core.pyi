@@ -253,11 +253,11 @@ class StepInput:
         ...
     def samples(self, kind: str) -> Table:
         """Samples of this tick: imu, gnss, altimeter, compass, pose ..."""
-    def send(self, topic: str, payload: bytes, to: int = -1) -> None:
-        """Sends a message by radio; `to` is the number of a vehicle, -1: broadcast."""
     @property
     def scans(self) -> typing.List[Scan]:
         """Scans that were completed in this tick, without truth."""
+    def send(self, topic: str, payload: bytes, to: int = -1) -> None:
+        """Sends a message by radio; `to` is the number of a vehicle, -1: broadcast."""
     @property
     def t_ns(self) -> int:
         """[ns] now."""

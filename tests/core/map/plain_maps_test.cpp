@@ -132,6 +132,10 @@ TEST(PlainMaps, OccupancyMapMatchesCellList) {
   }
 }
 
+OccupancyMap::Ray straight_to(const Vector3& end_m) {
+  return {(end_m - Vector3(0.01, 0, 0)).cast<float>(), end_m.cast<float>(), true};
+}
+
 TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;

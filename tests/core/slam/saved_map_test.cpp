@@ -65,7 +65,8 @@ TEST(SavedMap, IsFaultlessWhenConsistent) {
 TEST(SavedMap, SaysWhatDoesNotFitTogether) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double edge_m : {0.0, -0.1, kNoNumber, inf}) {
-    EXPECT_EQ(fault_with([&](MapParts& m) { m.map.voxel_m = edge_m; }), "the edge of its voxels is not positive") << edge_m;
+    EXPECT_EQ(fault_with([&](MapParts& m) { m.map.voxel_m = edge_m; }), "the edge of its voxels is not positive")
+        << edge_m;
   }
   const std::vector<Pose> no_poses = {with(Pose::Identity(), 0, 3, kNoNumber), with(Pose::Identity(), 1, 1, kNoNumber),
                                       with(Pose::Identity(), 0, 0, 1.0 + 6e-7), with(Pose::Identity(), 2, 2, -1.0)};
@@ -82,8 +83,7 @@ TEST(SavedMap, SaysWhatDoesNotFitTogether) {
     EXPECT_EQ(fault_with([&](MapParts& m) { m.relative.huber = huber; }), relative) << huber;
     EXPECT_EQ(fault_with([&](MapParts& m) { m.position.huber = huber; }), "a measured position is invalid");
   }
-  EXPECT_EQ(fault_with([&](MapParts& m) { m.prior.information(0, 0) = inf; }),
-            "the prior of a pose is invalid");
+  EXPECT_EQ(fault_with([&](MapParts& m) { m.prior.information(0, 0) = inf; }), "the prior of a pose is invalid");
   const char* gravity = "a direction of gravity is invalid";
   EXPECT_EQ(fault_with([](MapParts& m) { m.gravity.up_body.x() = kNoNumber; }), gravity);
   EXPECT_EQ(fault_with([&](MapParts& m) { m.gravity.sigma_rad = inf; }), gravity);

@@ -162,7 +162,7 @@ TEST(DataCard, ShowsOnlySnapshots) {
                 {"snapshots/side_1.mm.png", 1, ""},
                 {"snapshots/side.json", 1, ""}};
   const std::string card = card_of(plan_of({{"train", 1, 1}}), {info});
-  EXPECT_THAT(card, HasSubstr("## Pictures\n\n![sequence 07, side_1](sequences/07/snapshots/side_1.png)\n\n## What"));
+  EXPECT_THAT(card, HasSubstr("## Pictures\n\n![sequence 07, side_1](sequences/07/snapshots/side_1.png)\n\n## Random"));
 }
 
 /// The lines of one key of the class table.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/metrics/detection_score.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "tests/sim/metrics/metrics_run.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -2,7 +2,7 @@
 // Relative localization against where the other vehicle is.
 #include <gtest/gtest.h>
 
-#include "sim/metrics/relative_score.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 #include "tests/sim/metrics/metrics_run.hpp"
 
 namespace swiftlet::sim {

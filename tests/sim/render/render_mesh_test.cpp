@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "sim/render/cameras.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sim/render/canvas.hpp"
 #include "sim/render/renderer.hpp"
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,9 +6,9 @@
 
 #include <set>
 
-#include "sim/metrics/detection_score.hpp"
-#include "sim/metrics/relative_score.hpp"
 #include "sim/run/hasher_internal.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 #include "swiftlet/sim/recording/recorder.hpp"
 #include "tests/support/field_coverage.hpp"
 

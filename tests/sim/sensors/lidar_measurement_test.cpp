@@ -35,10 +35,10 @@ TEST(LidarMeasurement, DetectsWithStatedProbability) {
   constexpr int kDraws = 40000;
   for (const float range : {36.0F, 40.0F, 43.0F, 46.0F}) {
     const float snr = measurement.snr(range, 0.1F);
-    int noticed = 0;
-    for (int i = 0; i < kDraws; ++i) noticed += measurement.noticed(snr, [&] { return random.normal(0, i); }) ? 1 : 0;
+    int detected = 0;
+    for (int i = 0; i < kDraws; ++i) detected += measurement.detected(snr, [&] { return random.normal(0, i); }) ? 1 : 0;
     const double p = measurement.detection_probability(snr);
-    EXPECT_NEAR(static_cast<double>(noticed) / kDraws, p, share_bound(p, kDraws) + 1e-5) << range;
+    EXPECT_NEAR(static_cast<double>(detected) / kDraws, p, share_bound(p, kDraws) + 1e-5) << range;
   }
 }
 
@@ -100,7 +100,7 @@ TEST(LidarMeasurement, FloorRisesAsSignalDropsTenfold) {
 TEST(LidarMeasurement, IdealSensorSeesAllWithoutNoise) {
   const LidarMeasurement ideal({}, {}, 120.0, true);
   EXPECT_EQ(ideal.sigma_m(50.0F, 0.2F, 0.5F), 0.0F);
-  EXPECT_TRUE(ideal.noticed(ideal.snr(119.0F, 0.0F), [] { return -100.0; }));
+  EXPECT_TRUE(ideal.detected(ideal.snr(119.0F, 0.0F), [] { return -100.0; }));
 }
 
 }  // namespace

@@ -7,13 +7,13 @@
 #include <set>
 
 #include "sim/world/dice.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/world/cloud.hpp"
 #include "swiftlet/sim/world/export.hpp"
 #include "swiftlet/sim/world/forest_thesis.hpp"
 #include "swiftlet/sim/world/hall.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "tests/sim/world/world_support.hpp"

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {

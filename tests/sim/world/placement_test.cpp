@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "sim/world/building.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -7,12 +7,12 @@
 #include <cmath>
 
 #include "sim/world/dice.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/world/cloud.hpp"
 #include "swiftlet/sim/world/export.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 #include "tests/sim/world/world_support.hpp"
 #include "tests/support/temporary_directory.hpp"
 

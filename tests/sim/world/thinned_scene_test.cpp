@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/sim/world/forest.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

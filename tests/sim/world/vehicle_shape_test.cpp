@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {
