@@ -55,7 +55,7 @@ GuidedFlight fly(std::vector<std::pair<std::string, std::string>> changes) {
   return flight;
 }
 
-TEST(GuidedGap, SmallVehiclePassesTwice) {
+TEST(GuidedGapInFull, SmallVehiclePassesTwice) {
   const GuidedFlight flight = fly({{"duration_s", "60"}});
   EXPECT_EQ(flight.summary.outcome, "done");
   EXPECT_EQ(flight.passes, 2);

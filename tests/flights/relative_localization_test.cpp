@@ -104,7 +104,7 @@ Scenario scenario_of(std::vector<std::pair<std::string, std::string>> changes) {
 }
 
 // [Pritzl 2024, sec. III-A]: 0.10 m in the mean at about 5 m.
-TEST(RelativeLocalization, FindsAVehicleToFiveCentimeters) {
+TEST(RelativeLocalizationInFull, FindsAVehicleToFiveCentimeters) {
   const Figures figures = fly(scenario_of({}), [](const Simulation&) {});
   ASSERT_FALSE(figures.errors_m.empty());
   EXPECT_LT(figures.first_s, 15.0);

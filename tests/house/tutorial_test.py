@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Runs docs/tutorial.md as it stands and compares its figures with the results. Usage: tutorial_test.py SWIFTLET SOURCE_DIR [SEEDS]
+"""Runs docs/tutorial.md as it stands and compares its figures with the results. Usage: tutorial_test.py SWIFTLET SOURCE_DIR
 
 A block of YAML becomes the file that the text before it names; a block of sh is run. The comment in `0.3 cm<!-- expect: mid360 20 % -->` names
-the quantity and its tolerance. SEEDS replaces the number of seeds of the study. Single seeds differ by a factor of 1.4 at most; with
-SEEDS the tolerance is a factor of 2, and the picture is not compared.
+the quantity and its tolerance.
 """
 import csv
 import json
@@ -29,13 +28,13 @@ def expect(condition, what):
         raise AssertionError(what)
 
 
-def follow(page, folder, environment, seeds):
+def follow(page, folder, environment):
     """Writes the files of the page and runs its commands, in order."""
     for block in BLOCK.finditer(page):
         kind, text = block.groups()
         if kind == "yaml":
             name = NAME.findall(page[:block.start()])[-1]
-            (folder / name).write_text(re.sub(r"seeds: {count: \d+}", f"seeds: {{count: {seeds}}}", text) if seeds else text)
+            (folder / name).write_text(text)
         elif "alias" not in text:  # the program is in PATH here
             result = subprocess.run(["bash", "-ec", text], cwd=folder, env=environment, capture_output=True, text=True)
             expect(result.returncode == 0, f"exit status {result.returncode} of\n{text}{result.stderr}")
@@ -74,12 +73,12 @@ def results(folder):
     return {"first": error_m(summary(folder, "first")), **rms}
 
 
-def check_figures(page, found, seeds):
+def check_figures(page, found):
     stated = FIGURE.findall(page)
     expect(sorted(name for _, _, name, _ in stated) == sorted(found), f"the page states {stated}, found {found}")
     for number, unit, name, percent in stated:
         ratio = found[name] / (float(number) * UNIT_M[unit])
-        tolerance = 2.0 if seeds and name != "first" else 1.0 + 0.01 * int(percent)
+        tolerance = 1.0 + 0.01 * int(percent)
         expect(1.0 / tolerance <= ratio <= tolerance, f"{name}: the page states {number} {unit}, found {found[name]:.5f} m")
 
 
@@ -102,25 +101,24 @@ def check_field(page, folder):
             expect((event in notes) == (seed in seeds), f"seed {seed}: expected {event} in the seeds {seeds} alone, found {notes}")
 
 
-def main(swiftlet, source, seeds):
+def main(swiftlet, source):
     page = (source / "docs/tutorial.md").read_text()
     with tempfile.TemporaryDirectory(prefix="swiftlet_tutorial_") as name:
         folder = pathlib.Path(name) / "survey"
         folder.mkdir()
         (folder.parent / "swiftlet").symlink_to(swiftlet)
         environment = {**os.environ, "PATH": f"{folder.parent}:{os.environ['PATH']}"}
-        follow(page, folder, environment, seeds)
+        follow(page, folder, environment)
         check_mistake(folder, environment)
-        check_figures(page, results(folder), seeds)
+        check_figures(page, results(folder))
         check_field(page, folder)
         expect((folder / "first/replay.html").is_file(), "first/replay.html is missing")
-        if not seeds:
-            picture = (source / "docs/images/tutorial/error.svg").read_text()
-            expect(picture.strip() in (folder / "study/report.html").read_text(), "docs/images/tutorial/error.svg is not a plot of study/report.html")
+        picture = (source / "docs/images/tutorial/error.svg").read_text()
+        expect(picture.strip() in (folder / "study/report.html").read_text(), "docs/images/tutorial/error.svg is not a plot of study/report.html")
 
 
 if __name__ == "__main__":
     try:
-        main(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), int(sys.argv[3]) if len(sys.argv) > 3 else None)
+        main(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve())
     except AssertionError as problem:
         sys.exit(f"docs/tutorial.md: {problem}")
