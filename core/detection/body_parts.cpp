@@ -6,6 +6,7 @@
 namespace swiftlet {
 namespace {
 
+// Sweeps without returns of both tracks after which a pair is dropped. Smaller values forget bodies in occlusions.
 constexpr int kMaxSilentSweeps = 50;
 
 Vector3 mean_of(std::span<const Vector3> points_m) {
