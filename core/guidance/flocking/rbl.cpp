@@ -29,7 +29,7 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // shorter displacements give no heading
 // Violation of a plane beyond which the vehicle evades without turning its sensor first.
 constexpr double kPressed_m = 0.01;
-// Distance of an evading vehicle's goal, as a multiple of its cut's displacement: larger values make it evade faster.
+// An evading vehicle's goal lies at most this many times as far away as planned. Larger values make it evade faster.
 constexpr double kGoalExtension = 3.0;
 // Neighbors unseen for longer than this no longer shrink the cell below kMinCellSize_m. Larger values slow the team
 // down after a dropout.
