@@ -26,8 +26,11 @@ def expect(condition, what):
 
 
 def fly(swiftlet, scenario, out):
-    command = [swiftlet, "run", scenario, "--out", out, "--duration", DURATION_S, "--set",
-               f"snapshots[*].times_s=[{PICTURE_S}]", "--set", "snapshots[*].every_s=0", "--quiet"]
+    version = subprocess.run([str(swiftlet), "--version"], capture_output=True, text=True).stdout
+    cameras = ["snapshots=[]"] if "without pictures" in version else [f"snapshots[*].times_s=[{PICTURE_S}]",
+                                                                      "snapshots[*].every_s=0"]
+    command = [swiftlet, "run", scenario, "--out", out, "--duration", DURATION_S, "--quiet"]
+    command += [word for camera in cameras for word in ("--set", camera)]
     result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     printed = (result.stdout + result.stderr).strip()
     expect(result.returncode == 0, f"exit status {result.returncode}: {printed}")
