@@ -10,15 +10,19 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kOverRelaxation = 1.6;
-constexpr int kCheckEvery = 10;      // iterations between checks of the residuals
-constexpr int kWallRounds = 2;       // rounds of successive projections onto the walls of a step
-constexpr double kUnbalanced = 4.0;  // ratio of the residuals beyond which rho changes
-constexpr double kGreatestChange = 10.0;
-constexpr double kGreatestRho = 1e8;  // upper bound of rho; its inverse is the lower one
-constexpr double kFirstRho = 5.0;     // first rho in relation to the scale of the cost
-// Weight of each block's rho. With these, 80 iterations end within 0.5 % of the least cost and 1 % of the limits.
-constexpr double kBlockWeight[] = {0.3, 1.0, 4.0, 0.1};
+/// Settings of the alternating direction method of multipliers [Boyd et al. 2011, sec. 3.4.1 and 3.4.3]. With these,
+/// 80 iterations end within 0.5 % of the least cost and 1 % of the limits.
+struct SolverTuning {
+  double over_relaxation = 1.6;  ///< [-] weight of the new iterate against the last projection; 1: none
+  int check_period = 10;         ///< [-] iterations between checks of the residuals
+  int wall_rounds = 2;           ///< [-] rounds of successive projections onto the walls of a step
+  double unbalanced = 4.0;       ///< [-] ratio of the residuals beyond which rho changes
+  double max_change = 10.0;      ///< [-] largest factor of one change of rho
+  double max_rho = 1e8;          ///< [-] upper bound of rho; its inverse is the lower one
+  double first_rho = 5.0;        ///< [-] first rho in relation to the scale of the cost
+  std::array<double, 4> block_weight = {0.3, 1.0, 4.0, 0.1};  ///< [-] weight of each block's rho
+};
+constexpr SolverTuning kSolver;
 
 Eigen::Map<const Vector3> along(const std::array<double, 3>& per_unit) {
   return Eigen::Map<const Vector3>(per_unit.data());
@@ -37,7 +41,7 @@ void project_to_unit(auto&& row) {
 
 /// Projection onto the walls; exact for one wall or walls at right angles, approximate for others.
 Vector3 projected_to_walls(Vector3 p_m, const ChaseAim& aim) {
-  for (int round = 0; round < kWallRounds; ++round) {
+  for (int round = 0; round < kSolver.wall_rounds; ++round) {
     for (int i = 0; i < aim.num_walls; ++i) {
       const Wall& wall = aim.walls[static_cast<std::size_t>(i)];
       p_m -= std::max(wall.excess_m(p_m), 0.0) * wall.normal;
@@ -85,11 +89,11 @@ void ChaseMpc::solve(const PointState& start, std::span<const ChaseAim> aims, do
   ENSURE(static_cast<int>(aims.size()) == num_steps_ && step_s > 0.0, aims.size(), num_steps_, step_s);
   set_up(start, aims, step_s);
   factor();
-  int next_change = kCheckEvery;
+  int next_change = kSolver.check_period;
   for (int used = 1; used <= config_.iterations; ++used) {
     update_jerks();
     project(aims);
-    if (used % kCheckEvery != 0) continue;
+    if (used % kSolver.check_period != 0) continue;
     if (primal_ < config_.tolerance && dual_ < config_.tolerance) break;
     // At growing intervals: the method converges only with constant rho.
     if (used < next_change) continue;
@@ -119,11 +123,23 @@ PointState ChaseMpc::at(double t_s) const {
 }
 
 void ChaseMpc::set_up(const PointState& start, std::span<const ChaseAim> aims, double step_s) {
-  const int n = num_steps_;
-  const double h = step_s;
-  if (h != step_s_) warm_ = false;
-  step_s_ = h;
-  for (int k = 0; k < n; ++k) {
+  if (step_s != step_s_) warm_ = false;
+  step_s_ = step_s;
+  set_responses();
+  set_cost(start, aims);
+  if (warm_) return;
+  rho_ = kSolver.first_rho * horizontal_.cost.trace() / horizontal_.constraints.trace();
+  for (Block& block : blocks_) {
+    block.multiplier.setZero();
+    block.projected = block.free;
+    for (int k = 0; k < num_steps_ && &block != &blocks_[kPosition]; ++k) project_to_unit(block.projected.row(k));
+  }
+  u_.setZero();
+}
+
+void ChaseMpc::set_responses() {
+  const double h = step_s_;
+  for (int k = 0; k < num_steps_; ++k) {
     for (int i = 0; i <= k; ++i) {
       const double j = k - i;  // whole steps in between
       position_of_(k, i) = h * h * h / 6.0 * (1.0 + 3.0 * j + 3.0 * j * j);
@@ -131,14 +147,17 @@ void ChaseMpc::set_up(const PointState& start, std::span<const ChaseAim> aims, d
       acceleration_of_(k, i) = h;
     }
   }
+}
 
+void ChaseMpc::set_cost(const PointState& start, std::span<const ChaseAim> aims) {
+  const int n = num_steps_;
   // Motion without jerk, and its deviation from the aim.
   has_walls_ = false;
   Columns missing_p(n, 3), missing_v(n, 3);
   Column weight(n), velocity_weight(n);
   for (int k = 0; k < n; ++k) {
     const ChaseAim& aim = aims[static_cast<std::size_t>(k)];
-    const PointState free = start.after(Vector3::Zero(), (k + 1) * h);
+    const PointState free = start.after(Vector3::Zero(), (k + 1) * step_s_);
     missing_p.row(k) = (free.p_m - aim.p_m).transpose();
     missing_v.row(k) = (free.v_mps - aim.v_mps).transpose();
     weight[k] = aim.weight;
@@ -165,19 +184,12 @@ void ChaseMpc::set_up(const PointState& start, std::span<const ChaseAim> aims, d
   for (Axes* axes : {&horizontal_, &vertical_}) {
     axes->cost = hessian;
     axes->cost.diagonal().array() += config_.jerk_weight / (axes->jerk * axes->jerk);
-    axes->constraints = kBlockWeight[kVelocity] / (axes->speed * axes->speed) * of_velocity +
-                        kBlockWeight[kAcceleration] / (axes->acceleration * axes->acceleration) * of_acceleration;
-    if (has_walls_) axes->constraints += kBlockWeight[kPosition] * of_position;
-    axes->constraints.diagonal().array() += kBlockWeight[kJerk] / (axes->jerk * axes->jerk);
+    axes->constraints =
+        kSolver.block_weight[kVelocity] / (axes->speed * axes->speed) * of_velocity +
+        kSolver.block_weight[kAcceleration] / (axes->acceleration * axes->acceleration) * of_acceleration;
+    if (has_walls_) axes->constraints += kSolver.block_weight[kPosition] * of_position;
+    axes->constraints.diagonal().array() += kSolver.block_weight[kJerk] / (axes->jerk * axes->jerk);
   }
-  if (warm_) return;
-  rho_ = kFirstRho * horizontal_.cost.trace() / horizontal_.constraints.trace();
-  for (Block& block : blocks_) {
-    block.multiplier.setZero();
-    block.projected = block.free;
-    for (int k = 0; k < n && &block != &blocks_[kPosition]; ++k) project_to_unit(block.projected.row(k));
-  }
-  u_.setZero();
 }
 
 void ChaseMpc::factor() {
@@ -192,7 +204,8 @@ void ChaseMpc::factor() {
 void ChaseMpc::update_jerks() {
   const auto wanted = [&](int block) -> Columns {
     const Block& b = blocks_[static_cast<std::size_t>(block)];
-    return kBlockWeight[block] * (b.projected - b.multiplier - b.free) * along(b.per_unit).asDiagonal();
+    return kSolver.block_weight[static_cast<std::size_t>(block)] * (b.projected - b.multiplier - b.free) *
+           along(b.per_unit).asDiagonal();
   };
   const Columns of_velocity = wanted(kVelocity), of_acceleration = wanted(kAcceleration);
   const Columns of_position = has_walls_ ? wanted(kPosition) : Columns::Zero(num_steps_, 3);
@@ -251,11 +264,11 @@ void ChaseMpc::project(std::span<const ChaseAim> aims) {
   for (int block = 0; block < kBlocks; ++block) {
     if (block == kPosition && !has_walls_) continue;
     Block& b = blocks_[static_cast<std::size_t>(block)];
-    const Columns relaxed = kOverRelaxation * b.value + (1.0 - kOverRelaxation) * b.projected;
+    const Columns relaxed = kSolver.over_relaxation * b.value + (1.0 - kSolver.over_relaxation) * b.projected;
     Columns next = relaxed + b.multiplier;
     b.multiplier = next;
     if (block == kPosition) {
-      const double firmness = config_.wall_weight / (config_.wall_weight + kBlockWeight[kPosition] * rho_);
+      const double firmness = config_.wall_weight / (config_.wall_weight + kSolver.block_weight[kPosition] * rho_);
       for (int k = 0; k < num_steps_; ++k) {
         const Vector3 p_m = next.row(k).transpose();
         next.row(k) += firmness * (projected_to_walls(p_m, aims[static_cast<std::size_t>(k)]) - p_m).transpose();
@@ -275,9 +288,9 @@ bool ChaseMpc::change_rho() {
   double multiplier = 0.0;
   for (const Block& block : blocks_) multiplier = std::max(multiplier, block.multiplier.cwiseAbs().maxCoeff());
   const double balance = std::sqrt(primal_ * std::max(multiplier, 1e-6) / std::max(dual_, 1e-12));
-  if (balance < kUnbalanced && balance * kUnbalanced > 1.0) return false;
-  const double change = std::clamp(balance, 1.0 / kGreatestChange, kGreatestChange);
-  if (rho_ * change > kGreatestRho || rho_ * change * kGreatestRho < 1.0) return false;
+  if (balance < kSolver.unbalanced && balance * kSolver.unbalanced > 1.0) return false;
+  const double change = std::clamp(balance, 1.0 / kSolver.max_change, kSolver.max_change);
+  if (rho_ * change > kSolver.max_rho || rho_ * change * kSolver.max_rho < 1.0) return false;
   rho_ *= change;
   for (Block& block : blocks_) block.multiplier /= change;
   return true;

@@ -95,6 +95,8 @@ class ChaseMpc {
   enum { kJerk, kAcceleration, kVelocity, kPosition, kBlocks };
 
   void set_up(const PointState& start, std::span<const ChaseAim> aims, double step_s);
+  void set_responses();
+  void set_cost(const PointState& start, std::span<const ChaseAim> aims);
   void factor();
   void update_jerks();
   void respond(Columns& position, Columns& velocity, Columns& acceleration) const;

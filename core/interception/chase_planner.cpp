@@ -7,18 +7,21 @@
 namespace swiftlet {
 namespace {
 
-// Plans use slightly less than the limits, so that the reference governor follows them unchanged.
-constexpr double kShareOfLimits = 0.985;
-constexpr double kStepGrain_s = 0.0125;   // grain of the step length, so that successive plans mostly have equal steps
-constexpr double kBeyondMeeting = 1.3;    // horizon in multiples of the time to go
-constexpr double kMeetingGrain_s = 0.05;  // resolution of the time to go
-constexpr double kCrossingGrain_s = 0.025;
+struct PlannerTuning {
+  /// [-] Share of the motion limits that plans use, so that the reference governor follows them unchanged.
+  double limit_share = 0.985;
+  double step_grain_s = 0.0125;     ///< [s] grain of the step length; successive plans of equal steps start warm
+  double beyond_meeting = 1.3;      ///< [-] horizon in multiples of the time to go
+  double meeting_grain_s = 0.05;    ///< [s] resolution of the time to go
+  double crossing_grain_s = 0.025;  ///< [s] resolution of the time at which a disc crosses the target's height
+};
+constexpr PlannerTuning kPlanner;
 
 MotionLimits slower(MotionLimits limits) {
   for (double* limit :
        {&limits.horizontal_speed_mps, &limits.horizontal_acceleration_mps2, &limits.horizontal_jerk_mps3,
         &limits.vertical_speed_mps, &limits.vertical_acceleration_mps2, &limits.vertical_jerk_mps3}) {
-    *limit *= kShareOfLimits;
+    *limit *= kPlanner.limit_share;
   }
   return limits;
 }
@@ -45,8 +48,9 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
                         double side, const Surroundings& surroundings, double since_last_s) {
   time_to_go_s_ = std::min(config_.horizon_max_s, least_time_s(self, target, to_target_local_m));
   const int n = mpc_.num_steps();
-  const double horizon_s = std::clamp(kBeyondMeeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
-  const double step_s = std::ceil(horizon_s / n / kStepGrain_s - 1e-9) * kStepGrain_s;
+  const double horizon_s =
+      std::clamp(kPlanner.beyond_meeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
+  const double step_s = std::ceil(horizon_s / n / kPlanner.step_grain_s - 1e-9) * kPlanner.step_grain_s;
   const double meeting_s = std::min(time_to_go_s_, (n - 1) * step_s);
   const double last_step_s = mpc_.step_s();
   const std::optional<double> crossing = crossing_s(target, to_target_local_m, since_last_s);
@@ -80,9 +84,10 @@ std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, c
   amid_for_s_ = planned_ ? amid_for_s_ + since_last_s : 0.0;
   std::optional<double> enters_s;
   double leaves_s = 0.0;
-  const int instants = planned_ ? static_cast<int>((horizon_s() - since_last_s) / kCrossingGrain_s + 1e-9) : -1;
+  const int instants =
+      planned_ ? static_cast<int>((horizon_s() - since_last_s) / kPlanner.crossing_grain_s + 1e-9) : -1;
   for (int i = 0; i <= instants; ++i) {
-    const double t_s = i * kCrossingGrain_s;
+    const double t_s = i * kPlanner.crossing_grain_s;
     const Vector3 off_m = target.at(t_s).p_m - to_target_m - mpc_.at(t_s + since_last_s).p_m;
     const bool amid = off_m.head<2>().norm() < reach_m_;
     if (!amid && i == 0) amid_for_s_ = 0.0;
@@ -99,9 +104,9 @@ std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, c
 /// longest horizon only the speed counts.
 double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction& target,
                                   const Vector3& to_target_m) const {
-  const int steps = static_cast<int>(config_.horizon_max_s / kMeetingGrain_s);
+  const int steps = static_cast<int>(config_.horizon_max_s / kPlanner.meeting_grain_s);
   for (int i = 1; i < steps; ++i) {
-    const double t_s = i * kMeetingGrain_s;
+    const double t_s = i * kPlanner.meeting_grain_s;
     const Vector3 displacement_m = target.at(t_s).p_m - to_target_m - self.p_m;
     const Vector3 missing_m = displacement_m - t_s * self.v_mps;
     if (displacement_m.head<2>().norm() - reach_m_ > t_s * limits_.horizontal_speed_mps) continue;

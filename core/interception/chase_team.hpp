@@ -17,14 +17,14 @@ namespace swiftlet {
 inline constexpr double kSameTarget_m = 3.0;  ///< largest distance between two estimates of the same target
 
 /// Another interceptor, by its newest report. Local frame.
-struct ChasePeer {
+struct Teammate {
   ChaseReport::Status status = ChaseReport::Status::kIdle;
   TimeNs t = 0;  ///< time of the report
   double arrival_s = 0.0;
-  PathAhead path;                         ///< from the report's time on
-  PointState target;                      ///< at the report's time
-  bool same_target = false;               ///< has the same target as this vehicle
-  Vector3 off_local_m = Vector3::Zero();  ///< offset of its track from its reported position
+  PathAhead path;                            ///< from the report's time on
+  PointState target;                         ///< at the report's time
+  bool same_target = false;                  ///< has the same target as this vehicle
+  Vector3 offset_local_m = Vector3::Zero();  ///< offset of its track from its reported position
 
   Vector3 at(TimeNs now) const { return path.at(to_seconds(now - t)); }
   PointState target_at(TimeNs now) const;
@@ -44,9 +44,9 @@ class ChaseTeam {
   /// Associates tracks with interceptors: the nearest one to the reported position.
   /// @param target  id of the own target; 0: none
   void recognize(std::span<const Track> tracks, std::uint32_t target);
-  bool is_peer(std::uint32_t track) const;
+  bool is_teammate(std::uint32_t track) const;
   /// Does another interceptor lead the chase of the target at this position?
-  bool is_led(const Vector3& p_local_m, TimeNs now) const;
+  bool has_leader(const Vector3& p_local_m, TimeNs now) const;
   /// Marks interceptors with the same target.
   /// @param tolerance_m  between both estimates
   void compare_targets(const Vector3& target_local_m, TimeNs now, double tolerance_m);
@@ -61,11 +61,11 @@ class ChaseTeam {
   void append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
                                std::vector<MovingObstacle>& moving_obstacles) const;
   /// Has another interceptor caught the own target?
-  bool has_caught() const;
+  bool has_captured() const;
   /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.
-  const ChasePeer* chasing(const Vector3& own_local_m, TimeNs now) const;
+  const Teammate* chasing(const Vector3& own_local_m, TimeNs now) const;
 
-  bool is_report_due(TimeNs now) const { return !peers_.empty() && now >= next_report_; }
+  bool is_report_due(TimeNs now) const { return !teammates_.empty() && now >= next_report_; }
   /// @param path  predicted path of the vehicle from now on. Local frame, like the target.
   void report(ChaseReport::Status status, TimeNs now, double arrival_s, const PointState& target, const PathAhead& path,
               const FrameChange& to_world, Outbox& outbox);
@@ -74,11 +74,11 @@ class ChaseTeam {
   struct Received {
     bool fresh = false;
     std::uint32_t track = 0;  // 0: not seen
-    ChasePeer peer;
+    Teammate teammate;
   };
 
   VehicleId self_;
-  std::vector<Received> peers_;  // indexed by VehicleId; empty: no other vehicle
+  std::vector<Received> teammates_;  // indexed by VehicleId; empty: no other vehicle
   VehicleId leader_ = kNoVehicle;
   bool leads_ = true;
   TimeNs next_report_ = 0;

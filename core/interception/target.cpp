@@ -15,13 +15,16 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSlowestTarget_mps = 0.5;  // slower velocities give no heading
-constexpr double kReached_m = 3.0;          // distance at which an evasive target reaches its goal
-constexpr double kTurnGain_per_s = 2.5;     // gain from the velocity error to acceleration
-constexpr double kBoundaryMargin_m = 5.0;   // distance from the box's sides at which an evasive target turns away
-constexpr double kJinkPeriod_s = 1.2;       // period of random changes of the evasion side
-constexpr double kJink = 0.7;   // lateral part of the evasion velocity, relative to the part away from the pursuer
-constexpr double kOld_s = 0.7;  // older tracks are ignored
+struct EvasionTuning {
+  double min_speed_mps = 0.5;    ///< [m/s] slower velocities give no heading
+  double reached_m = 3.0;        ///< [m] distance at which an evasive target reaches its goal
+  double turn_gain_per_s = 2.5;  ///< [1/s] gain from the velocity error to acceleration
+  double margin_m = 5.0;         ///< [m] distance from the box's sides at which an evasive target turns away
+  double jink_period_s = 1.2;    ///< [s] period of random changes of the evasion side
+  double jink = 0.7;  ///< [-] lateral part of the evasion velocity, relative to the part away from the pursuer
+  double track_timeout_s = 0.7;  ///< [s] older tracks are ignored
+};
+constexpr EvasionTuning kEvasion;
 
 enum Draw : std::uint32_t { kLegs, kShape, kJinks };
 
@@ -165,12 +168,12 @@ class TargetFlight : public Guidance {
   /// Flies from point to point at a part of its speed; evades a near pursuer, alternating sides at random.
   Reference evade(const GuidanceInput& input, const FrameChange& to_world) {
     const Vector3 p_m = governor_.state().position_m;
-    if ((leg_world_m_ - p_m).norm() < kReached_m) leg_world_m_ = drawn_place();
+    if ((leg_world_m_ - p_m).norm() < kEvasion.reached_m) leg_world_m_ = drawn_place();
     Vector3 v_mps = config_.cruise * config_.speed_mps * (leg_world_m_ - p_m).normalized();
     const Track* pursuer = nullptr;
     double nearest_m = config_.alarm_m;
     for (const Track& track : input.tracks) {
-      if (to_seconds(input.observation.t - track.t) > kOld_s) continue;
+      if (to_seconds(input.observation.t - track.t) > kEvasion.track_timeout_s) continue;
       const double distance_m = (track.position_m - input.estimate.T_local_body.translation()).norm();
       if (distance_m >= nearest_m) continue;
       nearest_m = distance_m;
@@ -178,27 +181,27 @@ class TargetFlight : public Guidance {
     }
     if (pursuer != nullptr) {
       const Vector3 away = (p_m - to_world.point(pursuer->position_m)).normalized();
-      const auto jink = static_cast<std::uint32_t>(t_s_ / kJinkPeriod_s);
+      const auto jink = static_cast<std::uint32_t>(t_s_ / kEvasion.jink_period_s);
       const double side = random_.uniform(jink, kJinks + 64) < 0.5 ? -1.0 : 1.0;
       const Vector3 across(-side * away.y(), side * away.x(), random_.uniform(-0.5, 0.5, jink, kJinks + 65));
-      v_mps = config_.speed_mps * (away + kJink * across).normalized();
+      v_mps = config_.speed_mps * (away + kEvasion.jink * across).normalized();
     }
     // Turns along the sides of the box instead of into them.
     for (int i = 0; i < 3; ++i) {
       const double to_min_m = p_m[i] - config_.area_min_m[i], to_max_m = config_.area_max_m[i] - p_m[i];
-      const double margin_m = std::min(kBoundaryMargin_m, 0.3 * (config_.area_max_m[i] - config_.area_min_m[i]));
+      const double margin_m = std::min(kEvasion.margin_m, 0.3 * (config_.area_max_m[i] - config_.area_min_m[i]));
       if (to_min_m < margin_m) v_mps[i] = std::max(v_mps[i], config_.speed_mps * (1.0 - 2.0 * to_min_m / margin_m));
       if (to_max_m < margin_m) v_mps[i] = std::min(v_mps[i], -config_.speed_mps * (1.0 - 2.0 * to_max_m / margin_m));
     }
     if (v_mps.norm() > config_.speed_mps) v_mps *= config_.speed_mps / v_mps.norm();
     const double a_max = std::min(config_.acceleration_mps2, limits_.horizontal_acceleration_mps2);
-    Vector3 a_mps2 = kTurnGain_per_s * (v_mps - governor_.state().velocity_mps);
+    Vector3 a_mps2 = kEvasion.turn_gain_per_s * (v_mps - governor_.state().velocity_mps);
     if (a_mps2.norm() > a_max) a_mps2 *= a_max / a_mps2.norm();
     return governor_.accelerate(a_mps2, governor_.state().yaw_rad, input.dt_s);
   }
 
   void turn(Reference& goal) {
-    if (goal.velocity_mps.head<2>().norm() > kSlowestTarget_mps)
+    if (goal.velocity_mps.head<2>().norm() > kEvasion.min_speed_mps)
       yaw_rad_ = elementary::atan2(goal.velocity_mps.y(), goal.velocity_mps.x());
     goal.yaw_rad = yaw_rad_;
     goal.yaw_rate_radps = 0.0;

@@ -10,11 +10,15 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNear_m = 4.0;        // radius of particles that count as one position
-constexpr double kPossible = 0.1;      // weight below which a position counts as excluded, relative to the initial one
-constexpr double kLeastWeight = 1e-6;  // lower bound, so that a position may become possible again
-constexpr double kManeuver_per_s = 0.7;  // rate at which a particle's acceleration changes
-constexpr double kLongestStep_s = 1.0;   // upper limit of a step
+struct ParticleTuning {
+  double near_m = 4.0;          ///< [m] radius of particles that count as one position
+  double possible = 0.1;        ///< [-] weight below which a position counts as excluded, relative to the initial one
+  double min_weight = 1e-6;     ///< [-] lower bound, so that a position may become possible again
+  double maneuver_per_s = 0.7;  ///< [1/s] rate at which a particle's acceleration changes
+  double vertical_share = 0.4;  ///< [-] vertical acceleration relative to the horizontal one
+  double max_step_s = 1.0;      ///< [s] upper limit of a step
+};
+constexpr ParticleTuning kParticle;
 
 }  // namespace
 
@@ -51,13 +55,13 @@ void TargetSearch::begin(const PointState& target, double sigma_m, double sigma_
 /// White noise with the same effect as an acceleration that is kept for a second or two.
 Vector3 TargetSearch::draw(std::uint32_t particle) {
   const auto n = random_.normal3(draws_, particle);
-  return {n[0], n[1], 0.4 * n[2]};
+  return {n[0], n[1], kParticle.vertical_share * n[2]};
 }
 
 void TargetSearch::advance(double dt_s, const Geofence& fence) {
   ++draws_;
-  dt_s = std::min(dt_s, kLongestStep_s);
-  const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kManeuver_per_s);
+  dt_s = std::min(dt_s, kParticle.max_step_s);
+  const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kParticle.maneuver_per_s);
   for (std::uint32_t i = 0; i < kParticles; ++i) {
     Particle& particle = particles_[i];
     particle.v_local_mps += spread_mps * draw(i);
@@ -77,7 +81,8 @@ void TargetSearch::look(const Vector3& eye_local_m, double dt_s, const Occupancy
   const double missed = elementary::exp(-config_.detection_rate_per_s * dt_s);
   double sum = 0.0;
   for (Particle& particle : particles_) {
-    if (sees(eye_local_m, particle.p_local_m, map)) particle.weight = std::max(kLeastWeight, missed * particle.weight);
+    if (sees(eye_local_m, particle.p_local_m, map))
+      particle.weight = std::max(kParticle.min_weight, missed * particle.weight);
     sum += particle.weight;
   }
   remaining_ = sum / kParticles;
@@ -98,7 +103,7 @@ Vector3 TargetSearch::most_probable() const {
     double sum = 0.0;
     Vector3 middle_m = Vector3::Zero();
     for (const Particle& particle : particles_) {
-      if ((particle.p_local_m - center.p_local_m).squaredNorm() > kNear_m * kNear_m) continue;
+      if ((particle.p_local_m - center.p_local_m).squaredNorm() > kParticle.near_m * kParticle.near_m) continue;
       sum += particle.weight;
       middle_m += particle.weight * particle.p_local_m;
     }
@@ -112,7 +117,8 @@ Vector3 TargetSearch::most_probable() const {
 double TargetSearch::highest_near_m(const Vector3& p_local_m) const {
   double highest_m = std::numeric_limits<double>::lowest();
   for (const Particle& particle : particles_) {
-    if (particle.weight < kPossible || (particle.p_local_m - p_local_m).head<2>().norm() > kNear_m) continue;
+    if (particle.weight < kParticle.possible || (particle.p_local_m - p_local_m).head<2>().norm() > kParticle.near_m)
+      continue;
     highest_m = std::max(highest_m, particle.p_local_m.z());
   }
   return highest_m;

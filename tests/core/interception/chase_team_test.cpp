@@ -232,40 +232,40 @@ TEST(ChaseTeam, ShiftsReportedPathsToObservedPositions) {
   tracks[0].t = here.observation.t;
   tracks[0].position_m = {5.5, 1.0, 10.0};  // its report gives (5, 1, 10)
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_peer(4));
+  EXPECT_TRUE(here.team.is_teammate(4));
   const MovingObstacle other = here.moving_obstacles()[0];
   EXPECT_NEAR((other.at(0.0) - Vector3(5.5, 1.0, 10.0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR((other.at(0.5) - Vector3(5.5, 2.0, 10.0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR((other.velocity_mps(0.5) - Vector3(0, 2, 0)).norm(), 0.0, 1e-6);
 }
 
-// A peer that is about to catch the target hangs its net over it.
-TEST(ChaseTeam, DistinguishesPeersFromTheirNettedTargets) {
+// A teammate that is about to catch the target hangs its net over it.
+TEST(ChaseTeam, DistinguishesTeammatesFromTheirNettedTargets) {
   Team here;
   here.receives(kOther, Status::kLeads, 0.1);
   std::vector<Track> tracks(1);
   tracks[0].id = 7;
   tracks[0].position_m = {5.0, 0.0, 8.4};
   here.team.recognize(tracks, 7);
-  EXPECT_FALSE(here.team.is_peer(7));
+  EXPECT_FALSE(here.team.is_teammate(7));
   tracks[0].position_m.z() = 9.5;
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_peer(7)) << "two bodies are not that near";
+  EXPECT_TRUE(here.team.is_teammate(7)) << "two bodies are not that near";
   tracks.push_back(tracks[0]);
   tracks[1].id = 8;
   tracks[1].position_m.z() = 9.9;
   here.team.recognize(tracks, 7);
-  EXPECT_TRUE(here.team.is_peer(8)) << "the nearest track is the peer";
-  EXPECT_FALSE(here.team.is_peer(7));
+  EXPECT_TRUE(here.team.is_teammate(8)) << "the nearest track is the teammate";
+  EXPECT_FALSE(here.team.is_teammate(7));
 }
 
 TEST(ChaseTeam, AcceptsReportOfItsCaughtTarget) {
   Team here;
   here.receives(kOther, Status::kCaught, 0.0);
-  EXPECT_FALSE(here.team.has_caught()) << "the target is unknown";
+  EXPECT_FALSE(here.team.has_captured()) << "the target is unknown";
   here.receives(kOther, Status::kYields, 1.0);
   here.receives(kOther, Status::kCaught, 0.0);
-  EXPECT_TRUE(here.team.has_caught());
+  EXPECT_TRUE(here.team.has_captured());
 }
 
 TEST(ChaseTeam, IgnoresReportsThatTargetItself) {
@@ -292,10 +292,10 @@ TEST(ChaseTeam, ReportsSurviveTheRoundTrip) {
   ChaseTeam other(1, 2);
   other.listen(observation, {});
   ASSERT_NE(other.chasing({50, 0, 0}, 0), nullptr);
-  const ChasePeer& peer = *other.chasing({50, 0, 0}, 0);
-  EXPECT_EQ(peer.arrival_s, 1.25);
-  EXPECT_TRUE(peer.at(from_seconds(0.25)).isApprox(Vector3(1.5, 2, 3)));
-  EXPECT_TRUE(peer.target_at(from_seconds(2.0)).p_m.isApprox(Vector3(6, 5, 6)));
+  const Teammate& teammate = *other.chasing({50, 0, 0}, 0);
+  EXPECT_EQ(teammate.arrival_s, 1.25);
+  EXPECT_TRUE(teammate.at(from_seconds(0.25)).isApprox(Vector3(1.5, 2, 3)));
+  EXPECT_TRUE(teammate.target_at(from_seconds(2.0)).p_m.isApprox(Vector3(6, 5, 6)));
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/interception/target_selection.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+struct SelectionTuning {
+  /// [m/s] Growth of the gate kSameTarget_m with the time without a track. Larger values take up other objects.
+  double gate_growth_mps = 3.0;
+  /// [m] Cost of a target that a teammate leads; more than any distance, so that free targets come first.
+  double led_cost_m = 1e6;
+};
+constexpr SelectionTuning kSelection;
+constexpr double kIneligible_m = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+TargetSelection::TargetSelection(const InterceptConfig& config, std::optional<std::uint32_t> named_id)
+    : prediction_config_(config.prediction), track_timeout_s_(config.track_timeout_s), named_id_(named_id) {}
+
+const Track* TargetSelection::select(const GuidanceInput& input, const ChaseTeam& team, bool chasing) {
+  const Track* best = nullptr;
+  double least_m = kIneligible_m;
+  for (const Track& track : input.tracks) {
+    const double cost = cost_m(track, input, team, chasing);
+    if (cost >= least_m) continue;
+    least_m = cost;
+    best = &track;
+  }
+  if (best == nullptr) return nullptr;
+  const TimeNs now = input.observation.t;
+  const auto modes = std::ranges::find_if(input.track_modes, [&](const TrackModes& m) { return m.id == best->id; });
+  prediction_ = TargetPrediction(prediction_config_, *best, modes == input.track_modes.end() ? nullptr : &*modes, now);
+  if (best->id != id_) measured_.reset();
+  if (best->corrected) measured_ = best->t;
+  id_ = best->id;
+  selected_ = now;
+  return best;
+}
+
+/// Distance, lower for the present target, higher for targets of teammates; infinite: no target.
+double TargetSelection::cost_m(const Track& track, const GuidanceInput& input, const ChaseTeam& team,
+                               bool chasing) const {
+  const TimeNs now = input.observation.t;
+  if (to_seconds(now - track.t) > track_timeout_s_) return kIneligible_m;
+  if (named_id_) return track.id == *named_id_ ? 0.0 : kIneligible_m;
+  if (team.is_teammate(track.id)) return kIneligible_m;
+  const bool is_free = !team.has_leader(track.position_m, now);
+  const double led_m = is_free ? 0.0 : kSelection.led_cost_m;
+  const double distance_m = (track.position_m - input.estimate.T_local_body.translation()).norm();
+  if (!id_) return distance_m + led_m;
+  const bool same = track.id == *id_;
+  const double off_m = (track.position_m - expected_m(now)).norm();
+  const bool other = chasing && !same && off_m > gate_m(now);
+  if (!other) return (same ? -1.0 : off_m) + led_m;
+  // A yielding vehicle takes another target that no teammate leads.
+  return team.yields() && is_free ? distance_m : kIneligible_m;
+}
+
+double TargetSelection::gate_m(TimeNs now) const {
+  return kSameTarget_m + kSelection.gate_growth_mps * to_seconds(now - selected_);
+}
+
+std::optional<double> TargetSelection::unmeasured_s(TimeNs now) const {
+  return measured_ ? std::optional(to_seconds(now - *measured_)) : std::nullopt;
+}
+
+}  // namespace swiftlet
