@@ -12,14 +12,13 @@ struct NetSighting {
   std::uint32_t track = 0;                     ///< id of the target's track
   Vector3 from_net_local_m = Vector3::Zero();  ///< displacement from the center of the net to the target
   std::optional<double> unmeasured_s;          ///< time since the last measurement; empty: never measured
-  double sigma_m = 0.0;                        ///< standard deviation of the position along the worst axis
 };
 
-/// Decides from the own track whether the net has captured the target. A target counts again once it has been farther
-/// than the net's `rearm_m`.
+/// Decides from the own track whether the net has captured the target: by the rule of the true captures, applied to a
+/// track that was measured a moment ago. A target counts again once it has been farther than the net's `rearm_m`.
 class CaptureJudge {
  public:
-  CaptureJudge(const CaptureVolume& net, double sure_share);
+  explicit CaptureJudge(const CaptureVolume& net) : net_(net) {}
 
   /// True in the tick of a capture.
   bool captures(const NetSighting& sighting);
@@ -29,9 +28,7 @@ class CaptureJudge {
   int num_captures() const { return num_captures_; }
 
  private:
-  bool meets_net(const NetSighting& sighting) const;
-
-  CaptureVolume net_, sure_net_;
+  CaptureVolume net_;
   std::uint32_t track_ = 0;
   std::optional<Vector3> last_local_m_;
   bool armed_ = true;

@@ -35,7 +35,7 @@ class Intercept : public Guidance {
   Intercept(const InterceptConfig& config, const GuidanceSetup& setup)
       : config_(config),
         selection_(config, track_of(config.target, setup.agent.vehicle_names)),
-        judge_(config.net, config.sure_share),
+        judge_(config.net),
         states_(config),
         team_(setup.agent.self, setup.agent.num_vehicles),
         search_(config.search),
@@ -142,8 +142,8 @@ class Intercept : public Guidance {
     inputs.is_outside = states_.is(State::kChasing) && surroundings_.fence.excess_m(target().at(0.0).p_m) > 0.0;
     inputs.is_reported = follow_report(sees_target, dt_s);
     if (sees_target) {
-      inputs.captures = judge_.captures({*selection_.id(), target().at(0.0).p_m - flight_.net_m(),
-                                         selection_.unmeasured_s(now_), target().sigma_m(0.0)});
+      inputs.captures =
+          judge_.captures({*selection_.id(), target().at(0.0).p_m - flight_.net_m(), selection_.unmeasured_s(now_)});
     }
     inputs.is_armed = judge_.is_armed();
     inputs.num_captures = judge_.num_captures();

@@ -17,9 +17,6 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.field("captures", captures, "[-] number of captures until the mission is done; 0: without end",
           Range::non_negative());
   v.object("net", net, "the capture volume");
-  v.field("sure_share", sure_share,
-          "[-] share of the net's size within which a track is a capture; a precise track is one anywhere in the net",
-          Range{0.0, 1.0, true, false});
   v.object("fence", fence, "limits of the flight");
   v.choice("walls", walls, {"none", "map"},
            "[-] obstacles in addition to the fence: none, or the map of the mapping stage");

@@ -173,26 +173,5 @@ TEST(InterceptDecisions, EndsAfterItsCaptures) {
   EXPECT_GT(hunt.now_s(), first_s + 1.0);
 }
 
-/// Does the interceptor accept the capture of a hovering target with old measurements?
-bool believes(double age_s, double sigma_m) {
-  InterceptConfig config;
-  config.track_timeout_s = 5.0;
-  config.net.height_m = 0.5;
-  Prey hunt(config, {-8.0, 0.0, 16.5});
-  hunt.run(8.0, [&](double, Prey& h) {
-    h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
-    h.tracks[0].t -= from_seconds(age_s);
-    h.tracks[0].covariance = sigma_m * sigma_m * Eigen::Matrix<double, 9, 9>::Identity();
-  });
-  return hunt.out.mission == MissionStatus::kDone;
-}
-
-TEST(InterceptDecisions, NeedsAPreciseTrackWhenUnseen) {
-  EXPECT_TRUE(believes(0.0, 0.5)) << "near the middle, just measured";
-  EXPECT_TRUE(believes(0.7, 0.1));
-  EXPECT_FALSE(believes(0.7, 0.5)) << "it may be above or below";
-  EXPECT_FALSE(believes(1.1, 0.01)) << "it may have turned";
-}
-
 }  // namespace
 }  // namespace swiftlet

@@ -25,7 +25,6 @@ TEST(Intercept, CatchesTargetsOnKnownPaths) {
                             InterceptConfig::Method::kProportionalNavigation}) {
     InterceptConfig config;
     config.method = method;
-    config.sure_share = 1.0;
     Hunt hunt(config, {-20.0, 0.0, 12.0});
     hunt.run(25.0, circling);
     EXPECT_EQ(hunt.out.mission, MissionStatus::kDone) << static_cast<int>(method);
@@ -37,7 +36,6 @@ TEST(Intercept, CatchesTargetsOnKnownPaths) {
 double time_to_capture_s(InterceptConfig::Method method) {
   InterceptConfig config;
   config.method = method;
-  config.sure_share = 1.0;
   Hunt hunt(config, {-25.0, 0.0, 16.2});
   while (hunt.out.mission == MissionStatus::kRunning && hunt.now_s() < 60.0) {
     hunt.run(0.1, circling);
@@ -113,7 +111,6 @@ TEST(Intercept, SearchesForLostTargetAndResumes) {
 // An unseen track continues by its prediction, which does not count as a capture.
 TEST(Intercept, RejectsCatchesOfLongUnmeasuredTargets) {
   InterceptConfig config;
-  config.sure_share = 1.0;
   const auto blind = [](double t_s, Hunt& h) {
     circling(t_s, h);
     h.tracks[0].corrected = t_s < 0.5;

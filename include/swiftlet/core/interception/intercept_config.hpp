@@ -91,7 +91,6 @@ struct InterceptConfig : ModuleConfigOf<InterceptConfig> {
   std::string target;
   int captures = 1;
   CaptureVolume net;
-  double sure_share = 0.6;
   GeofenceConfig fence;
   enum class Walls { kNone, kMap };
   Walls walls = Walls::kNone;
