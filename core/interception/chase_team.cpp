@@ -138,7 +138,7 @@ void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m, double y
     const Teammate& teammate = teammates_[i].teammate;
     if (!teammates_[i].fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
     const double age_s = to_seconds(now - teammate.t);
-    const bool yields = leads_ && teammate.same_target && teammate.status != Status::kCaught;
+    const bool yields = leads_ && teammate.same_target && teammate.status != Status::kCaptured;
     MovingObstacle obstacle;
     obstacle.p_local_m = teammate.at(now) + teammate.offset_local_m;
     obstacle.v_local_mps = teammate.path.velocity_mps(age_s);
@@ -152,7 +152,7 @@ void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m, double y
 
 bool ChaseTeam::has_captured() const {
   return std::any_of(teammates_.begin(), teammates_.end(), [](const Received& received) {
-    return received.fresh && received.teammate.same_target && received.teammate.status == Status::kCaught;
+    return received.fresh && received.teammate.same_target && received.teammate.status == Status::kCaptured;
   });
 }
 

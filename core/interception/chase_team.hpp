@@ -60,7 +60,7 @@ class ChaseTeam {
   /// these plan with more.
   void append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
                                std::vector<MovingObstacle>& moving_obstacles) const;
-  /// Has another interceptor caught the own target?
+  /// Has a teammate captured the own target?
   bool has_captured() const;
   /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.
   const Teammate* chasing(const Vector3& own_local_m, TimeNs now) const;

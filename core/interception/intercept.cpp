@@ -205,7 +205,7 @@ class Intercept : public Guidance {
   void report(const StateEstimate& estimate, Outbox& outbox) {
     using Status = ChaseReport::Status;
     const Status status = states_.has_target() ? team_.leads() ? Status::kLeads : Status::kYields
-                          : states_.is(State::kDone) && judge_.num_captures() >= config_.captures ? Status::kCaught
+                          : states_.is(State::kDone) && judge_.num_captures() >= config_.captures ? Status::kCaptured
                           : states_.is(State::kSearching)                                         ? Status::kSearches
                                                                                                   : Status::kIdle;
     const PointState reported =

@@ -31,7 +31,7 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});
   v.field("track_timeout_s", track_timeout_s, "[s] age beyond which a track is lost", Range::positive());
   v.field("after_capture_s", after_capture_s,
-          "[s] longest time for which a caught target is left before the next approach", Range::non_negative());
+          "[s] longest time for which a captured target is left before the next approach", Range::non_negative());
   v.object("plan", plan, "plan of method mpc");
   v.object("prediction", prediction, "prediction of the target");
   v.object("gains", gains, "gains of the other methods");

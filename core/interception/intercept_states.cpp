@@ -28,7 +28,7 @@ void InterceptStates::follow_target(const Inputs& inputs, double dt_s) {
         enter(State::kSearching);
       break;
     case State::kSearching:
-      note_ = inputs.had_target ? "the target is lost: searching" : "going where another one sees the target";
+      note_ = inputs.had_target ? "the target is lost: searching" : "going where a teammate sees the target";
       if (inputs.is_reported) in_state_s_ = 0.0;
       if (inputs.sees_target)
         enter(State::kChasing);
@@ -48,8 +48,6 @@ void InterceptStates::follow_target(const Inputs& inputs, double dt_s) {
         give_up("gave up: the target left the fence");
       break;
     case State::kAborted:
-      note_ = reason_;
-      break;
     case State::kDone:
       break;
   }
@@ -64,7 +62,7 @@ void InterceptStates::end_missions(const Inputs& inputs) {
       enter(State::kLeaving);
   }
   if (wanted_captures_ > 0 && inputs.teammate_captured && !is(State::kDone)) {
-    note_ = "another one has captured it";
+    note_ = "a teammate has captured the target";
     enter(State::kDone);
   }
 }
@@ -81,7 +79,7 @@ void InterceptStates::enter(State state) {
 }
 
 void InterceptStates::give_up(const char* reason) {
-  reason_ = reason;
+  note_ = reason;
   enter(State::kAborted);
 }
 

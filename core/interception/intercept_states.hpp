@@ -52,7 +52,6 @@ class InterceptStates {
   State state_ = State::kWaiting;
   bool entered_ = false;
   const char* note_ = "";
-  const char* reason_ = "";
   double in_state_s_ = 0.0, outside_s_ = 0.0;
 };
 

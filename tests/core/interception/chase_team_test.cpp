@@ -123,7 +123,7 @@ TEST(ChaseTeam, IgnoresVehiclesOnOtherTargets) {
   Team here;
   here.receives(kOther, Status::kLeads, 1.0, {5, 0, 10}, {0, 2, 0}, {4, 0, 10});
   EXPECT_TRUE(here.leads(5.0));
-  for (const Status status : {Status::kIdle, Status::kSearches, Status::kCaught}) {
+  for (const Status status : {Status::kIdle, Status::kSearches, Status::kCaptured}) {
     here.receives(kOther, status, 1.0);
     EXPECT_TRUE(here.leads(5.0)) << static_cast<int>(status);
   }
@@ -215,7 +215,7 @@ TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
   EXPECT_EQ(all[0].plan_room_m, 0.0) << "the third one does not lead";
   EXPECT_EQ(all[1].radius_m, 3.0);
   EXPECT_EQ(all[1].plan_room_m, 3.0);
-  for (const Status inactive : {Status::kIdle, Status::kCaught}) {
+  for (const Status inactive : {Status::kIdle, Status::kCaptured}) {
     Team other;
     other.receives(kOther, inactive, 2.0);
     ASSERT_TRUE(other.leads(1.0));
@@ -259,12 +259,12 @@ TEST(ChaseTeam, DistinguishesTeammatesFromTheirNettedTargets) {
   EXPECT_FALSE(here.team.is_teammate(7));
 }
 
-TEST(ChaseTeam, AcceptsReportOfItsCaughtTarget) {
+TEST(ChaseTeam, AcceptsReportOfItsCapturedTarget) {
   Team here;
-  here.receives(kOther, Status::kCaught, 0.0);
+  here.receives(kOther, Status::kCaptured, 0.0);
   EXPECT_FALSE(here.team.has_captured()) << "the target is unknown";
   here.receives(kOther, Status::kYields, 1.0);
-  here.receives(kOther, Status::kCaught, 0.0);
+  here.receives(kOther, Status::kCaptured, 0.0);
   EXPECT_TRUE(here.team.has_captured());
 }
 

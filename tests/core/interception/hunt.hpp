@@ -33,6 +33,7 @@ class Hunt : public GuidanceDriver {
       before_tick(now_s(), *this);
       end_tick();
       EXPECT_TRUE(out.goal_is_feasible);
+      EXPECT_EQ(out.mission == MissionStatus::kFailed, std::string(out.note).starts_with("gave up"));
       EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), limits.horizontal_speed_mps * (1 + 1e-9));
       EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), limits.horizontal_acceleration_mps2 * (1 + 1e-9));
       EXPECT_LE(std::abs(out.goal.acceleration_mps2.z()), limits.vertical_acceleration_mps2 * (1 + 1e-9));

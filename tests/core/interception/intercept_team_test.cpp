@@ -92,7 +92,7 @@ TEST(InterceptTeam, SoonerVehicleCatchesAsIfAlone) {
     EXPECT_GT(pair.least_m, 1.5) << delay_s;
     pair.run(1.0, circling);
     EXPECT_EQ(pair.hunts[1].out.mission, MissionStatus::kDone);
-    EXPECT_TRUE(pair.noted(1, "another one has captured it")) << delay_s;
+    EXPECT_TRUE(pair.noted(1, "a teammate has captured the target")) << delay_s;
   }
 }
 
@@ -134,7 +134,7 @@ TEST(InterceptTeam, BlindVehicleFollowsTeammateSighting) {
     if (which == 0) hunt.sees({14.0, 0.0, 12.0}, Vector3::Zero());
   };
   pair.run(4.0, one_sees);
-  EXPECT_TRUE(pair.noted(1, "going where another one sees the target"));
+  EXPECT_TRUE(pair.noted(1, "going where a teammate sees the target"));
   EXPECT_GT(pair.hunts[1].p_m().x(), -22.0);
   EXPECT_GT(pair.least_m, 2.9);
   EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kSearches);
@@ -163,7 +163,7 @@ TEST(InterceptTeam, FencedVehicleDoesNotBlockTeammate) {
   Pair pair(near_config, far_config, {2.0, 0.0, 14.0}, {2.0, 24.0, 14.0});
   pair.run(10.0, [](int, Hunt& hunt) { hunt.sees({9.0, 0.0, 12.0}, Vector3::Zero()); });
   EXPECT_TRUE(pair.captured(1));
-  EXPECT_TRUE(pair.noted(0, "another one has captured it"));
+  EXPECT_TRUE(pair.noted(0, "a teammate has captured the target"));
 }
 
 // The target hovers inside of its fence, so high that the net below cannot be brought there.

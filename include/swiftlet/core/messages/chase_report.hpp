@@ -14,10 +14,10 @@ struct ChaseReport {
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "pursued target, earliest interception and predicted path of an interceptor";
 
-  /// kLeads: the teammates give way. kYields: a teammate intercepts earlier. kSearches: the target is lost. kCaught:
+  /// kLeads: the teammates give way. kYields: a teammate intercepts earlier. kSearches: the target is lost. kCaptured:
   /// the target is in the net.
-  enum class Status { kIdle, kLeads, kYields, kSearches, kCaught };
-  static constexpr std::array<const char*, 5> kStatuses = {"idle", "leads", "yields", "searches", "caught"};
+  enum class Status { kIdle, kLeads, kYields, kSearches, kCaptured };
+  static constexpr std::array<const char*, 5> kStatuses = {"idle", "leads", "yields", "searches", "captured"};
 
   struct Place {
     Eigen::Vector3f p_world_m = Eigen::Vector3f::Zero();
@@ -34,8 +34,8 @@ struct ChaseReport {
 
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] time of the first place");
-    v.choice("word", m.status, kStatuses,
-             "[-] leads: intercepts first; yields: gives way; searches: target lost; caught: target in the net");
+    v.choice("status", m.status, kStatuses,
+             "[-] leads: intercepts first; yields: gives way; searches: target lost; captured: target in the net");
     v.field("arrival_s", m.arrival_s, "[s] from now to the earliest interception");
     v.field("target_*_m", m.target_world_m, "[m] position of its target, in the sender's world frame");
     v.field("target_v*_mps", m.target_world_mps, "[m/s] velocity of its target, in the same axes");
