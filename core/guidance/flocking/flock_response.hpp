@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
 
 namespace swiftlet {

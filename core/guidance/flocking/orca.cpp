@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "core/guidance/heading.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -11,28 +11,33 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNearer_m = 0.3;       // shortest progress that resets the patience
-constexpr double kStands_mps = 0.3;     // slower neighbors are obstacles of the detour
-constexpr double kOff_m = 2.0;          // distance from the path beyond which it is planned anew
-constexpr double kNearGoal_m = 8.0;     // horizontal distance within which a path leads to the goal's height
-constexpr double kGoalMoved_m = 0.5;    // displacement of the goal beyond which the path is planned anew
-constexpr double kColumn_m = 3.0;       // vertical extent of a neighbor
-constexpr double kMoves_m = 0.3;        // smaller displacements count as standing
-constexpr double kHeld_s = 2.0;         // time of standing after which the cell counts as holding the vehicle
-constexpr double kStraight_m = 2.0;     // length of path that is then flown straight
-constexpr double kLeastPoint_m = 1e-6;  // [m^2] bound of a squared leg length, against division by 0
-constexpr double kBeside_m = 2.0;       // least horizontal distance of the viewpoint from a blocked goal
-constexpr double kSteep = 0.7;          // share of the viewing distance below which the goal counts as above or below
-constexpr double kThere_m = 0.5;        // distance at which the viewpoint is reached
-constexpr int kSides = 8;               // directions of the search for a viewpoint
+// When a path is planned.
+constexpr double kNearer_m = 0.3;     ///< shortest progress that resets the patience
+constexpr double kOff_m = 2.0;        ///< distance from the path beyond which it is planned anew
+constexpr double kGoalMoved_m = 0.5;  ///< displacement of the goal beyond which it is planned anew
+// Its limits.
+constexpr double kNearGoal_m = 8.0;  ///< horizontal distance within which a path leads to the goal's height
+constexpr double kStands_mps = 0.3;  ///< slower neighbors are obstacles of the path
+constexpr double kColumn_m = 3.0;    ///< vertical extent of such a neighbor
+// Flight straight along the path where the cell holds the vehicle.
+constexpr double kMoves_m = 0.3;     ///< smaller displacements count as standing
+constexpr double kHeld_s = 2.0;      ///< time of standing after which the cell counts as holding the vehicle
+constexpr double kStraight_m = 2.0;  ///< length of path that is then flown straight
+// Viewpoint of a blocked goal.
+constexpr double kBeside_m = 2.0;  ///< least horizontal distance from the goal
+constexpr double kSteep = 0.7;     ///< share of the viewing distance below which the goal counts as above or below
+constexpr double kThere_m = 0.5;   ///< distance at which the viewpoint is reached
+constexpr int kSides = 8;          ///< directions of the search
+/// Bound of a squared leg length, against division by 0.
+constexpr double kLeastLeg_m2 = 1e-6;
 
-// Shares of the lookahead distance, tested from the farthest on.
+/// Shares of the lookahead distance, tested from the farthest on. More of them find points nearer to the bound.
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 
 /// Share of the leg before its point nearest to p.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
   const Vector3 leg_m = to_m - from_m;
-  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kLeastPoint_m), 0.0, 1.0);
+  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kLeastLeg_m2), 0.0, 1.0);
 }
 
 /// Columns around stationary neighbors. A path around moving neighbors would be outdated before it is flown.

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/rbl_config.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/math/latency.hpp"

@@ -7,7 +7,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSamePlace_m = 1e-6;  // below this distance the direction is arbitrary
+/// Distance of a neighbor below which its direction is arbitrary.
+constexpr double kSamePlace_m = 1e-6;
 
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);

@@ -7,8 +7,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSettlingStep_m = 0.1;  // shortest progress that resets the patience
-// Time without an explanation before it is reported, in multiples of the patience.
+/// Shortest progress that resets the patience.
+constexpr double kSettlingStep_m = 0.1;
+/// Time without progress after which a wait without a known reason is reported, in multiples of the patience.
 constexpr double kUnexplained = 2.0;
 
 double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {

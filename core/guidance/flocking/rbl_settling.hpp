@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/base/action.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 

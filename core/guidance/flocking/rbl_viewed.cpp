@@ -10,9 +10,10 @@
 namespace swiftlet {
 namespace {
 
+/// Number of views kept: about 100 m of flight.
 constexpr std::size_t kLooks = 256;
-constexpr double kMoved_m = 0.4;
-constexpr double kTurned_rad = 0.2;
+/// Displacement and turn after which a view is added. Smaller values cost memory of the path.
+constexpr double kMoved_m = 0.4, kTurned_rad = 0.2;
 
 }  // namespace
 

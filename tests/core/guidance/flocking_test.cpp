@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "core/guidance/flocking/flock_response.hpp"
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/guarded_reference.hpp"
+#include "core/guidance/separation/guarded_reference.hpp"
 
 #include <gtest/gtest.h>
 

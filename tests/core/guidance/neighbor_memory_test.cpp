@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 
 #include <gtest/gtest.h>
 
@@ -101,19 +101,19 @@ TEST(NeighborMemory, ReportsBothPositionsAtLastSighting) {
 
 TEST(NeighborMemory, EstimatesSampleLatencyAndPeriod) {
   Listener listener(from(Source::kSensor));
-  EXPECT_EQ(listener.memory.shortest_s(), 0.0);
+  EXPECT_EQ(listener.memory.timing().shortest_s, 0.0);
   for (int i = 1; i <= 40; ++i) {  // every half second, 0.2 s late; one is lost
     if (i % 5 == 2 && i != 22) listener.sees(2, {5.0, 0.0, 0.0}, 0.1 * i - 0.2);
     listener.update(0.1 * i);
   }
-  EXPECT_NEAR(listener.memory.latency_s(), 0.2, 1e-6);
-  EXPECT_NEAR(listener.memory.shortest_s(), 0.5, 1e-6);
-  EXPECT_NEAR(listener.memory.longest_s(), 0.95, 0.11);
+  EXPECT_NEAR(listener.memory.timing().latency_s, 0.2, 1e-6);
+  EXPECT_NEAR(listener.memory.timing().shortest_s, 0.5, 1e-6);
+  EXPECT_NEAR(listener.memory.timing().longest_s, 0.95, 0.11);
   for (int i = 41; i <= 600; ++i) {
     if (i % 5 == 2) listener.sees(2, {5.0, 0.0, 0.0}, 0.1 * i - 0.2);
     listener.update(0.1 * i);
   }
-  EXPECT_NEAR(listener.memory.longest_s(), 0.5, 0.11) << "what was long ago is forgotten";
+  EXPECT_NEAR(listener.memory.timing().longest_s, 0.5, 0.11) << "what was long ago is forgotten";
 }
 
 TEST(NeighborMemory, WeightsDirectionsByMeasurementAccuracy) {
@@ -200,7 +200,7 @@ TEST(NeighborMemory, ForgetsDistantNeighborsWithoutLostSamples) {
   const auto known = listener.update(1.6);
   ASSERT_EQ(known.size(), 1U);
   EXPECT_EQ(known[0].key, 2);
-  EXPECT_EQ(listener.memory.longest_s(), 0.0);
+  EXPECT_EQ(listener.memory.timing().longest_s, 0.0);
 }
 
 TEST(NeighborMemory, GrowsUncertaintyOfUnseenNeighbors) {

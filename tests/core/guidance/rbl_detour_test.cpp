@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {

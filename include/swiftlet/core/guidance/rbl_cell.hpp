@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
-
-/// The points q with normal . q <= offset_m, q relative to the agent.
-struct HalfSpace {
-  Vector3 normal_local = Vector3::UnitX();  ///< unit length
-  double offset_m = 0.0;
-};
 
 /// Weighted centroids. In this file, `agent` is the frame with its origin at the agent and local axes.
 struct CellCentroids {

@@ -3,30 +3,13 @@
 
 #include <string>
 
-#include "swiftlet/core/control/motion_limits.hpp"
 #include "swiftlet/core/guidance/neighbor_source.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/separation_config.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 
 namespace swiftlet {
-
-/// Collision avoidance beyond that of the cells. Not in the document.
-struct RblSeparationConfig {
-  bool enabled = true;
-  double margin_m = 0.1;
-  double sigmas = 2.0;
-  double vertical_m = 1.5;
-  double reaction_s = 0.2;
-  double pledge_share = 0.45;
-  double acceleration_mps2 = 2.5;
-  double jerk_mps3 = 15.0;
-
-  /// Motion limits reduced to acceleration_mps2 and jerk_mps3, which the controller tracks closely; vertical limits in
-  /// the same ratio.
-  MotionLimits within(MotionLimits limits) const;
-  void visit(ConfigVisitor& v);
-};
 
 /// Escape from dead ends. Not in the document.
 struct RblDetourConfig {
@@ -66,7 +49,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   double z_max_m = 10.0;
   RblCellConfig cells;
   RblRules rules;
-  RblSeparationConfig separation;
+  SeparationConfig separation;
   NeighborSourceConfig neighbors;
   RblLidarConfig lidar;
   RblDetourConfig detour;

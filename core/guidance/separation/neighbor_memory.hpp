@@ -25,6 +25,13 @@ struct Neighbor {
   Vector3 own_seen_local_m = Vector3::Zero();          ///< position of the own vehicle at that time
 };
 
+/// Timing of the samples of neighbors so far; 0: no sample yet.
+struct SampleTiming {
+  double latency_s = 0.0;   ///< largest latency
+  double shortest_s = 0.0;  ///< shortest interval between two samples of one neighbor
+  double longest_s = 0.0;   ///< longest recent interval; a neighbor in view without measurement counts
+};
+
 /// Tracks the neighbors of a mutual-localization sensor, of radio messages, or of tracks, each by a Kalman filter with
 /// constant velocity. A neighbor is dropped when it is unseen for timeout_s inside the sensor's field of view; time in
 /// the blind sector does not count. Beyond the range a neighbor is like an undetected vehicle, so that time counts.
@@ -38,11 +45,7 @@ class NeighborMemory {
   /// Neighbors in order of keys, as of the last update. The prediction to now is computed on the first call.
   std::span<const Neighbor> neighbors();
 
-  /// Largest latency of samples, and shortest and recent longest interval between samples of one neighbor; 0: no sample
-  /// yet. A neighbor in view without measurement counts toward the longest interval.
-  double latency_s() const { return latency_s_; }
-  double shortest_s() const { return shortest_s_; }
-  double longest_s() const { return longest_s_; }
+  const SampleTiming& timing() const { return timing_; }
 
   /// Broadcasts the own position when the source is the radio; once per call.
   void announce(const StateEstimate& estimate, Outbox& outbox) const;
@@ -76,7 +79,7 @@ class NeighborMemory {
   std::vector<NeighborView> views_;
   TimeNs last_ = -1;  ///< time of the last update; negative: none yet
   TimeNs now_ = 0;
-  double latency_s_ = 0.0, shortest_s_ = 0.0, longest_s_ = 0.0;
+  SampleTiming timing_;
   std::vector<Filter> filters_;  ///< in order of keys
   std::vector<Neighbor> known_;
   bool to_carry_ = false;  ///< the filters have changed since the last prediction

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/rbl_sight.hpp"
+#include "core/guidance/separation/neighbor_sight.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +8,17 @@
 #include <span>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
 /// Looks ahead, 35 degrees to each side.
-RblSight with_camera_ahead() {
+NeighborSight with_camera_ahead() {
   NeighborView view;
   view.cones.push_back({Vector3::UnitX(), std::cos(35.0 * kRadPerDeg)});
-  return RblSight({view});
+  return NeighborSight({view});
 }
 
 Neighbor neighbor_at_azimuth(double azimuth_deg, double distance_m) {
@@ -28,9 +28,9 @@ Neighbor neighbor_at_azimuth(double azimuth_deg, double distance_m) {
   return neighbor;
 }
 
-TEST(RblSight, TurnsToNeighborTheShortWay) {
+TEST(NeighborSight, TurnsToNeighborTheShortWay) {
   for (const double azimuth_deg : {-100.0, 100.0, -160.0, 160.0}) {
-    RblSight sight = with_camera_ahead();
+    NeighborSight sight = with_camera_ahead();
     const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(azimuth_deg, 5.0)};
     const double turned_deg = sight.heading(Pose::Identity(), Vector3::Zero(), neighbors, {}, 0.0, 0) / kRadPerDeg;
     const double least_deg = std::abs(azimuth_deg) - 35.0;  // headings are 15 degrees apart
@@ -41,10 +41,10 @@ TEST(RblSight, TurnsToNeighborTheShortWay) {
 }
 
 // Half of all directions ahead: the plane through the vehicle is the edge.
-TEST(RblSight, SightMarginAppliesOnlyNearLevel) {
+TEST(NeighborSight, SightMarginAppliesOnlyNearLevel) {
   NeighborView view;
   view.cones.push_back({Vector3::UnitX(), 0.0});
-  const RblSight sight({view});
+  const NeighborSight sight({view});
   const auto sees = [&](const Vector3& to_m) { return sight.sees_ahead(Pose::Identity(), to_m); };
   EXPECT_TRUE(sees({-0.3, 2.0, 0.0}));
   EXPECT_FALSE(sees({-0.5, 2.0, 0.0}));
@@ -54,13 +54,13 @@ TEST(RblSight, SightMarginAppliesOnlyNearLevel) {
   }
 }
 
-TEST(RblSight, KeepsHeadingWhileSeeingAllNeighbors) {
-  RblSight sight = with_camera_ahead();
+TEST(NeighborSight, KeepsHeadingWhileSeeingAllNeighbors) {
+  NeighborSight sight = with_camera_ahead();
   const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(20.0, 5.0), neighbor_at_azimuth(-30.0, 2.0)};
   EXPECT_EQ(sight.heading(Pose::Identity(), {3.0, 0.0, 0.0}, neighbors, {}, 0.0, 0), 0.0);
 }
 
-TEST(RblSight, LooksAtTheMoreUrgentNeighbor) {
+TEST(NeighborSight, LooksAtTheMoreUrgentNeighbor) {
   for (const double side_deg : {90.0, -90.0}) {
     std::vector<Neighbor> longer_unseen = {neighbor_at_azimuth(side_deg, 5.0), neighbor_at_azimuth(-side_deg, 5.0)};
     longer_unseen[1].seen = 3 * kNsPerSecond;
@@ -69,7 +69,7 @@ TEST(RblSight, LooksAtTheMoreUrgentNeighbor) {
     approaching[0].velocity_local_mps = -4.0 * approaching[0].position_local_m.normalized();
     approaching[1].velocity_local_mps = 4.0 * approaching[1].position_local_m.normalized();
     for (const std::vector<Neighbor>& neighbors : {longer_unseen, nearer, approaching}) {
-      RblSight sight = with_camera_ahead();
+      NeighborSight sight = with_camera_ahead();
       const TimeNs now = neighbors[1].seen > 0 ? 4 * kNsPerSecond : 0;
       // The vehicle flies up, outside of its field of view.
       const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, now);
@@ -79,8 +79,8 @@ TEST(RblSight, LooksAtTheMoreUrgentNeighbor) {
   }
 }
 
-TEST(RblSight, KeepsApproachingVehicleInViewFirst) {
-  RblSight sight = with_camera_ahead();
+TEST(NeighborSight, KeepsApproachingVehicleInViewFirst) {
+  NeighborSight sight = with_camera_ahead();
   std::vector<Neighbor> neighbors;
   for (int i = 0; i < 8; ++i) neighbors.push_back(neighbor_at_azimuth(-20.0 + 5.0 * i, 3.0));
   const std::vector<Vector3> coming_m = {neighbor_at_azimuth(170.0, 6.0).position_local_m};
@@ -98,7 +98,7 @@ struct Looking {
 Looking look_around(double half_angle_deg, const Vector3& to_local_m, double duration_s, double rate_radps) {
   NeighborView view;
   view.cones.push_back({Vector3::UnitX(), std::cos(half_angle_deg * kRadPerDeg)});
-  RblSight sight({view});
+  NeighborSight sight({view});
   std::vector<bool> seen(360, false);
   Looking looking;
   double yaw_rad = 0.0, wanted_rad = 0.0;
@@ -118,7 +118,7 @@ Looking look_around(double half_angle_deg, const Vector3& to_local_m, double dur
   return looking;
 }
 
-TEST(RblSight, GlancesIntoBlindSectorInFlight) {
+TEST(NeighborSight, GlancesIntoBlindSectorInFlight) {
   const Looking half = look_around(90.0, {5.0, 0.0, 0.0}, 12.0, 1.0);
   EXPECT_LE(half.num_unseen, 30);  // right behind, headings are 15 degrees apart
   EXPECT_EQ(half.num_ticks_blind_ahead, 0);
@@ -126,14 +126,14 @@ TEST(RblSight, GlancesIntoBlindSectorInFlight) {
   EXPECT_EQ(narrow.num_ticks_blind_ahead, 0);
 }
 
-TEST(RblSight, LooksAllAroundWhileHovering) {
+TEST(NeighborSight, LooksAllAroundWhileHovering) {
   for (const double half_angle_deg : {35.0, 90.0, 160.0}) {
     EXPECT_EQ(look_around(half_angle_deg, Vector3::Zero(), 30.0, 1.0).num_unseen, 0) << half_angle_deg;
   }
 }
 
-TEST(RblSight, NeverTurnsWithAllRoundView) {
-  RblSight sight({});
+TEST(NeighborSight, NeverTurnsWithAllRoundView) {
+  NeighborSight sight({});
   const std::vector<Neighbor> behind = {neighbor_at_azimuth(180.0, 5.0)};
   EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, behind, {}, 0.7, 5 * kNsPerSecond), 0.7);
   EXPECT_TRUE(sight.sees_ahead(Pose::Identity(), {-3, 0, 0}));

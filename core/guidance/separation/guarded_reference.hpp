@@ -4,7 +4,7 @@
 #include <span>
 
 #include "swiftlet/core/control/reference_governor.hpp"
-#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
 

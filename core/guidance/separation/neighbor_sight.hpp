@@ -5,16 +5,16 @@
 #include <span>
 #include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/base/neighbor_view.hpp"
 
 namespace swiftlet {
 
 /// Heading of a vehicle whose sensor of neighbors has a blind sector.
-class RblSight {
+class NeighborSight {
  public:
   /// @param views  none: all around
-  explicit RblSight(std::vector<NeighborView> views) : views_(std::move(views)) {}
+  explicit NeighborSight(std::vector<NeighborView> views) : views_(std::move(views)) {}
 
   /// The heading that keeps neighbors out of the blind sector, those unseen for longest and soonest here first, then
   /// faces the flight direction. It turns to azimuths that were not viewed for long; in flight, only as far as the

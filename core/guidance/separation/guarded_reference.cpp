@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/guarded_reference.hpp"
+#include "core/guidance/separation/guarded_reference.hpp"
 
 #include <algorithm>
 
 namespace swiftlet {
 namespace {
 
-constexpr double kStep_s = 0.05;  // step of the simulated braking
-constexpr int kParts = 4;         // steps of the simulated period, in which the goal glides
-constexpr int kMostSteps = 400;   // limit of 20 s, within which every vehicle is at rest
+/// Step of the simulated braking. Larger values cost less, and misjudge the stopping point by more.
+constexpr double kStep_s = 0.05;
+/// Steps of the simulated period, in which the goal glides.
+constexpr int kParts = 4;
+/// Longest simulated braking: 20 s, within which every vehicle is at rest.
+constexpr int kMostSteps = 400;
+/// Speed at which the vehicle counts as at rest.
 constexpr double kStanding_mps = 0.02;
-constexpr double kBrakingPole_radps = 5.0;                                             // pole of the speed near rest
-constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;  // critically damped
+/// Pole of the speed near rest. Larger values stop later and harder.
+constexpr double kBrakingPole_radps = 5.0;
+/// Gain on the height of a planar vehicle that brakes: critically damped.
+constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;
+/// Tolerated violation of a plane, above rounding errors.
 constexpr double kSlack_m = 1e-3;
 
 void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {

@@ -2,13 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <span>
-#include <vector>
 
-#include "core/guidance/flocking/neighbor_memory.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
-#include "swiftlet/core/guidance/rbl_cell.hpp"
-#include "swiftlet/core/guidance/rbl_config.hpp"
+#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
 
@@ -28,8 +24,8 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 /// because of the downwash of the rotors.
 /// @param uncertainty_m  uncertainty of the other's position; reduces the room to advance, but never forces a retreat
 /// @return relative to the position of `self`
-HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
-                      double uncertainty_m);
+HalfSpace braking_plane(const Braking& self, const Braking& other, double distance_m, double vertical_m,
+                        double uncertainty_m);
 
 /// Half-space within which the vehicle stays until its next sighting of the other: a share of the gap at the last
 /// sighting.
@@ -38,8 +34,8 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
 /// No knowledge of speeds is required.
 /// @param uncertainty_m  uncertainty of the other's position at the last sighting
 /// @return relative to `p_local_m`, the present position of the vehicle
-HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
-                      double distance_m, double vertical_m, double uncertainty_m, double share);
+HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
+                       double distance_m, double vertical_m, double uncertainty_m, double share);
 
 /// Half-space beside the path of another vehicle that continues straight: a vehicle that only retreats is caught up
 /// with.
@@ -50,9 +46,9 @@ HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen
 /// @param begun_local  normal of the last evasion plane; nullptr: a new evasion
 /// @return relative to the position of `self`; nothing when the other does not approach, or passes the stopping point
 /// of `self` at more than the distance
-std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
-                                     const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                     const MotionLimits& limits, const Vector3* begun_local = nullptr);
+std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_other_local_m,
+                                       const Vector3& v_other_local_mps, double distance_m, double vertical_m,
+                                       const MotionLimits& limits, const Vector3* begun_local = nullptr);
 
 /// Speed limit with no neighbor in view: another vehicle with the same speed may approach just beyond the sensor's
 /// range. Both can still stop after detection.

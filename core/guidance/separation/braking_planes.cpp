@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/rbl_separation.hpp"
+#include "core/guidance/separation/braking_planes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,11 @@
 namespace swiftlet {
 namespace {
 
+/// Shorter displacements have no direction.
 constexpr double kTouching_m = 1e-6;
-constexpr double kTurnsBack = 3.0;  // the begun side is left only if it takes this many times longer
+/// The begun side of an evasion is left only if the other one takes this many times less time. At 1 each sample of a
+/// head-on neighbor may change the side.
+constexpr double kTurnsBack = 3.0;
 
 /// Limit along a direction, from limits of the horizontal and the vertical part.
 double along(const Vector3& direction, double level, double vertical) {
@@ -52,8 +55,8 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
   return {p_local_m, p_local_m + (reaction_s + 0.5 * speed_mps / braking_mps2) * v_local_mps};
 }
 
-HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
-                      double uncertainty_m) {
+HalfSpace braking_plane(const Braking& self, const Braking& other, double distance_m, double vertical_m,
+                        double uncertainty_m) {
   // Compressing the vertical axis turns the ellipsoid of distances into a ball.
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const auto scaled = [&](const Vector3& v) -> Vector3 { return scale.cwiseProduct(v); };
@@ -74,8 +77,8 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
   return {unscaled / stretch, offset_m / stretch};
 }
 
-HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
-                      double distance_m, double vertical_m, double uncertainty_m, double share) {
+HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
+                       double distance_m, double vertical_m, double uncertainty_m, double share) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 gap = scale.cwiseProduct(other_seen_local_m - own_seen_local_m);
   const double d = gap.norm();
@@ -87,9 +90,9 @@ HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen
   return {unscaled / stretch, offset_m / stretch};
 }
 
-std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
-                                     const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                     const MotionLimits& limits, const Vector3* begun_local) {
+std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_other_local_m,
+                                       const Vector3& v_other_local_mps, double distance_m, double vertical_m,
+                                       const MotionLimits& limits, const Vector3* begun_local) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
   const Vector3 displacement = scale.cwiseProduct(v_other_local_mps);
@@ -143,39 +146,6 @@ double speed_into_unknown_mps(double range_m, double unknown_s, double distance_
   const double path_length_m = std::max(0.0, 0.5 * (range_m - distance_m));
   if (path_length_m == std::numeric_limits<double>::infinity()) return path_length_m;
   return braking_mps2 * (std::sqrt(unknown_s * unknown_s + 2.0 * path_length_m / braking_mps2) - unknown_s);
-}
-
-MotionLimits RblSeparationConfig::within(MotionLimits limits) const {
-  const auto cap = [](double& level, double& vertical, double most) {
-    if (level <= most) return;
-    vertical *= most / level;
-    level = most;
-  };
-  cap(limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2, acceleration_mps2);
-  cap(limits.horizontal_jerk_mps3, limits.vertical_jerk_mps3, jerk_mps3);
-  return limits;
-}
-
-void RblSeparationConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled,
-          "[-] planes between the braking paths of vehicles bound the cells; false: the document's cells alone");
-  v.field("margin_m", margin_m, "[m] margin for the control error, added to the sum of the encumbrances",
-          Range::non_negative());
-  v.field("sigmas", sigmas, "[-] standard deviations of a neighbor's position by which it counts as nearer",
-          Range::non_negative());
-  v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other: wakes push down",
-          Range::positive());
-  v.field("reaction_s", reaction_s, "[s] delay before a vehicle brakes, added to the period of the updates",
-          Range::non_negative());
-  v.field("pledge_share", pledge_share,
-          "[-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles. 0: no "
-          "pledges",
-          Range::between(0.0, 0.49));
-  v.field("acceleration_mps2", acceleration_mps2,
-          "[m/s^2] upper limit below the motion limits, so that the controller follows within margin_m",
-          Range::positive());
-  v.field("jerk_mps3", jerk_mps3, "[m/s^3] upper limit below the motion limits; the vehicle must tilt as fast",
-          Range::positive());
 }
 
 }  // namespace swiftlet

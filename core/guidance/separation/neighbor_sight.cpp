@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/rbl_sight.hpp"
+#include "core/guidance/separation/neighbor_sight.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,15 +13,21 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNoDirection_m = 0.3;  // shorter displacements give no direction
-constexpr double kBesideTheView = 0.2;  // tangent of the tolerated horizontal angle outside the view
-// Cost of a flight direction out of view; that of a near neighbor unseen for 1 s is 2.
-constexpr double kAheadUnseen = 2.0;
-constexpr double kFreshView_s = 1.0;  // time since an azimuth was in view that costs nothing
-constexpr double kGlancePerS = 2.0;   // cost for each further second, for the azimuth to be viewed next
-constexpr double kGlance = 4.0;       // upper limit of that cost
-constexpr double kComesUnseen = 5.0;  // cost of each approaching neighbor out of view
-constexpr double kSlow_mps = 1.0;     // speed assumed in addition to the closing speed
+/// Shorter displacements give no direction.
+constexpr double kNoDirection_m = 0.3;
+/// Tangent of the tolerated horizontal angle outside the view.
+constexpr double kBesideTheView = 0.2;
+/// Speed assumed in addition to the closing speed. Larger values rate distant neighbors as more urgent.
+constexpr double kSlow_mps = 1.0;
+/// Costs of a heading. A near neighbor out of view, unseen for 1 s, costs 2.
+struct Cost {
+  static constexpr double kAheadUnseen = 2.0;  ///< flight direction out of view
+  static constexpr double kComesUnseen = 5.0;  ///< each approaching neighbor out of view
+  static constexpr double kGlancePerS = 2.0;   ///< azimuth to be viewed next out of view, by second
+  static constexpr double kFreshView_s = 1.0;  ///< time since that azimuth was in view that costs nothing
+  static constexpr double kGlance = 4.0;       ///< upper limit of that cost, below that of an approaching neighbor
+  static constexpr double kPerRad = 0.01;      ///< turn; decides among headings that are equally good
+};
 
 /// Time until the neighbor could be here, at its closing speed plus kSlow_mps; at least 1 s.
 double time_to_meet_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
@@ -37,31 +43,31 @@ Vector3 azimuth_of(int i, int count) {
 
 }  // namespace
 
-bool RblSight::sees(const Vector3& p_body_m) const {
+bool NeighborSight::sees(const Vector3& p_body_m) const {
   return std::any_of(views_.begin(), views_.end(), [&](const NeighborView& view) { return view.contains(p_body_m); });
 }
 
-void RblSight::look(const Matrix3& R_local_body, TimeNs now) {
+void NeighborSight::look(const Matrix3& R_local_body, TimeNs now) {
   for (int i = 0; i < kHeadings; ++i) {
     if (sees(R_local_body.transpose() * azimuth_of(i, kHeadings))) looked_[i] = now;
   }
 }
 
-bool RblSight::sees_beside(const Vector3& direction_body) const {
+bool NeighborSight::sees_beside(const Vector3& direction_body) const {
   // The tolerance vanishes right above and below.
   const double level = elementary::hypot(direction_body.x(), direction_body.y());
   return sees(direction_body + kBesideTheView * level * Vector3::UnitX());
 }
 
-bool RblSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const {
+bool NeighborSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const {
   if (views_.empty()) return true;
   const Vector3 ahead_body_m = T_local_body.linear().transpose() * (to_local_m - T_local_body.translation());
   const double d = ahead_body_m.norm();
   return d < kNoDirection_m || sees_beside(ahead_body_m / d);
 }
 
-double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                         std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now) {
+double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
+                              std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now) {
   if (views_.empty()) return last_yaw_rad;
   look(T_local_body.linear(), now);
   const Vector3 p_local_m = T_local_body.translation();
@@ -87,20 +93,20 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
   }
   double best_rad = last_yaw_rad, least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kHeadings; ++i) {
-    double cost = 0.01 * std::abs(turn_rad(i));
+    double cost = Cost::kPerRad * std::abs(turn_rad(i));
     for (const Neighbor& neighbor : neighbors) {
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
       if (!sees(R_body_local[i] * to_m))
         cost += (1.0 + to_seconds(now - neighbor.seen)) / time_to_meet_s(neighbor, to_m);
     }
     for (const Vector3& approaching_m : approaching_local_m) {
-      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += kComesUnseen;
+      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += Cost::kComesUnseen;
     }
-    if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
+    if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += Cost::kAheadUnseen;
     // In flight, the heading leaves the flight direction only as far as that stays in view.
     if (glance_ >= 0 && (is_blind[i] || !shows[i][glance_])) {
-      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kFreshView_s);
-      cost += std::min(kGlance, kGlancePerS * overdue_s);
+      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - Cost::kFreshView_s);
+      cost += std::min(Cost::kGlance, Cost::kGlancePerS * overdue_s);
     }
     if (cost < least) {
       least = cost;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking/neighbor_memory.hpp"
+#include "core/guidance/separation/neighbor_memory.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -10,12 +10,16 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRadioVariance_m2 = 1e-4;  // variance of positions reported by radio
+/// Variance of positions reported by radio. Larger values smooth their velocities, and delay them.
+constexpr double kRadioVariance_m2 = 1e-4;
+/// Longest prediction. Beyond it the position is held, and becomes uncertain with unseen_speed_mps.
 constexpr TimeNs kLongestAhead = 1'000'000'000;
-constexpr double kFade_s = 20.0;            // time constant with which the longest sample interval decays
-constexpr double kLongestInterval_s = 4.0;  // longer gaps do not count as sample intervals: the neighbor is lost
-// Time beyond kLongestAhead after which an unmeasured neighbor counts as at rest.
+/// Time beyond kLongestAhead after which an unmeasured neighbor counts as at rest.
 constexpr TimeNs kLongestMotion = 2'000'000'000;
+/// Time constant with which the longest sample interval decays. Larger values keep the team slow after a dropout.
+constexpr double kFade_s = 20.0;
+/// Longest gap that counts as a sample interval; after a longer one the neighbor is lost.
+constexpr double kLongestInterval_s = 4.0;
 
 }  // namespace
 
@@ -135,12 +139,12 @@ bool NeighborMemory::is_any(bool (NeighborView::*sees)(const Vector3&) const, co
 void NeighborMemory::forget(TimeNs now) {
   const TimeNs passed = last_ < 0 ? 0 : now - last_, timeout = from_seconds(config_.timeout_s);
   last_ = now;
-  longest_s_ *= 1.0 - std::min(1.0, to_seconds(passed) / kFade_s);
+  timing_.longest_s *= 1.0 - std::min(1.0, to_seconds(passed) / kFade_s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < filters_.size(); ++i) {
     if (filters_[i].in_view) filters_[i].missed += passed;
     if (filters_[i].looked_at) filters_[i].unseen_in_view += passed;
-    longest_s_ = std::max(longest_s_, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
+    timing_.longest_s = std::max(timing_.longest_s, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
     if ((config_.remember_hidden ? filters_[i].unseen_in_view : now - filters_[i].seen) > timeout) continue;
     if (kept < i) filters_[kept] = filters_[i];
     ++kept;
@@ -176,7 +180,7 @@ void NeighborMemory::predict(Filter& filter, TimeNs t) const {
 
 void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance,
                              const Vector3& own_local_m) {
-  latency_s_ = std::max(latency_s_, to_seconds(now_ - t));
+  timing_.latency_s = std::max(timing_.latency_s, to_seconds(now_ - t));
   const auto known = std::lower_bound(filters_.begin(), filters_.end(), key,
                                       [](const Filter& f, std::int64_t wanted) { return f.key < wanted; });
   if (known == filters_.end() || known->key != key) {
@@ -192,7 +196,8 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
   Filter& filter = *known;
   if (t < filter.t) return;  // older than the state
   const double interval_s = to_seconds(t - filter.seen);
-  if (interval_s > 0.0) shortest_s_ = shortest_s_ > 0.0 ? std::min(shortest_s_, interval_s) : interval_s;
+  if (interval_s > 0.0)
+    timing_.shortest_s = timing_.shortest_s > 0.0 ? std::min(timing_.shortest_s, interval_s) : interval_s;
   predict(filter, t);
   filter.seen = t;
   filter.own_local_m = own_local_m;

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/separation/neighbor_safety.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kFar_m = std::numeric_limits<double>::infinity();
+
+/// Constants of the rules.
+struct Rule {
+  /// Violation of a plane beyond which the vehicle evades. Smaller values evade on noise.
+  static constexpr double kViolation_m = 0.01;
+  /// Neighbors unseen for longer no longer shrink the cell below kMinCellSize_m. Larger values slow the team down after
+  /// a dropout.
+  static constexpr double kLongUnseen_s = 5.0;
+  /// Smallest cell radius left by a neighbor unseen for long. At 0 the vehicle retreats from it indefinitely.
+  static constexpr double kMinCellSize_m = 1.0;
+  /// Standard deviations of its speed that a neighbor's closing speed must exceed. Larger values evade later.
+  static constexpr double kClosing_sigmas = 0.5;
+  /// Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
+  static constexpr double kFaster_sigmas = 0.5;
+  /// Largest margin for the lateral uncertainty of an approaching neighbor. Larger values evade farther.
+  static constexpr double kMostBeside_m = 0.5;
+  /// Time before the braking paths come too close at which evasion begins.
+  static constexpr double kEvade_s = 0.5;
+  /// An evading vehicle's goal lies this many times as far away as planned. Larger values accelerate harder.
+  static constexpr double kGoalExtension = 3.0;
+  /// Time after the last approach until the side of evasion is forgotten and a planar vehicle returns to its plane.
+  static constexpr double kOutOfPlane_s = 1.5;
+  /// A planar vehicle evades upwards unless the neighbor is higher by more than this.
+  static constexpr double kSameHeight_m = 0.3;
+  /// Neighbors that meet the vehicle within this time at their present velocities stay in view.
+  static constexpr double kMeetingHorizon_s = 3.0;
+  /// Time for which the vehicle keeps its own pledge, beyond two samples and lost ones.
+  static constexpr double kPledged_s = 1.0;
+  /// Waiting time before the start, in longest sample intervals. At 1 a single lost sample hides a neighbor.
+  static constexpr double kLookAround = 2.0;
+  /// Shorter sample intervals do not delay the start.
+  static constexpr double kShortInterval_s = 0.5;
+};
+/// Reserved capacity: a track that is lost and found again takes a second entry.
+constexpr std::size_t kEvasionCapacity = 64;
+
+double range_of(const std::vector<NeighborView>& views) {
+  double range_m = kFar_m;
+  for (const NeighborView& view : views) range_m = std::min(range_m, view.range_max_m);
+  return range_m;
+}
+
+}  // namespace
+
+NeighborSafety::NeighborSafety(const SeparationConfig& config, const Vehicle& vehicle)
+    : config_(config),
+      vehicle_(vehicle),
+      distance_m_(config.distance_m(vehicle.encumbrance_m)),
+      vertical_m_(vehicle.planar ? distance_m_ : config.vertical_m),
+      reaction_s_(config.reaction_s + to_seconds(vehicle.period)),
+      range_m_(range_of(vehicle.views)),
+      reference_(config.within(vehicle.limits), vehicle.planar),
+      sight_(vehicle.views) {
+  vehicle_.limits = config.within(vehicle.limits);
+  const auto num = static_cast<std::size_t>(vehicle.num_vehicles);
+  approaching_local_m_.reserve(num);
+  evasions_.reserve(std::max(kEvasionCapacity, num));
+  planes_.reserve(3 * num);
+  cell_planes_.reserve(3 * num);
+}
+
+void NeighborSafety::start(const StateEstimate& estimate, TimeNs now) {
+  started_ = now;
+  Reference here;
+  here.position_m = estimate.T_local_body.translation();
+  here.velocity_mps = estimate.v_local_mps;
+  here.yaw_rad = yaw_of(estimate.T_local_body.linear());
+  reference_.reset(here);
+}
+
+void NeighborSafety::update(const Situation& situation, bool certain) {
+  sigmas_ = certain ? 0.0 : config_.sigmas;
+  self_ = {level(situation.estimate.T_local_body.translation()), level(reference_.rest_local_m())};
+  const Vector3 v_own_local_mps = level(situation.estimate.v_local_mps);
+  planes_.clear();
+  cell_planes_.clear();
+  approaching_local_m_.clear();
+  evades_ = false;
+  passing_at_m_ = kFar_m;
+  for (const Neighbor& neighbor : situation.neighbors) {
+    const Vector3 p_local_m = level(neighbor.position_local_m);
+    const Encounter met{neighbor, p_local_m, level(neighbor.velocity_local_mps), p_local_m - self_.p_local_m};
+    add_braking_plane(met, situation);
+    watch(met, v_own_local_mps);
+    maybe_evade(met, situation.now);
+    add_pledge_plane(met, situation);
+  }
+}
+
+/// Plane between the braking paths. While a neighbor's pledge holds, only the uncertainty of its last measured position
+/// counts.
+void NeighborSafety::add_braking_plane(const Encounter& met, const Situation& situation) {
+  const Braking other =
+      braking_of(met.p_local_m, met.v_local_mps, reaction_s_ + met.neighbor.unpredicted_s, vehicle_.limits);
+  // Derivative of the neighbor's stopping distance v t + v^2 / 2a with respect to its closing speed.
+  const double velocity_gain_s = reaction_s_ + met.closing_mps / vehicle_.limits.horizontal_acceleration_mps2;
+  const double sigma_m = met.sigma(met.neighbor.covariance_local_m2) + velocity_gain_s * met.speed_sigma_mps();
+  double reserve_m = sigmas_ * sigma_m;
+  if (is_pledged(met.neighbor, situation)) reserve_m = std::min(seen_reserve_m(met), reserve_m);
+  const HalfSpace plane = braking_plane(self_, other, distance_m_, vertical_m_, reserve_m);
+  evades_ = evades_ || plane.offset_m < -Rule::kViolation_m;
+  double cell_m = plane.offset_m;
+  if (to_seconds(situation.now - met.neighbor.seen) > Rule::kLongUnseen_s) {
+    const double sure_m = braking_plane(self_, other, distance_m_, vertical_m_, 0.0).offset_m;
+    cell_m = std::max(cell_m, std::min(sure_m, Rule::kMinCellSize_m));
+  }
+  add(plane, cell_m);
+}
+
+/// Neighbors that soon meet the vehicle stay in view.
+void NeighborSafety::watch(const Encounter& met, const Vector3& v_own_local_mps) {
+  const double d = met.distance_m;
+  const double meeting_mps = d > 0.0 ? (v_own_local_mps - met.v_local_mps).dot(met.to_local_m) / d : 0.0;
+  if (meeting_mps > Encounter::kClosing_mps && d - distance_m_ < Rule::kMeetingHorizon_s * meeting_mps)
+    approaching_local_m_.push_back(met.p_local_m);
+}
+
+/// Evades a neighbor that approaches without braking. A braking one is already slow. A poorly measured one is taken to
+/// be faster: its filter starts at rest.
+void NeighborSafety::maybe_evade(const Encounter& met, TimeNs now) {
+  const double speed_sigma_mps = met.speed_sigma_mps();
+  if (met.closing_mps <= std::max(Encounter::kClosing_mps, Rule::kClosing_sigmas * speed_sigma_mps)) return;
+  const double faster_mps = met.closing_mps + Rule::kFaster_sigmas * speed_sigma_mps;
+  const Braking faster = braking_of(met.p_local_m, faster_mps / met.closing_mps * met.v_local_mps,
+                                    reaction_s_ + met.neighbor.unpredicted_s, vehicle_.limits);
+  const double sure_m = braking_plane(self_, faster, distance_m_, vertical_m_, 0.0).offset_m;
+  if (sure_m >= 0.5 * Rule::kEvade_s * faster_mps) return;
+  if (met.distance_m < passing_at_m_) {
+    passing_at_m_ = met.distance_m;
+    passing_ = {now, met.neighbor.position_local_m.z()};
+  }
+  evade(met, now);
+}
+
+/// Plane beside the path of the neighbor, always on the same side.
+void NeighborSafety::evade(const Encounter& met, TimeNs now) {
+  std::erase_if(evasions_, [&](const Evasion& e) { return now - e.t > from_seconds(Rule::kOutOfPlane_s); });
+  const auto known =
+      std::find_if(evasions_.begin(), evasions_.end(), [&](const Evasion& e) { return e.key == met.neighbor.key; });
+  // Margin for the neighbor's lateral uncertainty.
+  const double aside_m = distance_m_ + std::min(Rule::kMostBeside_m, met.side_sigma_m());
+  const auto beside = evasion_plane(self_, met.p_local_m, met.v_local_mps, aside_m, vertical_m_ * aside_m / distance_m_,
+                                    vehicle_.limits, known != evasions_.end() ? &known->normal_local : nullptr);
+  if (!beside) return;
+  evades_ = evades_ || beside->offset_m < -Rule::kViolation_m;
+  add(*beside, beside->offset_m);
+  const Evasion evasion{met.neighbor.key, now, beside->normal_local};
+  if (known != evasions_.end()) {
+    *known = evasion;
+  } else {
+    evasions_.push_back(evasion);
+  }
+}
+
+/// Plane of the vehicle's own pledge; it leaves the point of rest to the vehicle.
+void NeighborSafety::add_pledge_plane(const Encounter& met, const Situation& situation) {
+  // Samples may be lost, so the vehicle keeps its pledge for longer than it relies on that of the neighbor.
+  const double kept_s = 2.0 * sample_gap_s(situation.timing) + situation.timing.longest_s + Rule::kPledged_s;
+  if (config_.pledge_share <= 0.0 || to_seconds(situation.now - met.neighbor.seen) > kept_s) return;
+  HalfSpace pledge = pledge_plane(level(met.neighbor.own_seen_local_m), level(met.neighbor.seen_local_m),
+                                  self_.p_local_m, distance_m_, vertical_m_, seen_reserve_m(met), config_.pledge_share);
+  const double least_m = std::max(0.0, pledge.normal_local.dot(self_.stop_local_m - self_.p_local_m));
+  pledge.offset_m = std::max(pledge.offset_m, least_m);
+  add(pledge, pledge.offset_m);
+}
+
+void NeighborSafety::add(const HalfSpace& plane, double cell_offset_m) {
+  planes_.push_back(plane);
+  cell_planes_.push_back({plane.normal_local, cell_offset_m});
+}
+
+NeighborSafety::Goal NeighborSafety::admit(const Situation& situation, Goal wanted,
+                                           std::span<const HalfSpace> obstacles, double reach_m) {
+  const Pose& T_local_body = situation.estimate.T_local_body;
+  if (vehicle_.turns) {
+    wanted.yaw_rad = sight_.heading(T_local_body, wanted.position_local_m, situation.neighbors, approaching_local_m_,
+                                    wanted.yaw_rad, situation.now);
+    if (!evades_ && !sight_.sees_ahead(T_local_body, wanted.position_local_m))
+      wanted.position_local_m = reference_.rest_local_m();
+  }
+  if (!evades_ && looks_around(situation)) wanted.position_local_m = reference_.rest_local_m();
+  if (evades_) {
+    wanted.position_local_m = extended_goal_local_m(situation, wanted.position_local_m, obstacles, reach_m);
+    planes_.insert(planes_.end(), obstacles.begin(), obstacles.end());
+  }
+  wanted.position_local_m =
+      reference_.admit(wanted.last_local_m, wanted.position_local_m, planes_, T_local_body.translation(),
+                       to_seconds(vehicle_.period), wanted.speed_limit_mps);
+  return wanted;
+}
+
+/// A near goal is approached slowly, so the goal of an evading vehicle lies farther away. It stays within the heights
+/// of flight, the reach and the obstacle planes.
+Vector3 NeighborSafety::extended_goal_local_m(const Situation& situation, const Vector3& goal_local_m,
+                                              std::span<const HalfSpace> obstacles, double reach_m) const {
+  const Vector3 p_local_m = situation.estimate.T_local_body.translation();
+  const Vector3 aside_m = goal_local_m - p_local_m;
+  double farther = std::min(Rule::kGoalExtension, reach_m / aside_m.norm());
+  for (const HalfSpace& obstacle : obstacles) {
+    const double towards_m = obstacle.normal_local.dot(aside_m);
+    if (towards_m > 0.0) farther = std::min(farther, obstacle.offset_m / towards_m);
+  }
+  Vector3 extended_local_m = p_local_m + std::max(farther, 1.0) * aside_m;
+  extended_local_m.z() = std::clamp(extended_local_m.z(), std::min(situation.z_min_m, p_local_m.z()),
+                                    std::max(situation.z_max_m, p_local_m.z()));
+  return extended_local_m;
+}
+
+std::optional<double> NeighborSafety::evasion_height_local_m(const Situation& situation, double height_m) {
+  if (passing_.t < 0 || situation.now - passing_.t > from_seconds(Rule::kOutOfPlane_s)) {
+    rises_.reset();
+    return std::nullopt;
+  }
+  const auto to_m = [&](bool rises) { return passing_.height_local_m + (rises ? 1.0 : -1.0) * config_.vertical_m; };
+  const auto is_free = [&](bool rises) {
+    return rises ? to_m(true) <= situation.z_max_m : to_m(false) >= situation.z_min_m;
+  };
+  const double z_m = situation.estimate.T_local_body.translation().z();
+  if (!rises_) rises_ = z_m >= passing_.height_local_m - Rule::kSameHeight_m;
+  if (!is_free(*rises_) && is_free(!*rises_)) rises_ = !*rises_;
+  const double aside_m = *rises_ ? std::max(height_m, to_m(true)) : std::min(height_m, to_m(false));
+  return std::clamp(aside_m, std::min(situation.z_min_m, height_m), std::max(situation.z_max_m, height_m));
+}
+
+double NeighborSafety::speed_limit_mps(const SampleTiming& timing) const {
+  const double unknown_s = timing.longest_s + timing.latency_s + config_.reaction_s + to_seconds(vehicle_.period);
+  return speed_into_unknown_mps(range_m_, unknown_s, distance_m_, vehicle_.limits.horizontal_acceleration_mps2);
+}
+
+/// With long sample intervals, a near neighbor may not have been measured yet.
+bool NeighborSafety::looks_around(const Situation& situation) const {
+  const double longest_s = situation.timing.longest_s;
+  return longest_s > Rule::kShortInterval_s && to_seconds(situation.now - started_) < Rule::kLookAround * longest_s;
+}
+
+/// Time after a sample during which the neighbor counts as keeping its pledge.
+double NeighborSafety::sample_gap_s(const SampleTiming& timing) const {
+  return timing.shortest_s + timing.latency_s + to_seconds(vehicle_.period);
+}
+
+bool NeighborSafety::is_pledged(const Neighbor& neighbor, const Situation& situation) const {
+  return config_.pledge_share > 0.0 && situation.timing.shortest_s > 0.0 &&
+         to_seconds(situation.now - neighbor.seen) <= sample_gap_s(situation.timing);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/separation_config.hpp"
+
+namespace swiftlet {
+
+MotionLimits SeparationConfig::within(MotionLimits limits) const {
+  const auto cap = [](double& level, double& vertical, double most) {
+    if (level <= most) return;
+    vertical *= most / level;
+    level = most;
+  };
+  cap(limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2, acceleration_mps2);
+  cap(limits.horizontal_jerk_mps3, limits.vertical_jerk_mps3, jerk_mps3);
+  return limits;
+}
+
+void SeparationConfig::visit(ConfigVisitor& v) {
+  v.field("enabled", enabled, "[-] braking planes, pledges and evasion keep vehicles apart; false: the guidance alone");
+  v.field("margin_m", margin_m, "[m] margin for the control error, added to the sum of the encumbrances",
+          Range::non_negative());
+  v.field("sigmas", sigmas, "[-] standard deviations of a neighbor's position by which it counts as nearer",
+          Range::non_negative());
+  v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other: wakes push down",
+          Range::positive());
+  v.field("reaction_s", reaction_s, "[s] delay before a vehicle brakes, added to the period of the updates",
+          Range::non_negative());
+  v.field("pledge_share", pledge_share,
+          "[-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles. 0: no "
+          "pledges",
+          Range::between(0.0, 0.49));
+  v.field("acceleration_mps2", acceleration_mps2,
+          "[m/s^2] upper limit below the motion limits, so that the controller follows within margin_m",
+          Range::positive());
+  v.field("jerk_mps3", jerk_mps3, "[m/s^3] upper limit below the motion limits; the vehicle must tilt as fast",
+          Range::positive());
+}
+
+}  // namespace swiftlet

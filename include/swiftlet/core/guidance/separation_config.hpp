@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/control/motion_limits.hpp"
+
+namespace swiftlet {
+
+/// Distances and limits by which a vehicle keeps apart from its neighbors (NeighborSafety).
+struct SeparationConfig {
+  bool enabled = true;
+  double margin_m = 0.1;
+  double sigmas = 2.0;
+  double vertical_m = 1.5;
+  double reaction_s = 0.2;
+  double pledge_share = 0.45;
+  double acceleration_mps2 = 2.5;
+  double jerk_mps3 = 15.0;
+
+  /// Horizontal distance to keep between the centers of two vehicles.
+  double distance_m(double encumbrance_m) const { return 2.0 * encumbrance_m + margin_m; }
+  /// Motion limits reduced to acceleration_mps2 and jerk_mps3, which the controller tracks closely; vertical limits in
+  /// the same ratio.
+  MotionLimits within(MotionLimits limits) const;
+  void visit(ConfigVisitor& v);
+};
+
+}  // namespace swiftlet
