@@ -6,6 +6,7 @@
 
 #include "core/guidance/flight/path_follower.hpp"
 #include "core/guidance/path_overlay.hpp"
+#include "swiftlet/core/guidance/kept_apart.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
@@ -209,10 +210,12 @@ void NavigateConfig::visit(ConfigVisitor& v) {
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
   v.object("planner", planner, "limits of the path, and search by a_star");
   v.object("sampling", sampling, "search by rrt and informed_rrt_star");
+  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
 }
 
 std::unique_ptr<Guidance> make_navigate(const ModuleConfig& config, const GuidanceSetup& setup) {
-  return std::make_unique<Navigate>(dynamic_cast<const NavigateConfig&>(config), setup);
+  const auto& navigate = dynamic_cast<const NavigateConfig&>(config);
+  return kept_apart(std::make_unique<Navigate>(navigate, setup), navigate.separation, setup);
 }
 
 }  // namespace swiftlet

@@ -6,6 +6,7 @@
 #include "core/guidance/flight/landing.hpp"
 #include "core/guidance/heading.hpp"
 #include "core/guidance/path_overlay.hpp"
+#include "swiftlet/core/guidance/kept_apart.hpp"
 
 namespace swiftlet {
 namespace {
@@ -118,11 +119,13 @@ void WaypointsConfig::visit(ConfigVisitor& v) {
   v.choice("yaw", yaw, {"along_path", "at_next", "fixed"},
            "[-] heading: along the leg, at the next waypoint as seen from the vehicle, or yaw_deg");
   v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
   v.check(!(loop && land_at_end), "land_at_end", "false together with loop, which has no end");
 }
 
 std::unique_ptr<Guidance> make_waypoints(const ModuleConfig& config, const GuidanceSetup& setup) {
-  return std::make_unique<Waypoints>(dynamic_cast<const WaypointsConfig&>(config), setup);
+  const auto& waypoints = dynamic_cast<const WaypointsConfig&>(config);
+  return kept_apart(std::make_unique<Waypoints>(waypoints, setup), waypoints.separation, setup);
 }
 
 }  // namespace swiftlet

@@ -6,6 +6,7 @@
 
 #include "core/guidance/flocking/flock_response.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/guidance/kept_apart.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
@@ -286,6 +287,7 @@ void PacnavConfig::visit(ConfigVisitor& v) {
           Range::probability());
   v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "obstacles");
+  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
 
@@ -307,7 +309,8 @@ void MezeyConfig::visit(ConfigVisitor& v) {
 }
 
 std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup) {
-  return std::make_unique<Pacnav>(dynamic_cast<const PacnavConfig&>(config), setup);
+  const auto& pacnav = dynamic_cast<const PacnavConfig&>(config);
+  return kept_apart(std::make_unique<Pacnav>(pacnav, setup), pacnav.separation, setup, true);
 }
 
 std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup) {

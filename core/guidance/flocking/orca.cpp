@@ -6,6 +6,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/separation/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/kept_apart.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
@@ -171,11 +172,13 @@ void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("z_max_m", z_max_m, "[m] highest flight level");
   v.field("planar", planar, "[-] at the goal's height, avoiding level");
   v.object("neighbors", neighbors, "source of the neighbors");
+  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 
 std::unique_ptr<Guidance> make_orca(const ModuleConfig& config, const GuidanceSetup& setup) {
-  return std::make_unique<Orca>(dynamic_cast<const OrcaConfig&>(config), setup);
+  const auto& orca = dynamic_cast<const OrcaConfig&>(config);
+  return kept_apart(std::make_unique<Orca>(orca, setup), orca.separation, setup, orca.planar);
 }
 
 }  // namespace swiftlet

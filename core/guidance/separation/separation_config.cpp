@@ -35,4 +35,15 @@ void SeparationConfig::visit(ConfigVisitor& v) {
           Range::positive());
 }
 
+void KeepApartConfig::visit(ConfigVisitor& v) {
+  SeparationConfig::visit(v);
+  v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
+  v.field("update_rate_hz", update_rate_hz, "[Hz] rate of the planes and of the admitted goal",
+          Range::between(1e-3, 1e5));
+  v.field("z_min_m", z_min_m, "[m] lowest height of an evasion");
+  v.field("z_max_m", z_max_m, "[m] highest height of an evasion");
+  v.object("neighbors", neighbors, "source of the neighbors to keep apart from");
+  v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
+}
+
 }  // namespace swiftlet

@@ -8,7 +8,11 @@
 #include <limits>
 #include <vector>
 
+#include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/navigate.hpp"
+#include "swiftlet/core/guidance/orca.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
@@ -234,6 +238,91 @@ TEST(NeighborSafety, StaysAtGoalAfterLosingNeighbor) {
     farthest_m = std::max(farthest_m, (driver.p_m() - config.goal_m).norm());
   }
   EXPECT_LT(farthest_m, 0.5);
+}
+
+/// Two vehicles fly to places on the far side of each other and see each other at `rate_hz`. Returns the least
+/// distance.
+template <class Config>
+double least_distance_head_on_m(const char* type, const Config& of_first, const Config& of_second, double rate_hz) {
+  const Vector3 start_m[2] = {{-10.0, 0.0, 5.0}, {10.0, 0.3, 5.0}};
+  testing::GuidanceDriver first(type, of_first, start_m[0]), second(type, of_second, start_m[1]);
+  testing::CellListMap open(0.25);
+  first.map = second.map = &open;
+  double least_m = std::numeric_limits<double>::infinity();
+  const int period = static_cast<int>(std::lround(1.0 / (rate_hz * first.dt_s)));
+  for (int i = 0; i < 300; ++i) {
+    if (i % period == 0) {
+      first.sees(2, second.p_m());
+      second.sees(1, first.p_m());
+    }
+    for (testing::GuidanceDriver* driver : {&first, &second}) {
+      driver->step();
+      if (driver->out.goal_is_feasible) {
+        driver->follow();
+      } else {
+        driver->approach();
+      }
+    }
+    least_m = std::min(least_m, (first.p_m() - second.p_m()).norm());
+  }
+  return least_m;
+}
+
+template <class Config, class Aim>
+void expect_apart_head_on(const char* type, const Aim& aim, bool collides_without) {
+  for (const double rate_hz : {10.0, 1.0}) {
+    for (const bool separated : {true, false}) {
+      Config first, second;
+      aim(first, Vector3(10.0, 0.0, 5.0));
+      aim(second, Vector3(-10.0, 0.3, 5.0));
+      first.separation.enabled = second.separation.enabled = separated;
+      const double least_m = least_distance_head_on_m(type, first, second, rate_hz);
+      if (separated) EXPECT_GT(least_m, 1.0) << type << ", " << rate_hz << " Hz";
+      if (!separated && collides_without) EXPECT_LT(least_m, 0.8) << type;
+    }
+  }
+}
+
+TEST(KeptApart, KeepsDistanceUnderAnyGuidance) {
+  const auto to_waypoint = [](WaypointsConfig& c, const Vector3& p_m) { c.waypoints_m = {p_m}; };
+  expect_apart_head_on<WaypointsConfig>("waypoints", to_waypoint, true);
+  const auto to_goals = [](NavigateConfig& c, const Vector3& p_m) { c.goals_m = {p_m}; };
+  expect_apart_head_on<NavigateConfig>("navigate", to_goals, true);
+  const auto to_goal = [](auto& c, const Vector3& p_m) { c.goal_m = p_m; };
+  expect_apart_head_on<OrcaConfig>("orca", to_goal, false);
+  expect_apart_head_on<PacnavConfig>("pacnav", to_goal, false);
+}
+
+TEST(KeptApart, ReachesGoalsAsTheGuidanceAlone) {
+  for (const bool separated : {false, true}) {
+    WaypointsConfig config;
+    config.waypoints_m = {{5.0, 0.0, 5.0}, {5.0, 5.0, 5.0}};
+    config.separation.enabled = separated;
+    testing::GuidanceDriver driver("waypoints", config, {0.0, 0.0, 5.0});
+    for (int i = 0; i < 300 && driver.out.mission != MissionStatus::kDone; ++i) {
+      driver.sees(2, {0.0, 20.0, 5.0});
+      driver.step();
+      if (separated) {
+        driver.follow();
+      } else {
+        driver.approach();
+      }
+    }
+    EXPECT_EQ(driver.out.mission, MissionStatus::kDone) << separated;
+    EXPECT_LT((driver.p_m() - config.waypoints_m.back()).norm(), 0.6) << separated;
+  }
+}
+
+TEST(KeptApart, EvadesIntruderWhileHoldingPosition) {
+  WaypointsConfig config;
+  config.waypoints_m = {{0.0, 0.0, 5.0}};
+  config.separation.enabled = true;
+  for (const double speed_mps : {1.0, 2.0, 3.0}) {
+    testing::GuidanceDriver driver("waypoints", config, config.waypoints_m.front());
+    const double least_m = least_distance_m(driver, {-18.0, 0.2, 5.0}, {speed_mps, 0.0, 0.0}, 5.0, 1.1 / 1.5,
+                                            [&](int, const Vector3& other_m) { driver.sees(2, other_m); });
+    EXPECT_GT(least_m, 1.0) << speed_mps;
+  }
 }
 
 }  // namespace

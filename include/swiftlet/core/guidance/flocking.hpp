@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_source.hpp"
+#include "swiftlet/core/guidance/separation_config.hpp"
 
 /// Two other flocking models without communication, as baselines for the rule-based Lloyd algorithm [Kamler 2025, sec.
 /// 2.5].
@@ -40,6 +41,7 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   double least_persistence = 0.3;
   NeighborSourceConfig neighbors = NeighborSourceConfig::without_memory();
   FlockObstacleConfig lidar;
+  KeepApartConfig separation;
 
   void visit(ConfigVisitor& v) override;
 };

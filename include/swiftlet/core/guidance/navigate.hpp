@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/guidance/separation_config.hpp"
 #include "swiftlet/core/planning/sampled_path.hpp"
 
 namespace swiftlet {
@@ -26,6 +27,7 @@ struct NavigateConfig : ModuleConfigOf<NavigateConfig> {
   double retry_after_s = 2.0;
   ClearPathConfig planner;
   SamplingConfig sampling;
+  KeepApartConfig separation;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -7,6 +7,7 @@
 
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_source.hpp"
+#include "swiftlet/core/guidance/separation_config.hpp"
 
 namespace swiftlet {
 
@@ -25,6 +26,7 @@ struct OrcaConfig : ModuleConfigOf<OrcaConfig> {
   double z_max_m = 10.0;
   bool planar = false;
   NeighborSourceConfig neighbors;
+  KeepApartConfig separation;
 
   void visit(ConfigVisitor& v) override;
 };

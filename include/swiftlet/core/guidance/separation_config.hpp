@@ -3,6 +3,7 @@
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
+#include "swiftlet/core/guidance/neighbor_source.hpp"
 
 namespace swiftlet {
 
@@ -22,6 +23,18 @@ struct SeparationConfig {
   /// Motion limits reduced to acceleration_mps2 and jerk_mps3, which the controller tracks closely; vertical limits in
   /// the same ratio.
   MotionLimits within(MotionLimits limits) const;
+  void visit(ConfigVisitor& v);
+};
+
+/// Separation of a guidance other than `rbl`: the vehicle's own goals are admitted, moved or held back (kept_apart()).
+struct KeepApartConfig : SeparationConfig {
+  double encumbrance_m = 0.5;
+  double update_rate_hz = 10.0;
+  double z_min_m = 1.0;
+  double z_max_m = 10.0;
+  NeighborSourceConfig neighbors;
+
+  KeepApartConfig() { enabled = false; }
   void visit(ConfigVisitor& v);
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/guidance/separation_config.hpp"
 
 namespace swiftlet {
 
@@ -23,6 +24,7 @@ struct WaypointsConfig : ModuleConfigOf<WaypointsConfig> {
   enum class Yaw { kAlongPath, kAtNext, kFixed };
   Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;
+  KeepApartConfig separation;
 
   void visit(ConfigVisitor& v) override;
 };
