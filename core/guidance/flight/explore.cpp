@@ -1,54 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/guidance/explore.hpp"
 
-#include "core/guidance/flight/path_follower.hpp"
+#include "core/guidance/flight/planned_flight.hpp"
 #include "core/guidance/path_overlay.hpp"
-#include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr int kMoreRays = 16;  // factor on the rays of a view, to find what stays unknown
-// Share of a view's unknown rays that are known before arrival, at which the flight to it ends.
+/// [-] factor on the rays of a view, to find what stays unknown. Smaller values overlook unknown space, which is then
+/// looked at again.
+constexpr int kMoreRays = 16;
+/// [-] share of a view's unknown rays that are known before arrival, at which the flight to it ends. Smaller values
+/// plan more often.
 constexpr double kSeenEnough = 0.5;
 
-class Explore : public Guidance {
+class Explore : public PlannedFlight {
  public:
   Explore(const ExploreConfig& config, const GuidanceSetup& setup)
-      : config_(config),
-        given_up_(config.view.grain_m),
-        planner_(config.planning_latency_s),
-        follower_(config.view.path, config.visited_m) {
-    hold_.position_m = setup.agent.T_local_body_start.translation();
-    hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
-  }
-
-  GuidanceNeeds needs() const override { return {.map = true}; }
-
-  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    now_ = input.observation.t;
-    if (!started_) enter(State::kLooking);
-    started_ = true;
-    switch (state_) {
-      case State::kLooking:
-        look(input);
-        break;
-      case State::kPlanning:
-        plan(input);
-        break;
-      case State::kFlying:
-        follow(input);
-        break;
-      case State::kFailure:
-        if (failures_ <= config_.retries && waited(config_.retry_after_s)) enter(State::kLooking);
-        break;
-      case State::kDone:
-        break;
-    }
-    output.goal = hold_;
-    output.speed_limit_mps = config_.speed_mps;
-    fill(output);
-  }
+      : PlannedFlight(setup,
+                      {.speed_mps = config.speed_mps,
+                       .planning_latency_s = config.planning_latency_s,
+                       .retry_after_s = config.retry_after_s,
+                       .retries = config.retries,
+                       .first = State::kLooking},
+                      PathFollower(config.view.path, config.visited_m)),
+        config_(config),
+        given_up_(config.view.grain_m) {}
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
     const std::vector<Vector3>& corners_local_m = follower_.corners_local_m();
@@ -62,15 +39,6 @@ class Explore : public Guidance {
   }
 
  private:
-  enum class State { kLooking, kPlanning, kFlying, kFailure, kDone };
-
-  void enter(State state) {
-    state_ = state;
-    entered_ = now_;
-    planner_.stop();
-  }
-  bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
-
   WorldBox box(const StateEstimate& estimate) const {
     return {config_.box_min_world_m, config_.box_max_world_m, estimate.T_world_local};
   }
@@ -82,7 +50,7 @@ class Explore : public Guidance {
 
   /// Abandons space that is still unknown after some scans from here: it is not visible from here, and hardly from
   /// elsewhere.
-  void look(const GuidanceInput& input) {
+  void look(const GuidanceInput& input) override {
     const bool hovers = input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps;
     if (!hovers && waited(config_.stage_timeout_s)) return fail("the vehicle does not come to rest");
     if (!hovers || !waited(config_.look_s)) return;
@@ -93,7 +61,7 @@ class Explore : public Guidance {
     enter(State::kPlanning);
   }
 
-  void plan(const GuidanceInput& input) {
+  void plan(const GuidanceInput& input) override {
     if (planner_.idle()) {
       found_ = find_next_view(*input.map, config_.view, box(input.estimate), given_up_,
                               input.estimate.T_local_body.translation());
@@ -120,11 +88,11 @@ class Explore : public Guidance {
     }
   }
 
-  void follow(const GuidanceInput& input) {
+  void follow(const GuidanceInput& input) override {
     const PathFollower::Outcome outcome = follower_.step(input);
     hold_.position_m = follower_.target_local_m();
     at_view_ = outcome == PathFollower::Outcome::kArrived;
-    if (at_view_) failures_ = 0;
+    if (at_view_) succeed();
     if (outcome == PathFollower::Outcome::kFlying && shows_enough(input)) {
       hold_.position_m = input.estimate.T_local_body.translation();
       enter(State::kLooking);
@@ -143,51 +111,20 @@ class Explore : public Guidance {
     return static_cast<double>(dark_local_m_.size()) < (1.0 - kSeenEnough) * expected_share_ * config_.view.num_rays;
   }
 
-  void fail(const char* reason) {
-    reason_ = reason;
-    ++failures_;
-    enter(State::kFailure);
-  }
-
-  void fill(GuidanceOutput& output) const {
-    output.mission = MissionStatus::kRunning;
-    switch (state_) {
-      case State::kLooking:
-        output.note = "looks around";
-        return;
-      case State::kPlanning:
-        output.note = "looks for a view";
-        return;
-      case State::kFlying:
-        output.note = "flies to a view";
-        return;
-      case State::kDone:
-        output.note = "nothing unknown is left that it can see";
-        output.mission = MissionStatus::kDone;
-        return;
-      case State::kFailure:
-        output.note = reason_;
-        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
-        return;
-    }
+  const char* note_of(State state) const override {
+    return state == State::kLooking    ? "looks around"
+           : state == State::kPlanning ? "looks for a view"
+           : state == State::kFlying   ? "flies to a view"
+                                       : "nothing unknown is left that it can see";
   }
 
   ExploreConfig config_;
-  TimeNs now_ = 0, entered_ = 0;
-  bool started_ = false;
-  State state_ = State::kLooking;
   bool at_view_ = true;  // at the end of a path; false where a flight was ended
-  int failures_ = 0;
-  const char* reason_ = "";
   GivenUp given_up_;
   std::vector<Vector3> dark_local_m_;
-  Worker planner_;
   NextView found_;
-  PathFollower follower_;
   double expected_share_ = 0.0;        // share of the rays that end in unknown space at the view
   std::uint64_t tested_revision_ = 0;  // map revision at the last test
-  Reference hold_;
-  std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };
 
 }  // namespace

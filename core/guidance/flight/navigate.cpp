@@ -4,57 +4,38 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/guidance/flight/path_follower.hpp"
+#include "core/guidance/flight/planned_flight.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
-#include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kLeastRounding_m = 0.0;  // without room, corners are taken slowly
-constexpr double kReserve = 0.8;          // share of the acceleration that paths use; the rest is for corrections
+/// [-] share of the acceleration that paths use; the rest is for corrections. Larger values fly faster, and farther off
+/// the path.
+constexpr double kPathShare = 0.8;
 
 /// Limits of a path that the reference governor can follow.
 PathLimits path_limits(double speed_mps, const MotionLimits& limits) {
   return {.speed_mps = std::min(speed_mps, limits.horizontal_speed_mps),
           .vertical_speed_mps = std::min(speed_mps, limits.vertical_speed_mps),
-          .acceleration_mps2 = kReserve * limits.horizontal_acceleration_mps2,
-          .vertical_acceleration_mps2 = kReserve * limits.vertical_acceleration_mps2};
+          .acceleration_mps2 = kPathShare * limits.horizontal_acceleration_mps2,
+          .vertical_acceleration_mps2 = kPathShare * limits.vertical_acceleration_mps2};
 }
 
-class Navigate : public Guidance {
+class Navigate : public PlannedFlight {
  public:
   Navigate(const NavigateConfig& config, const GuidanceSetup& setup)
-      : config_(config),
-        limits_(path_limits(config.speed_mps, setup.limits)),
-        planner_(config.planning_latency_s),
-        follower_(config.planner, config.visited_m) {
-    hold_.position_m = setup.agent.T_local_body_start.translation();
-    hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
-  }
-
-  GuidanceNeeds needs() const override { return {.map = true}; }
-
-  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    now_ = input.observation.t;
-    switch (state_) {
-      case State::kPlanning:
-        plan(input);
-        break;
-      case State::kFlying:
-        follow(input);
-        break;
-      case State::kFailure:
-        if (failures_ <= config_.retries && waited(config_.retry_after_s)) enter(State::kPlanning);
-        break;
-      case State::kDone:
-        break;
-    }
-    output.goal = hold_;
-    output.speed_limit_mps = config_.speed_mps;
-    fill(output);
-  }
+      : PlannedFlight(setup,
+                      {.speed_mps = config.speed_mps,
+                       .planning_latency_s = config.planning_latency_s,
+                       .retry_after_s = config.retry_after_s,
+                       .retries = config.retries,
+                       .first = State::kPlanning,
+                       .end = config.goals_m.empty() ? MissionStatus::kEndless : MissionStatus::kDone},
+                      PathFollower(config.planner, config.visited_m)),
+        config_(config),
+        limits_(path_limits(config.speed_mps, setup.limits)) {}
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
     if (follower_.corners_local_m().empty()) return;
@@ -71,16 +52,7 @@ class Navigate : public Guidance {
   }
 
  private:
-  enum class State { kPlanning, kFlying, kFailure, kDone };
-
-  void enter(State state) {
-    state_ = state;
-    entered_ = now_;
-    planner_.stop();
-  }
-  bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
-
-  void plan(const GuidanceInput& input) {
+  void plan(const GuidanceInput& input) override {
     if (next_goal_ == config_.goals_m.size() && !config_.goals_m.empty() && ++rounds_flown_ != config_.rounds) {
       next_goal_ = 0;
     }
@@ -117,9 +89,8 @@ class Navigate : public Guidance {
     std::optional<SplineTrajectory> timed;
     if (config_.follow == NavigateConfig::Follow::kTimed) {
       const ClearSpace space(*input.map, config_.planner, path_.corners_local_m.front());
-      timed = time_path(
-          path_.corners_local_m, limits_, [&space](const Vector3& p_m) { return space.is_clear(p_m); },
-          kLeastRounding_m);
+      const auto is_clear = [&space](const Vector3& p_local_m) { return space.is_clear(p_local_m); };
+      timed = time_path(path_.corners_local_m, limits_, is_clear, 0.0);  // without room, corners are taken slowly
     }
     if (timed) {
       follower_.start(std::move(path_.corners_local_m), std::move(*timed));
@@ -129,13 +100,13 @@ class Navigate : public Guidance {
     enter(State::kFlying);
   }
 
-  void follow(const GuidanceInput& input) {
+  void follow(const GuidanceInput& input) override {
     const PathFollower::Outcome outcome = follower_.step(input);
     const double yaw_rad = hold_.yaw_rad;
     hold_ = follower_.target_local();
     hold_.yaw_rad = yaw_rad;
     if (outcome == PathFollower::Outcome::kArrived) {
-      failures_ = 0;
+      succeed();
       // A correction may have moved the goal since the path was planned; then the rest is planned anew.
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
       if ((goal_local_m - follower_.corners_local_m().back()).norm() < config_.visited_m) ++next_goal_;
@@ -148,45 +119,15 @@ class Navigate : public Guidance {
     }
   }
 
-  void fail(const char* reason) {
-    reason_ = reason;
-    ++failures_;
-    enter(State::kFailure);
-  }
-
-  void fill(GuidanceOutput& output) const {
-    output.mission = MissionStatus::kRunning;
-    switch (state_) {
-      case State::kPlanning:
-        output.note = "planning";
-        return;
-      case State::kFlying:
-        output.note = "flies to its goal";
-        return;
-      case State::kDone:
-        output.note = "all goals reached";
-        output.mission = config_.goals_m.empty() ? MissionStatus::kEndless : MissionStatus::kDone;
-        return;
-      case State::kFailure:
-        output.note = reason_;
-        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
-        return;
-    }
+  const char* note_of(State state) const override {
+    return state == State::kPlanning ? "planning" : state == State::kFlying ? "flies to its goal" : "all goals reached";
   }
 
   NavigateConfig config_;
   PathLimits limits_;
-  TimeNs now_ = 0, entered_ = 0;
-  State state_ = State::kPlanning;
-  int failures_ = 0;
-  const char* reason_ = "";
-  Worker planner_;
   ClearPath path_;
-  PathFollower follower_;
   std::size_t next_goal_ = 0;
   int rounds_flown_ = 0;
-  Reference hold_;
-  std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };
 
 }  // namespace
