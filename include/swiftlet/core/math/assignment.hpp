@@ -18,6 +18,10 @@ class Assignment {
   std::span<const int> solve(std::span<const double> costs, int rows, int cols);
 
  private:
+  void pad(std::span<const double> costs, int rows, int cols);
+  void augment(int row);
+
+  int num_cols_ = 0;  // columns of the padded costs
   std::vector<double> padded_, potential_row_, potential_col_, shortest_;
   std::vector<int> row_of_col_, previous_col_, result_;
   std::vector<char> visited_;
