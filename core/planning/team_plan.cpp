@@ -73,11 +73,96 @@ std::vector<Vector3> places_of(std::span<const PlannedPose> path) {
   return places_local_m;
 }
 
-TeamPlan& fail(TeamPlan& plan, const char* vehicle, const char* reason) {
-  plan.next = TeamPlan::Next::kFail;
-  plan.reason = std::string(vehicle) + ": " + reason;
-  return plan;
-}
+/// Plans in parts; each part returns false when the plan ends with it.
+class TeamPlanning {
+ public:
+  TeamPlanning(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
+               const TeamTraffic& traffic)
+      : map_(map), config_(config), primary_local_m_(primary_local_m), flying_(traffic.flying) {
+    append_columns(traffic.hovering_local_m, config.secondary_width_m, config.secondary_height_m, hovering_);
+  }
+
+  /// The goal, and lines 1 to 8: the secondary's path.
+  bool plan_secondary(const PlannedPose& secondary, const PlannedPose& goal) {
+    plan_.goal_local_m = goal.p_local_m;
+    if (!is_on_map(goal.p_local_m, map_.edge_m())) return fail(kSecondary, text_of(ClearPathStatus::kGoalTooFar));
+    const OverlaidOccupancy map_hovering(map_, hovering_);
+    const ClearSpace space(map_hovering, config_.secondary, secondary.p_local_m);
+    if (const auto place = clear_place_near(space, goal.p_local_m, map_.edge_m(), config_.goal_search_m)) {
+      plan_.goal_local_m = *place;
+    }
+    if ((secondary.p_local_m - plan_.goal_local_m).norm() < config_.tolerance_m) {
+      plan_.next = TeamPlan::Next::kGoalReached;
+      return false;
+    }
+    std::vector<KeepOut> keep_outs = hovering_;
+    append_columns({&primary_local_m_, 1}, config_.primary_width_m, config_.primary_height_m, keep_outs);
+    const OverlaidOccupancy map_both(map_, std::move(keep_outs));
+    ClearPath path = find_clear_path(map_both, config_.secondary, secondary.p_local_m, plan_.goal_local_m);
+    // A primary in the way leaves first: its viewpoint keeps clear of the path. It cannot when both fly at once.
+    const bool searched = path.status == ClearPathStatus::kFound || path.status == ClearPathStatus::kBudgetSpent;
+    if (!searched && flying_.empty()) {
+      path = find_clear_path(map_hovering, config_.secondary, secondary.p_local_m, plan_.goal_local_m);
+    }
+    plan_.secondary_search = path.status;
+    if (path.status != ClearPathStatus::kFound) return fail(kSecondary, text_of(path.status));
+    plan_.secondary_path =
+        with_headings(path.corners_local_m, config_.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
+    return true;
+  }
+
+  /// Lines 9 to 12: the viewpoints.
+  bool find_viewpoints() {
+    ViewpointRules rules = config_.viewpoint;
+    rules.clearance_m = config_.primary.clearance_m;
+    rules.unknown_is_free = config_.primary.unknown_is_free;
+    GuidingViewpoints found = find_guiding_viewpoints(map_, primary_local_m_, places_of(plan_.secondary_path), rules,
+                                                      places_of(flying_), hovering_);
+    plan_.visible = std::move(found.visible);
+    viewpoints_ = std::move(found.best_first);
+    return !viewpoints_.empty() || fail("the viewpoint", "nowhere safe is the path in sight");
+  }
+
+  /// Lines 13 to 20: the primary's path to the viewpoint; without one, the next viewpoint is tried.
+  void plan_primary() {
+    append_columns(columns_of(plan_, flying_), config_.secondary_width_m, config_.secondary_height_m, hovering_);
+    const OverlaidOccupancy map_primary(map_, std::move(hovering_));
+    ClearPath path;
+    for (GuidingViewpoint& viewpoint : viewpoints_) {
+      plan_.viewpoint = std::move(viewpoint);
+      if ((primary_local_m_ - plan_.viewpoint.p_local_m).norm() < config_.tolerance_m) {
+        plan_.next = TeamPlan::Next::kMoveSecondary;
+        return;
+      }
+      path = find_clear_path(map_primary, config_.primary, primary_local_m_, plan_.viewpoint.p_local_m);
+      if (path.status != ClearPathStatus::kFound) continue;
+      plan_.primary_local_m = std::move(path.corners_local_m);
+      plan_.next = TeamPlan::Next::kMovePrimary;
+      return;
+    }
+    plan_.primary_search = path.status;
+    fail("the guide's path to the viewpoint", text_of(path.status));
+  }
+
+  TeamPlan& plan() { return plan_; }
+
+ private:
+  static constexpr const char* kSecondary = "the guided vehicle's path";
+
+  /// A plan fails unless it sets what comes next.
+  bool fail(const char* part, const char* reason) {
+    plan_.reason = std::string(part) + ": " + reason;
+    return false;
+  }
+
+  const OccupancyView& map_;
+  const TeamPlannerConfig& config_;
+  Vector3 primary_local_m_;
+  std::span<const PlannedPose> flying_;
+  std::vector<KeepOut> hovering_;
+  std::vector<GuidingViewpoint> viewpoints_;
+  TeamPlan plan_;
+};
 
 }  // namespace
 
@@ -87,69 +172,14 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   const auto begin = [&begins](PlanningStage stage) {
     if (begins) begins(stage);
   };
+  TeamPlanning planning(map, config, primary_local_m, traffic);
   begin(PlanningStage::kSecondaryPath);
-  TeamPlan plan;
-  plan.goal_local_m = goal.p_local_m;
-  const double edge_m = map.edge_m();
-  if (!is_on_map(goal.p_local_m, edge_m)) {
-    return fail(plan, "the guided vehicle's path", text_of(ClearPathStatus::kGoalTooFar));
-  }
-
-  // The goal, and lines 4 to 8: the secondary's path.
-  std::vector<KeepOut> hovering;
-  append_columns(traffic.hovering_local_m, config.secondary_width_m, config.secondary_height_m, hovering);
-  std::vector<KeepOut> keep_outs_secondary = hovering;
-  append_columns({&primary_local_m, 1}, config.primary_width_m, config.primary_height_m, keep_outs_secondary);
-  const OverlaidOccupancy map_secondary(map, std::move(keep_outs_secondary));
-  const ClearSpace space(map_secondary, config.secondary, secondary.p_local_m);
-  if (const auto place = clear_place_near(space, goal.p_local_m, edge_m, config.goal_search_m)) {
-    plan.goal_local_m = *place;
-  }
-  // Lines 1 to 3.
-  if ((secondary.p_local_m - plan.goal_local_m).norm() < config.tolerance_m) {
-    plan.next = TeamPlan::Next::kGoalReached;
-    return plan;
-  }
-  const ClearPath path_secondary =
-      find_clear_path(map_secondary, config.secondary, secondary.p_local_m, plan.goal_local_m);
-  plan.secondary_search = path_secondary.status;
-  if (path_secondary.status != ClearPathStatus::kFound) {
-    return fail(plan, "the guided vehicle's path", text_of(path_secondary.status));
-  }
-  plan.secondary_path =
-      with_headings(path_secondary.corners_local_m, config.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
-
-  // Lines 9 to 12: the viewpoints.
+  if (!planning.plan_secondary(secondary, goal)) return std::move(planning.plan());
   begin(PlanningStage::kViewpoint);
-  ViewpointRules rules = config.viewpoint;
-  rules.clearance_m = config.primary.clearance_m;
-  rules.unknown_is_free = config.primary.unknown_is_free;
-  GuidingViewpoints viewpoints = find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules,
-                                                         places_of(traffic.flying), hovering);
-  plan.visible = std::move(viewpoints.visible);
-  if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
-
-  // Lines 13 to 20: the primary's path to the viewpoint; without one, the next viewpoint is tried.
+  if (!planning.find_viewpoints()) return std::move(planning.plan());
   begin(PlanningStage::kPrimaryPath);
-  std::vector<KeepOut> keep_outs_primary = std::move(hovering);
-  append_columns(columns_of(plan, traffic.flying), config.secondary_width_m, config.secondary_height_m,
-                 keep_outs_primary);
-  const OverlaidOccupancy map_primary(map, std::move(keep_outs_primary));
-  ClearPath path_primary;
-  for (GuidingViewpoint& viewpoint : viewpoints.best_first) {
-    plan.viewpoint = std::move(viewpoint);
-    if ((primary_local_m - plan.viewpoint.p_local_m).norm() < config.tolerance_m) {
-      plan.next = TeamPlan::Next::kMoveSecondary;
-      return plan;
-    }
-    path_primary = find_clear_path(map_primary, config.primary, primary_local_m, plan.viewpoint.p_local_m);
-    if (path_primary.status != ClearPathStatus::kFound) continue;
-    plan.primary_local_m = path_primary.corners_local_m;
-    plan.next = TeamPlan::Next::kMovePrimary;
-    return plan;
-  }
-  plan.primary_search = path_primary.status;
-  return fail(plan, "the guide's path to the viewpoint", text_of(path_primary.status));
+  planning.plan_primary();
+  return std::move(planning.plan());
 }
 
 void TeamPlannerConfig::visit(ConfigVisitor& v) {

@@ -123,6 +123,26 @@ TEST(GuideChoices, PlansEachLegAheadOnce) {
   }
 }
 
+TEST(GuideChoices, LeavesViewpointThatIsNextGoal) {
+  // Around a square, the viewpoints of its sides are beside its corners.
+  const std::vector<Eigen::Vector3d> goals_m = {{3, 0, 0.7}, {3, 3, 0.7}, {0, 3, 0.7}};
+  for (const Motion motion : {Motion::kAlternate, Motion::kAhead, Motion::kTogether}) {
+    GuideConfig config = moves(motion, goals_m);
+    config.loop = true;
+    GuidePair pair(config);
+    std::size_t num_reached = 0;
+    double least_m = 10.0;
+    for (int i = 0; i < 1500 && pair.out.mission == MissionStatus::kRunning; ++i) {
+      pair.tick();
+      least_m = std::min(least_m, (pair.p_m() - pair.guided.position_m).head<2>().norm());
+      if ((pair.guided.position_m - goals_m[num_reached % 3]).norm() < 0.3) ++num_reached;
+    }
+    EXPECT_EQ(pair.out.mission, MissionStatus::kRunning) << pair.out.note;
+    EXPECT_GT(num_reached, 6U) << "more than two rounds";
+    EXPECT_GT(least_m, 1.3);
+  }
+}
+
 TEST(GuideChoices, ReportsFailedPlanAheadAtGoal) {
   testing::CellListMap world(0.25);
   world.occupy_box({3.25, 3.25, 0}, {4.75, 4.75, 1.5});

@@ -77,6 +77,23 @@ TEST(TeamPlan, SeparatesThePathsOfBothVehicles) {
   }
 }
 
+TEST(TeamPlan, MovesThePrimaryOffTheGoal) {
+  const CellListMap map(0.25);
+  const PlannedPose secondary{{0, 0, 0.7}, 0.0}, goal{{4, 0, 0.7}, 0.0};
+  const TeamPlannerConfig config = flat();
+  for (const Vector3& primary_m : {goal.p_local_m, Vector3(4.5, 0.5, 0.7)}) {
+    const TeamPlan plan = plan_team(map, config, primary_m, secondary, goal);
+    ASSERT_EQ(plan.next, Next::kMovePrimary) << plan.reason;
+    EXPECT_EQ(plan.goal_local_m, goal.p_local_m) << "the primary leaves, the goal stays";
+    for (const PlannedPose& pose : plan.secondary_path) {
+      EXPECT_GT((pose.p_local_m - plan.viewpoint.p_local_m).head<2>().norm(), config.viewpoint.buffer_m - map.edge_m());
+    }
+  }
+  const std::vector<PlannedPose> flying = {{{-2, 0, 0.7}, 0.0}, secondary};
+  const TeamPlan both = plan_team(map, config, goal.p_local_m, secondary, goal, {.flying = flying});
+  EXPECT_EQ(both.next, Next::kFail) << "it may not have left in time";
+}
+
 TEST(TeamPlan, KeepsAnOccupiedViewpoint) {
   const CellListMap map = two_team_rooms(1.5);
   const TeamPlannerConfig config = flat();
