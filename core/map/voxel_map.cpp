@@ -14,11 +14,12 @@
 namespace swiftlet {
 namespace {
 
+/// [-] largest number of voxels of a map.
 constexpr double kMaxCells = 4e9;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-// A scrolling map moves when the vehicle is this many voxels from its center; moving copies the map.
+/// [voxels] distance of the vehicle from the center at which a scrolling map moves. Smaller values copy the map more
+/// often.
 constexpr int kScrollStep = 16;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // G after n updates towards g. The difference form keeps the fixed point g and the limit n = infinity exact.
 float updated(float G, float weight, float g) { return g + weight * (G - g); }

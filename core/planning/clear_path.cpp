@@ -15,10 +15,13 @@
 namespace swiftlet {
 namespace {
 
-// Margin beyond the clearance of the relaxed region around a start that is not clear.
+/// [m] width beyond the clearance of the relaxed region around a start that is not clear. Smaller values enclose more
+/// starts.
 constexpr double kRelaxedMargin_m = 0.5;
-constexpr double kLeastGain = 1e-3;           // least relative gain of length for another shortening
-constexpr double kShorteningSpacing_m = 0.5;  // spacing of points from which corners are cut
+/// [-] least relative gain of length for another shortening. Smaller values are slower.
+constexpr double kLeastGain = 1e-3;
+/// [m] spacing of points from which corners are cut. Smaller values find shorter paths and are slower.
+constexpr double kShorteningSpacing_m = 0.5;
 
 Vector3 center_of(const Cell& cell, double edge_m) { return (cell.cast<double>().array() + 0.5) * edge_m; }
 Cell cell_at(const Vector3& p_local_m, double edge_m) { return (p_local_m.array() / edge_m).floor().cast<int>(); }

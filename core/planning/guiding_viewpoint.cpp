@@ -12,8 +12,14 @@
 namespace swiftlet {
 namespace {
 
-// Lengths in cell edges.
-constexpr double kDiagonal = 1.7321, kShortest = 2.0, kWalked = 4.0;
+/// Lengths along a line of sight, in cell edges.
+struct SightConstants {
+  /// Diagonal of a cell, rounded up: bound of the difference between a clearance and the true distance.
+  static constexpr double kDiagonal = 1.7321;
+  /// Least step by clearance. Near obstacles, cells are tested one by one over a length of kWalked. Both affect time
+  /// alone.
+  static constexpr double kLeastStep = 2.0, kWalked = 4.0;
+};
 
 /// A point of a region and its distance from the guide.
 struct Candidate {
@@ -156,12 +162,12 @@ class ViewpointSearch {
     double at_m = 0.0;
     while (at_m < length_m) {
       const Vector3 p_local_m = from_local_m + at_m * direction;
-      const double free_m = map_.clearance_m(p_local_m, far_m) - kDiagonal * edge_m;
-      if (free_m > kShortest * edge_m) {
+      const double free_m = map_.clearance_m(p_local_m, far_m) - SightConstants::kDiagonal * edge_m;
+      if (free_m > SightConstants::kLeastStep * edge_m) {
         at_m += free_m;
         continue;
       }
-      const double next_m = std::min(length_m, at_m + kWalked * edge_m);
+      const double next_m = std::min(length_m, at_m + SightConstants::kWalked * edge_m);
       if (map_.first_hit(p_local_m, from_local_m + next_m * direction)) return false;
       if (!rules_.unknown_is_free && passes_unknown(p_local_m, direction, next_m - at_m)) return false;
       at_m = next_m;

@@ -9,9 +9,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSpacing_m = 0.1;                  // spacing of path points at which speeds are computed
-constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};  // standard deviations of the rounding of corners
-constexpr double kInterval_s = 0.2;                 // interval between control points of the spline
+/// [m] spacing of path points at which speeds are computed. Smaller values are slower and more exact.
+constexpr double kSpacing_m = 0.1;
+/// [m] standard deviations of the rounding of corners, in the order of trial. Larger values fly faster and need more
+/// room.
+constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};
+/// [s] interval between control points of the spline. Larger values smooth the path more.
+constexpr double kInterval_s = 0.2;
 
 std::vector<Vector3> dense(const std::vector<Vector3>& corners) {
   std::vector<Vector3> points = {corners.front()};

@@ -15,8 +15,9 @@ namespace {
 
 namespace clip = ClipperLib;
 
+/// [m] unit of the integer coordinates.
 constexpr double kUnit_m = 1e-6;
-// Up to this coordinate, products of differences fit into 64 bits.
+/// [m] largest coordinate: products of differences fit into 64 bits.
 constexpr double kFarthest_m = 1000.0;
 
 clip::Path to_clipper(const Ring& ring_m) {

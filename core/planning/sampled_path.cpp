@@ -12,7 +12,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRewiringFactor = 1.1;  // above 1 the tree is asymptotically optimal [Karaman 2011]
+/// [-] factor on the radius of rewiring. Above 1 the tree is asymptotically optimal [Karaman 2011]; larger values are
+/// slower.
+constexpr double kRewiringFactor = 1.1;
 
 /// Two axes perpendicular to a direction.
 void axes_across(const Vector3& direction, Vector3& side, Vector3& other) {

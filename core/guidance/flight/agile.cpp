@@ -12,8 +12,10 @@
 namespace swiftlet {
 namespace {
 
+/// [m] distance from a target at which the next one is chosen. Larger values cut corners.
 constexpr double kTargetReached_m = 4.0;
-constexpr double kPassingShare = 0.5;  // speed at a target, as a share of the greatest speed
+/// [-] speed at a target, as a share of the greatest speed. Larger values make wider turns.
+constexpr double kPassingShare = 0.5;
 
 bool is_inside(const Vector3& p, const Vector3& min, const Vector3& max) {
   return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();

@@ -10,11 +10,16 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLeg_m = 6.0;         // least distance between targets
-constexpr double kKnot_s = 0.25;       // knot interval of the spline
-constexpr double kLanding_pace = 0.5;  // share of the greatest speed and acceleration during the approach of a perch
-constexpr double kPerched_m = 0.3;     // distance from the perch at which it has landed
-constexpr double kGrowing_s = 1.0;     // time for the bounding to grow or to fade
+/// [m] least distance between targets. Smaller values turn the bird more often.
+constexpr double kLeg_m = 6.0;
+/// [s] knot interval of the spline. Larger values make wider turns.
+constexpr double kKnot_s = 0.25;
+/// [-] share of the greatest speed and acceleration during the approach of a perch.
+constexpr double kLandingPace = 0.5;
+/// [m] distance from the perch at which the bird has landed.
+constexpr double kPerched_m = 0.3;
+/// [s] time for the bounding to grow or to fade. Smaller values need more vertical acceleration.
+constexpr double kGrowing_s = 1.0;
 
 AgileConfig spline_of(const BirdConfig& config) {
   AgileConfig spline;
@@ -76,7 +81,7 @@ void BirdFlight::seek_perch() {
   const auto count = static_cast<double>(config_.perches_m.size());
   const auto drawn = static_cast<std::size_t>(count * random_.uniform(num_drawn_++, 0));
   perch_m_ = config_.perches_m[std::min(drawn, config_.perches_m.size() - 1)];
-  spline_.rest_at(perch_m_, kLanding_pace);
+  spline_.rest_at(perch_m_, kLandingPace);
 }
 
 /// Uniform between 0.5 and 1.5 times the mean.

@@ -43,7 +43,8 @@ class EndlessFlight : public Guidance {
   }
 
  private:
-  static constexpr double kSlowest_mps = 0.5;  // slower velocities give no heading
+  /// [m/s] slowest velocity that gives a heading. Smaller values turn a nearly resting vehicle about.
+  static constexpr double kSlowest_mps = 0.5;
 
   Config config_;
   MotionLimits limits_;

@@ -7,10 +7,16 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kGoalAheadMax_m = 0.5;  // bounds the thrust downwards on the ground
-constexpr double kGoalAheadLanded_m = 0.3;
-constexpr double kStillSpeed_mps = 0.1;
-constexpr double kStillTime_s = 0.5;
+/// [m] greatest distance of the goal below the vehicle. Bounds the thrust downwards on the ground.
+constexpr double kGoalBelowMax_m = 0.5;
+/// [m] distance of the goal below the vehicle from which the ground may hold the vehicle up. Below kGoalBelowMax_m;
+/// smaller values take a vehicle that lags behind its goal for one on the ground.
+constexpr double kGoalBelowLanded_m = 0.3;
+/// [m/s] vertical speed below which the vehicle counts as held up. Smaller values may miss a landing with noisy
+/// estimates.
+constexpr double kHeldUp_mps = 0.1;
+/// [s] time for which the vehicle is held up before it counts as landed. Smaller values may stop the motors in the air.
+constexpr double kHeldUp_s = 0.5;
 
 }  // namespace
 
@@ -26,16 +32,16 @@ bool Landing::step(const StateEstimate& estimate, double dt_s, Reference& goal) 
   const double z_m = estimate.T_local_body.translation().z();
   goal_.position_m.z() -= speed_mps_ * dt_s;
   goal_.velocity_mps.z() = -speed_mps_;
-  if (goal_.position_m.z() < z_m - kGoalAheadMax_m) {
-    goal_.position_m.z() = z_m - kGoalAheadMax_m;
+  if (goal_.position_m.z() < z_m - kGoalBelowMax_m) {
+    goal_.position_m.z() = z_m - kGoalBelowMax_m;
     goal_.velocity_mps.z() = 0.0;
   }
   goal = goal_;
 
-  const bool held_up = z_m - goal_.position_m.z() > kGoalAheadLanded_m &&
-                       std::abs(estimate.v_local_mps.z()) < std::min(kStillSpeed_mps, 0.5 * speed_mps_);
+  const bool held_up = z_m - goal_.position_m.z() > kGoalBelowLanded_m &&
+                       std::abs(estimate.v_local_mps.z()) < std::min(kHeldUp_mps, 0.5 * speed_mps_);
   still_s_ = held_up ? still_s_ + dt_s : 0.0;
-  return still_s_ >= kStillTime_s;
+  return still_s_ >= kHeldUp_s;
 }
 
 bool Landing::finish(const Reference& from, const GuidanceInput& input, GuidanceOutput& output) {

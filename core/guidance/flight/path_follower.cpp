@@ -8,8 +8,10 @@
 namespace swiftlet {
 namespace {
 
+/// [m] distance from the end at which the path is flown. Smaller values than the error of tracking never arrive.
 constexpr double kArrived_m = 0.3;
-constexpr double kBehind_m = 0.5;  // the path's clock waits for a vehicle that is farther behind
+/// [m] distance behind the timed path from which its clock waits. Larger values let the vehicle cut corners.
+constexpr double kBehind_m = 0.5;
 
 }  // namespace
 

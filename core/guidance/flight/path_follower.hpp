@@ -15,7 +15,9 @@ namespace swiftlet {
 class PathFollower {
  public:
   enum class Outcome { kFlying, kBlocked, kArrived };
-  static constexpr double kHovers_mps = 0.25;  ///< slower vehicles count as hovering
+  /// [m/s] speed below which a vehicle counts as hovering. Smaller values delay plans, larger ones plan for a place
+  /// that the vehicle leaves.
+  static constexpr double kHovers_mps = 0.25;
 
   /// @param visited_m  distance within which a corner counts as visited
   PathFollower(const ClearPathConfig& rules, double visited_m) : rules_(rules), visited_m_(visited_m) {}

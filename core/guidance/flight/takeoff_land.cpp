@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-// Distance to the end of the climb below which takeoff is complete.
+/// [m] distance to the end of the climb below which takeoff is complete.
 constexpr double kAtHeight_m = 0.2;
 
 class TakeoffLand : public Guidance {

@@ -11,7 +11,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSlowestTimed_mps = 0.2;  // slower velocities give no heading
+/// [m/s] slowest velocity that gives a heading. Smaller values turn a nearly resting vehicle about.
+constexpr double kSlowestTimed_mps = 0.2;
 
 class TimedPath : public Guidance {
  public:

@@ -14,9 +14,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kGoalReached_m = 0.3;
-constexpr double kArrivedSpeed_mps = 0.3;
-constexpr double kSlowestLeg_mps = 0.1;  // slower velocities give no heading
+/// [m], [m/s] distance from the start of the trajectory and speed below which its flight begins. Smaller values delay
+/// the beginning, larger ones begin with an error of tracking.
+constexpr double kAtStart_m = 0.3, kAtStart_mps = 0.3;
+/// [m/s] slowest velocity that gives a heading. Smaller values turn the vehicle about at the ends of a line.
+constexpr double kSlowestLeg_mps = 0.1;
 
 /// A point of a curve and its derivatives with respect to the parameter.
 struct CurvePoint {
@@ -78,8 +80,7 @@ class Trajectory : public Guidance {
     if (!flying_) {
       output.goal = at(0.0, to_local);
       output.note = "going to the beginning of the trajectory";
-      flying_ = (p_m - output.goal.position_m).norm() < kGoalReached_m &&
-                input.estimate.v_local_mps.norm() < kArrivedSpeed_mps;
+      flying_ = (p_m - output.goal.position_m).norm() < kAtStart_m && input.estimate.v_local_mps.norm() < kAtStart_mps;
       if (flying_) output.note = "";
       return;
     }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/guidance/waypoints.hpp"
 
-#include <numbers>
-
 #include "core/guidance/flight/landing.hpp"
 #include "core/guidance/heading.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kShortestToSee_m = 0.3;  // shorter displacements give no heading
+/// [m] shortest displacement that gives a heading. Smaller values turn the vehicle about near a waypoint.
+constexpr double kShortestToSee_m = 0.3;
 
 class Waypoints : public Guidance {
  public:
@@ -77,8 +77,7 @@ class Waypoints : public Guidance {
   }
 
   void face(const Vector3& p_m) {
-    if (config_.yaw == WaypointsConfig::Yaw::kFixed)
-      goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
+    if (config_.yaw == WaypointsConfig::Yaw::kFixed) goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * kPi / 180.0);
     if (config_.yaw == WaypointsConfig::Yaw::kFixed || arrived_) return;
     const Vector3& from = config_.yaw == WaypointsConfig::Yaw::kAlongPath ? leg_start_m_ : p_m;
     goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);

@@ -16,7 +16,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFigure_m = 1.0;  // larger figures do not improve the estimate of the heading
+/// [m] largest radius of the figure that the guide may request. Larger figures do not improve the estimate of the
+/// heading.
+constexpr double kFigureMax_m = 1.0;
 
 /// The pose without roll and pitch.
 Pose level(const Pose& T_local_body) {
@@ -91,7 +93,7 @@ class FollowGuide : public Guidance {
     newest_path_ = received.path;
     num_visited_ = 0;
     command_ = received.command;
-    moves_within_m_ = received.command == GuidingPath::Command::kMove ? std::min(received.radius_m, kFigure_m) : 0.0;
+    moves_within_m_ = received.command == GuidingPath::Command::kMove ? std::min(received.radius_m, kFigureMax_m) : 0.0;
     const bool flew = !path_.empty();
     path_.clear();
     const double yaw_rad = yaw_of(T_local_body.linear());

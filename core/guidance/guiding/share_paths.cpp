@@ -15,13 +15,30 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kInterval_s = 0.1;        // interval between points of the predicted path
-constexpr int kPathParts = 5;              // steps of the governor in that interval
-constexpr double kReportInterval_s = 0.2;  // interval between points of the path sent; larger ones save radio capacity
-// A reference slower than this at the goal counts as at rest and ends the prediction.
-constexpr double kPathStanding_mps = 0.02;
-constexpr double kAgain_s = 0.2;    // period of repeated messages, against losses
-constexpr double kBetter_m = 0.05;  // least improvement of a plan over the flown path
+/// Constants of shared paths.
+struct SharePathsConstants {
+  /// [s] interval between points of a predicted path, and [-] steps of the governor in it. Larger intervals save time
+  /// and overlook short conflicts.
+  static constexpr double kInterval_s = 0.1;
+  static constexpr int kParts = 5;
+  /// [s] interval between points of the path sent. Larger values save radio capacity.
+  static constexpr double kReportInterval_s = 0.2;
+  /// [m], [m/s] distance from its end and speed at which a predicted path ends. Smaller values make paths longer.
+  static constexpr double kAtRest_m = 0.05, kAtRest_mps = 0.02;
+  /// [s] period of repeated messages, against losses. Larger values save radio capacity.
+  static constexpr double kRepeat_s = 0.2;
+  /// [m] least improvement of a plan over the flown path. Smaller values change paths more often.
+  static constexpr double kBetter_m = 0.05;
+  /// [m/s] cost of a path's duration, as a distance from the goal. Larger values prefer short paths.
+  static constexpr double kDurationCost_mps = 0.2;
+  /// Candidates of a plan: [s] greatest length at full speed, [m] least length, [-] shares of the greatest length,
+  /// [deg] turns and climbs from the direction of the goal. More candidates find better plans and take more time.
+  static constexpr double kHorizon_s = 2.0, kLeg_m = 0.5;
+  static constexpr double kShares[] = {1.0, 0.5, 0.2};
+  static constexpr double kTurns_deg[] = {0.0, -20.0, 20.0, -45.0, 45.0, -80.0, 80.0, -120.0, 120.0};
+  static constexpr double kClimbs_deg[] = {0.0, 35.0, -35.0};
+};
+using PathConstants = SharePathsConstants;
 
 PathInTime received_path(const SharedPath& received, const FrameChange& to_local) {
   PathInTime path{received.t, received.interval_s, {}};
@@ -53,7 +70,7 @@ class SharePaths : public Guidance {
       if (plan_) report(input.estimate, SharedPath::Kind::kPlan, plan_->path, outbox);
     }
     if (now_ >= next_report_) {
-      next_report_ = now_ + from_seconds(kAgain_s);
+      next_report_ = now_ + from_seconds(PathConstants::kRepeat_s);
       report(input.estimate, SharedPath::Kind::kFlown, flown_.path, outbox);
       if (plan_) report(input.estimate, SharedPath::Kind::kPlan, plan_->path, outbox);
     }
@@ -82,7 +99,7 @@ class SharePaths : public Guidance {
     here.yaw_rad = yaw_of(estimate.T_local_body.linear());
     governor_.reset(here);
     flown_.to_local_m = here.position_m;
-    flown_.path = {now_, kInterval_s, {here.position_m}};
+    flown_.path = {now_, PathConstants::kInterval_s, {here.position_m}};
   }
 
   void listen(const Observation& observation, const FrameChange& to_local) {
@@ -124,16 +141,17 @@ class SharePaths : public Guidance {
 
   /// The governor's path to a position, until it rests there.
   PathInTime path_to(ReferenceGovernor governor, const Vector3& to_local_m, TimeNs begins) const {
-    PathInTime path{begins, kInterval_s, {governor.state().position_m}};
+    PathInTime path{begins, PathConstants::kInterval_s, {governor.state().position_m}};
     Reference goal;
     goal.position_m = to_local_m;
     goal.yaw_rad = governor.state().yaw_rad;
-    const int most = static_cast<int>(config_.longest_s / kInterval_s);
+    const int most = static_cast<int>(config_.longest_s / PathConstants::kInterval_s);
     for (int i = 0; i < most; ++i) {
-      for (int k = 0; k < kPathParts; ++k) governor.step(goal, kInterval_s / kPathParts, config_.speed_mps);
+      for (int k = 0; k < PathConstants::kParts; ++k)
+        governor.step(goal, PathConstants::kInterval_s / PathConstants::kParts, config_.speed_mps);
       path.places_local_m.push_back(governor.state().position_m);
-      const bool there = (governor.state().position_m - to_local_m).norm() < 0.05;
-      if (there && governor.state().velocity_mps.norm() < kPathStanding_mps) break;
+      const bool there = (governor.state().position_m - to_local_m).norm() < PathConstants::kAtRest_m;
+      if (there && governor.state().velocity_mps.norm() < PathConstants::kAtRest_mps) break;
     }
     return path;
   }
@@ -146,13 +164,13 @@ class SharePaths : public Guidance {
     goal.position_m = flown_.to_local_m;
     goal.velocity_mps.setZero();
     goal.acceleration_mps2.setZero();
-    constexpr double kStep_s = kInterval_s / kPathParts;
+    constexpr double kStep_s = PathConstants::kInterval_s / PathConstants::kParts;
     for (double t_s = 0.0; t_s < config_.check_s - 1e-9; t_s += kStep_s) from.step(goal, kStep_s, config_.speed_mps);
     const TimeNs begins = now_ + from_seconds(config_.check_s);
     const Vector3 p_m = from.state().position_m;
     Vector3 ahead_m = goal_local_m - p_m;
     if (config_.planar) ahead_m.z() = 0.0;
-    double best_m = cost_m(flown_.path, goal_local_m) - kBetter_m;
+    double best_m = cost_m(flown_.path, goal_local_m) - PathConstants::kBetter_m;
     const auto consider = [&](Vector3 to_m) {
       if (!config_.planar) {
         to_m.z() = std::clamp(to_m.z(), to_local.height(config_.z_min_m), to_local.height(config_.z_max_m));
@@ -163,16 +181,16 @@ class SharePaths : public Guidance {
       best_m = cost;
       plan_ = Flight{from, to_m, std::move(path)};
     };
-    const double far_m = std::min(ahead_m.norm(), config_.speed_mps * 2.0);
+    const double far_m = std::min(ahead_m.norm(), config_.speed_mps * PathConstants::kHorizon_s);
     if (far_m < 1e-3) return;
     const Vector3 straight = ahead_m.normalized();
-    for (const double share : {1.0, 0.5, 0.2}) {
-      for (const double turn_deg : {0.0, -20.0, 20.0, -45.0, 45.0, -80.0, 80.0, -120.0, 120.0}) {
-        for (const double climb_deg : {0.0, 35.0, -35.0}) {
+    for (const double share : PathConstants::kShares) {
+      for (const double turn_deg : PathConstants::kTurns_deg) {
+        for (const double climb_deg : PathConstants::kClimbs_deg) {
           if (climb_deg != 0.0 && config_.planar) continue;
           Vector3 direction = Eigen::AngleAxisd(turn_deg * kRadPerDeg, Vector3::UnitZ()) * straight;
           direction.z() += elementary::sin(climb_deg * kRadPerDeg);
-          consider(p_m + std::max(share * far_m, std::min(far_m, 0.5)) * direction.normalized());
+          consider(p_m + std::max(share * far_m, std::min(far_m, PathConstants::kLeg_m)) * direction.normalized());
         }
       }
     }
@@ -183,15 +201,15 @@ class SharePaths : public Guidance {
   double cost_m(const PathInTime& path, const Vector3& goal_local_m) const {
     const Vector3 rest_m = goal_local_m - path.places_local_m.back();
     const double left_m = config_.planar ? elementary::hypot(rest_m.x(), rest_m.y()) : rest_m.norm();
-    return left_m + 0.2 * std::max(0.0, to_seconds(path.end() - now_));
+    return left_m + PathConstants::kDurationCost_mps * std::max(0.0, to_seconds(path.end() - now_));
   }
 
   void report(const StateEstimate& estimate, SharedPath::Kind kind, const PathInTime& path, Outbox& outbox) {
     sent_.kind = kind;
     sent_.t = std::max(now_, path.t);
-    sent_.interval_s = kReportInterval_s;
+    sent_.interval_s = PathConstants::kReportInterval_s;
     sent_.places.clear();
-    for (TimeNs t = sent_.t;; t += from_seconds(kReportInterval_s)) {
+    for (TimeNs t = sent_.t;; t += from_seconds(PathConstants::kReportInterval_s)) {
       sent_.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
       if (t >= path.end()) break;
     }
@@ -234,7 +252,7 @@ double least_distance_m(const PathInTime& a, const PathInTime& b, TimeNs from, d
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   double least_m = std::numeric_limits<double>::infinity();
   const TimeNs last = std::max(a.end(), b.end());
-  for (TimeNs t = std::max(from, a.t);; t += from_seconds(kInterval_s)) {
+  for (TimeNs t = std::max(from, a.t);; t += from_seconds(PathConstants::kInterval_s)) {
     least_m = std::min(least_m, scale.cwiseProduct(a.at_local_m(t) - b.at_local_m(t)).norm());
     if (t >= last) return least_m;
   }
