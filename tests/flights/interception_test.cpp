@@ -2,7 +2,9 @@
 // Interception in the full simulation [Vrba 2025, sec. VI-B]: LiDAR, detector, IMM tracker, map and MPC.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "swiftlet/sim/run/simulation.hpp"
 
@@ -11,7 +13,7 @@ namespace {
 
 /// Time of the first true capture and of the first one that the interceptor reports [s]; infinite: none.
 struct Interception {
-  double true_s = INFINITY, reported_s = INFINITY;
+  double true_s = std::numeric_limits<double>::infinity(), reported_s = true_s;
   bool contact = false;
 };
 
