@@ -152,7 +152,7 @@ class Intercept : public Guidance {
     states_.step(inputs, dt_s);
     if (before != State::kChasing || !states_.is(State::kSearching)) return;
     judge_.forget();
-    search_.begin(target(), config_.track_timeout_s, p_local_m_);
+    search_.begin(target());
   }
 
   /// Searches where a teammate sees its target, and continues a search. True when it goes to a reported target. With
@@ -167,7 +167,7 @@ class Intercept : public Guidance {
     }
     if (!states_.is(State::kWaiting) || sees_target) return false;
     const Teammate* teammate = reporter();
-    if (teammate != nullptr) search_.begin(*teammate, now_, p_local_m_);
+    if (teammate != nullptr) search_.begin(*teammate, now_);
     return teammate != nullptr;
   }
 
@@ -182,7 +182,6 @@ class Intercept : public Guidance {
     if (states_.is(State::kSearching)) {
       task.goal_local_m = search_.goal_local_m();
       task.net_to_goal = true;
-      task.net_lowest_m = search_.highest_m();  // targets that may be below, unseen, stay below
     }
     if (states_.is(State::kDone)) task.goal_local_m.z() += kIntercept.climb_m;
     return task;

@@ -122,11 +122,7 @@ void InterceptFlight::fly(ReferenceGovernor& governor, double since_s, double ah
 Reference InterceptFlight::goal_of_task(const Reference& self) {
   Reference goal;
   goal.position_m = task_.goal_local_m;
-  if (task_.net_to_goal) {
-    const Vector3 to_net_m = net_.center(Vector3::Zero(), self.yaw_rad);
-    goal.position_m = task_.goal_local_m - to_net_m;
-    if (to_net_m.z() < 0.0) goal.position_m.z() = std::max(goal.position_m.z(), task_.net_lowest_m - to_net_m.z());
-  }
+  if (task_.net_to_goal) goal.position_m -= net_.center(Vector3::Zero(), self.yaw_rad);
   goal.position_m = task_.surroundings->fence.inside(goal.position_m);
   goal.yaw_rad = face(goal.position_m);
   return goal;

@@ -16,7 +16,6 @@ struct FlightTask {
   const Surroundings* surroundings = nullptr;
   Vector3 goal_local_m = Vector3::Zero();  ///< of kGoTo
   bool net_to_goal = false;                ///< the net flies to the goal, not the vehicle
-  double net_lowest_m = 0.0;               ///< least height of a net below the vehicle that flies to a goal
 };
 
 /// Flies the tasks of an interceptor by the method of its configuration. Any motion is limited to states from which

@@ -11,26 +11,23 @@ class SearchPlanner {
  public:
   explicit SearchPlanner(const TargetSearchConfig& config) : search_(config) {}
 
-  /// Begins at the last prediction of a lost target; the first goal is its position after `timeout_s`.
-  void begin(const TargetPrediction& lost, double timeout_s, const Vector3& own_local_m);
+  /// Begins at the last prediction of a lost target.
+  void begin(const TargetPrediction& lost);
   /// Begins where a teammate reports its target by now.
-  void begin(const Teammate& teammate, TimeNs now, const Vector3& own_local_m);
+  void begin(const Teammate& teammate, TimeNs now);
   /// Counts the time of a tick. True when update() is due.
   bool tick(double dt_s);
   /// @param teammate  sees a target, which is searched instead; null: none
   void update(const Teammate* teammate, TimeNs now, const Vector3& own_local_m, const Surroundings& surroundings);
 
   const Vector3& goal_local_m() const { return goal_local_m_; }
-  /// Greatest possible height of the target near the vehicle.
-  double highest_m() const { return highest_m_; }
   void append_overlay(std::vector<Overlay>& overlays) const { search_.append_overlay(overlays); }
 
  private:
-  void restart(const Teammate& teammate, TimeNs now, const Vector3& own_local_m);
+  void restart(const PointState& target, double sigma_m);
 
   TargetSearch search_;
   Vector3 goal_local_m_ = Vector3::Zero();
-  double highest_m_ = 0.0;
   double since_update_s_ = 0.0, since_goal_s_ = 0.0;
 };
 

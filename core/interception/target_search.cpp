@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "swiftlet/core/math/angles.hpp"
 
@@ -12,10 +11,8 @@ namespace {
 
 struct ParticleTuning {
   double near_m = 4.0;          ///< [m] radius of particles that count as one position
-  double possible = 0.1;        ///< [-] weight below which a position counts as excluded, relative to the initial one
   double min_weight = 1e-6;     ///< [-] lower bound, so that a position may become possible again
   double maneuver_per_s = 0.7;  ///< [1/s] rate at which a particle's acceleration changes
-  double vertical_share = 0.4;  ///< [-] vertical acceleration relative to the horizontal one
   double max_step_s = 1.0;      ///< [s] upper limit of a step
 };
 constexpr ParticleTuning kParticle;
@@ -52,19 +49,15 @@ void TargetSearch::begin(const PointState& target, double sigma_m, double sigma_
   remaining_ = 1.0;
 }
 
-/// White noise with the same effect as an acceleration that is kept for a second or two.
-Vector3 TargetSearch::draw(std::uint32_t particle) {
-  const auto n = random_.normal3(draws_, particle);
-  return {n[0], n[1], kParticle.vertical_share * n[2]};
-}
-
 void TargetSearch::advance(double dt_s, const Geofence& fence) {
   ++draws_;
   dt_s = std::min(dt_s, kParticle.max_step_s);
   const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kParticle.maneuver_per_s);
   for (std::uint32_t i = 0; i < kParticles; ++i) {
     Particle& particle = particles_[i];
-    particle.v_local_mps += spread_mps * draw(i);
+    // White noise with the same effect as an acceleration that is kept for a second or two.
+    const auto n = random_.normal3(draws_, i);
+    particle.v_local_mps += spread_mps * Vector3(n[0], n[1], n[2]);
     const double speed_mps = particle.v_local_mps.norm();
     if (speed_mps > config_.speed_max_mps) particle.v_local_mps *= config_.speed_max_mps / speed_mps;
     particle.p_local_m += dt_s * particle.v_local_mps;
@@ -112,16 +105,6 @@ Vector3 TargetSearch::most_probable() const {
     best_m = middle_m / sum;
   }
   return best_m;
-}
-
-double TargetSearch::highest_near_m(const Vector3& p_local_m) const {
-  double highest_m = std::numeric_limits<double>::lowest();
-  for (const Particle& particle : particles_) {
-    if (particle.weight < kParticle.possible || (particle.p_local_m - p_local_m).head<2>().norm() > kParticle.near_m)
-      continue;
-    highest_m = std::max(highest_m, particle.p_local_m.z());
-  }
-  return highest_m;
 }
 
 void TargetSearch::append_overlay(std::vector<Overlay>& overlays) const {

@@ -24,9 +24,6 @@ class TargetSearch {
   void look(const Vector3& eye_local_m, double dt_s, const OccupancyView* map);
   /// Most probable position of the target.
   Vector3 most_probable() const;
-  /// Height of the highest possible position within 4 m horizontally of this one. Lowest representable number when
-  /// there is none.
-  double highest_near_m(const Vector3& p_local_m) const;
   /// Mean weight of the particles: remaining share of the search space; falls as parts of it are observed to be empty.
   double remaining() const { return remaining_; }
   void append_overlay(std::vector<Overlay>& overlays) const;
@@ -37,7 +34,6 @@ class TargetSearch {
     Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
     double weight = 1.0;
   };
-  Vector3 draw(std::uint32_t particle);
   bool sees(const Vector3& eye_local_m, const Vector3& p_local_m, const OccupancyView* map) const;
 
   TargetSearchConfig config_;

@@ -123,23 +123,6 @@ TEST(Intercept, RejectsCatchesOfLongUnmeasuredTargets) {
   EXPECT_EQ(sees.out.mission, MissionStatus::kDone);
 }
 
-// A level LiDAR does not see a target right below, and the vehicle does not descend to look for it.
-TEST(Intercept, StaysAboveATargetHiddenBelow) {
-  InterceptConfig config;
-  config.net = {.offset_m = {0.0, 0.0, -1.6}, .radius_m = 0.2, .height_m = 0.1};
-  const auto target_m = [](double t_s) { return Vector3(-20.0 + 2.0 * t_s, 0.0, 12.0); };
-  Hunt hunt(config, {-20.5, 0.0, 14.0});
-  hunt.run(1.0, [&](double t_s, Hunt& h) { h.sees(target_m(t_s), {2.0, 0.0, 0.0}); });
-  hunt.tracks.clear();
-  double least_m = 1e3;
-  hunt.run(6.0, [&](double, Hunt& h) {
-    const Vector3 above_m = h.p_m() - target_m(1.0);  // height above the place where the target stopped
-    if (above_m.head<2>().norm() < 3.0) least_m = std::min(least_m, above_m.z());
-  });
-  EXPECT_EQ(hunt.notes.back(), "the target is lost: searching");
-  EXPECT_GT(least_m, 1.3);
-}
-
 TEST(Intercept, AbandonsATargetNeverFoundAgain) {
   InterceptConfig config;
   config.search.timeout_s = 5.0;
