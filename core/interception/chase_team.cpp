@@ -114,16 +114,14 @@ void ChaseTeam::compare_targets(const Vector3& target_local_m, TimeNs now, doubl
   }
 }
 
-void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
+void ChaseTeam::decide(std::optional<double> arrival_s) {
   const auto rank_s = [](double arrives_s, bool leads) { return arrives_s - (leads ? kTeam.lead_hold_s : 0.0); };
   leader_ = arrival_s ? self_ : kNoVehicle;
   double least_s = arrival_s ? rank_s(*arrival_s, leads_) : std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < teammates_.size(); ++i) {
     const Teammate& teammate = teammates_[i].teammate;
     if (!teammates_[i].fresh || !teammate.same_target || !teammate.chases()) continue;
-    // A leader has come nearer since its report, a yielding interceptor has not.
-    const bool led = teammate.status == Status::kLeads;
-    const double its_s = rank_s(teammate.arrival_s - (led ? to_seconds(now - teammate.t) : 0.0), led);
+    const double its_s = rank_s(teammate.arrival_s, teammate.status == Status::kLeads);
     const auto id = static_cast<VehicleId>(i);
     if (its_s > least_s || (its_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
     least_s = its_s;

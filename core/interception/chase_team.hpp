@@ -53,7 +53,7 @@ class ChaseTeam {
 
   /// The interceptor with the earliest arrival leads; a leader is replaced only by a clearly earlier one.
   /// @param arrival_s  own; empty: does not chase
-  void decide(TimeNs now, std::optional<double> arrival_s);
+  void decide(std::optional<double> arrival_s);
   bool leads() const { return leads_; }
   bool yields() const { return leader_ != kNoVehicle && leader_ != self_; }
   /// Appends all interceptors, to be kept clear of. A leader keeps half the clearance from those that yield to it, and

@@ -194,11 +194,8 @@ class Intercept : public Guidance {
     led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kIntercept.lead_timeout_s + kIntercept.max_lead_penalty_s);
     arrival_s_ = kIntercept.no_arrival_s;
     const bool can_lead = states_.has_target() && states_.outside_s() == 0.0;
-    if (can_lead) {
-      arrival_s_ = flight_.arrival_s(target()) + std::max(0.0, led_for_s_ - kIntercept.lead_timeout_s);
-      if (states_.is(State::kLeaving)) arrival_s_ += config_.after_capture_s;
-    }
-    team_.decide(now_, can_lead ? std::optional(arrival_s_) : std::nullopt);
+    if (can_lead) arrival_s_ = flight_.arrival_s(target()) + std::max(0.0, led_for_s_ - kIntercept.lead_timeout_s);
+    team_.decide(can_lead ? std::optional(arrival_s_) : std::nullopt);
   }
 
   void report(const StateEstimate& estimate, Outbox& outbox) {

@@ -39,7 +39,7 @@ struct Team {
     team.listen(observation, {});
   }
   bool leads(double arrival_s) {
-    team.decide(observation.t, arrival_s);
+    team.decide(arrival_s);
     return team.leads();
   }
   std::vector<MovingObstacle> moving_obstacles() {
@@ -72,7 +72,7 @@ TEST(PathAhead, FollowsItsWaypointsAndExtrapolatesBeyond) {
 TEST(ChaseTeam, LeadsWhenAlone) {
   EXPECT_TRUE(Team().leads(100.0));
   ChaseTeam alone(0, 1);
-  alone.decide(0, 5.0);
+  alone.decide(5.0);
   EXPECT_TRUE(alone.leads());
   EXPECT_FALSE(alone.is_report_due(0)) << "no other interceptor receives it";
 }
@@ -107,10 +107,10 @@ TEST(ChaseTeam, HasOneLeaderForAnyReports) {
             observation.messages[0].from = 1 - i;
             write_message(report, observation.messages[0]);
             // The decision is set directly.
-            teams[i].decide(0, led[i] ? std::optional(1.0) : std::nullopt);
+            teams[i].decide(led[i] ? std::optional(1.0) : std::nullopt);
             teams[i].listen(observation, {});
             teams[i].compare_targets(Vector3::Zero(), 0, 3.0);
-            teams[i].decide(0, arrival_s[i]);
+            teams[i].decide(arrival_s[i]);
           }
           EXPECT_NE(teams[0].leads(), teams[1].leads()) << first_s << " " << second_s << " " << first_led << second_led;
         }
