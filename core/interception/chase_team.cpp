@@ -130,18 +130,17 @@ void ChaseTeam::decide(std::optional<double> arrival_s) {
   leads_ = leader_ == self_;
 }
 
-void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
+void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m,
                                         std::vector<MovingObstacle>& moving_obstacles) const {
-  for (std::size_t i = 0; i < teammates_.size(); ++i) {
-    const Teammate& teammate = teammates_[i].teammate;
-    if (!teammates_[i].fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
+  for (const Received& received : teammates_) {
+    const Teammate& teammate = received.teammate;
+    if (!received.fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
     const double age_s = to_seconds(now - teammate.t);
     const bool yields = leads_ && teammate.same_target && teammate.status != Status::kCaptured;
     MovingObstacle obstacle;
     obstacle.p_local_m = teammate.at(now) + teammate.offset_local_m;
     obstacle.v_local_mps = teammate.path.velocity_mps(age_s);
     obstacle.radius_m = yields ? kTeam.leader_share * clearance_m : clearance_m;
-    if (leader_ == static_cast<VehicleId>(i)) obstacle.plan_room_m = std::max(0.0, yield_clearance_m - clearance_m);
     obstacle.path = &teammate.path;
     obstacle.path_age_s = age_s;
     moving_obstacles.push_back(obstacle);

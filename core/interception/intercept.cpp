@@ -129,7 +129,7 @@ class Intercept : public Guidance {
       obstacles.push_back(
           {track.position_m + age_s * track.velocity_mps, track.velocity_mps, config_.bystander_clearance_m});
     }
-    team_.append_moving_obstacles(now_, config_.bystander_clearance_m, config_.yield_clearance_m, obstacles);
+    team_.append_moving_obstacles(now_, config_.bystander_clearance_m, obstacles);
     if (target_track == nullptr || config_.target_clearance_m <= 0.0) return;
     const PointState now = target().at(0.0);
     obstacles.push_back({now.p_m, now.v_mps, config_.target_clearance_m, config_.net.offset_m.z() < 0.0});

@@ -26,8 +26,6 @@ void InterceptConfig::visit(ConfigVisitor& v) {
           "[m] least distance between the centers of vehicle and target; 0: any", Range::non_negative());
   v.field("bystander_clearance_m", bystander_clearance_m,
           "[m] least distance between the centers of vehicle and any other track", Range::non_negative());
-  v.field("yield_clearance_m", yield_clearance_m, "[m] distance of plans from another interceptor that arrives sooner",
-          Range::non_negative());
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});
   v.field("track_timeout_s", track_timeout_s, "[s] age beyond which a track is lost", Range::positive());
   v.field("after_capture_s", after_capture_s,
