@@ -7,6 +7,7 @@
 #include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
@@ -85,7 +86,7 @@ class OdometryEstimator : public StateEstimator {
 
   void set_covariance() {
     const double sigma_p = config_.position_drift * distance_m_;
-    const double sigma_yaw = config_.yaw_drift_degpm * std::numbers::pi / 180.0 * distance_m_;
+    const double sigma_yaw = radians(config_.yaw_drift_degpm) * distance_m_;
     estimate_.covariance.setZero();
     estimate_.covariance.diagonal() << Vector3::Constant(sigma_p * sigma_p), 0.0, 0.0, sigma_yaw * sigma_yaw;
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "sim/dataset/flight_plan.hpp"
@@ -11,6 +10,7 @@
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/stage_tables/guidances.hpp"
 #include "swiftlet/sim/dataset/hash.hpp"
@@ -81,7 +81,7 @@ void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
     vehicle.places.erase("start.position_m");  // its location in the file is of another value
     vehicle.start.known = known;
     vehicle.start.position_m = paths[i].control_points_m.front();
-    vehicle.start.yaw_deg = paths[i].yaw_rad * 180.0 / std::numbers::pi;
+    vehicle.start.yaw_deg = degrees(paths[i].yaw_rad);
     *guidance = Module(guidance_module_types(), "timed_path");
     guidance->as<TimedPathConfig>().points_m = paths[i].control_points_m;
     guidance->as<TimedPathConfig>().interval_s = paths[i].interval_s;

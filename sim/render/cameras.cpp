@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/math/angles.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -15,12 +17,10 @@ constexpr TimeNs kFreeLongEnough = 2'000'000'000;
 constexpr double kSeenEnough = 0.6;    // share of unblocked sight lines at which a follow camera keeps its direction
 constexpr double kSeenWell = 0.8;      // share at which it accepts a new direction
 constexpr std::size_t kMaxTested = 8;  // sight lines are tested to at most this many vehicles of a team
-constexpr double kHighest_rad = 80.0 * M_PI / 180.0;
+constexpr double kHighest_rad = radians(80.0);
 // For a follow camera without configured position: diameter of the largest vehicle as a share of the picture's height.
 constexpr double kVehicleShare = 0.18;
 const Eigen::Vector3d kFollowFrom = Eigen::Vector3d(-7.0, -7.0, 2.1).normalized();
-
-double radians(double degrees) { return degrees * M_PI / 180.0; }
 
 Eigen::Matrix4d look(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up_hint) {
   const Eigen::Vector3d back = (eye - target).normalized();

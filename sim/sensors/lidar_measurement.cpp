@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -115,8 +116,7 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   }
   flat_incidence_ = noise.table_incidence_deg.empty();
   for (int i = 0; i <= kIncidenceEntries && !flat_incidence_; ++i) {
-    const double incidence_deg =
-        elementary::acos(static_cast<double>(i) / kIncidenceEntries) * 180.0 / std::numbers::pi;
+    const double incidence_deg = degrees(elementary::acos(static_cast<double>(i) / kIncidenceEntries));
     incidence_factors_.push_back(
         static_cast<float>(linear(noise.table_incidence_deg, noise.table_incidence_factor, incidence_deg)));
   }

@@ -21,8 +21,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kRadians = kPi / 180.0;
-constexpr float kRadiansF = static_cast<float>(kRadians);
+constexpr float kRadPerDegF = static_cast<float>(kRadPerDeg);
 
 Eigen::Vector3f direction(double azimuth_rad, double elevation_rad) {
   return Eigen::Vector3d(elementary::cos(elevation_rad) * elementary::cos(azimuth_rad),
@@ -49,14 +48,14 @@ class Ouster final : public LidarPattern {
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
     resize(config_.rows, config_.columns, beams);
     for (int c = 0; c < beams.cols; ++c) {
-      const double encoder = config_.connector_deg * kRadians - 2.0 * kPi * c / beams.cols;
+      const double encoder = config_.connector_deg * kRadPerDeg - 2.0 * kPi * c / beams.cols;
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
       const Eigen::Vector3f origin = Eigen::Vector3d(config_.beam_origin_m * elementary::cos(encoder),
                                                      config_.beam_origin_m * elementary::sin(encoder), 0.0)
                                          .cast<float>();
       for (int r = 0; r < beams.rows; ++r) {
         const std::size_t i = static_cast<std::size_t>(r) * beams.cols + c;
-        beams.directions_lidar[i] = direction(encoder - azimuth_deg(r) * kRadians, elevation_deg(r) * kRadians);
+        beams.directions_lidar[i] = direction(encoder - azimuth_deg(r) * kRadPerDeg, elevation_deg(r) * kRadPerDeg);
         beams.origins_lidar[i] = origin;
       }
     }
@@ -133,10 +132,10 @@ class LivoxMid360 final : public LidarPattern {
     for (int i = 0; i < 4; ++i) {
       const float cos_phi = of_phi.cos[i], sin_phi = of_phi.sin[i];
       zenith_center[i] = 68.12F - 26.10F * cos_phi + sin_phi * sin_phi * (1.95F + 9.48F * cos_phi);
-      zenith_center_rad[i] = zenith_center[i] * kRadiansF;
+      zenith_center_rad[i] = zenith_center[i] * kRadPerDegF;
       const double turned = 1.31299 * s[i] - 0.03581 * (kLivoxPeriod / (2.0 * kPi)) * sin_phi;
-      azimuth_center[i] = static_cast<float>(remainder(269.0 - turned, 360.0)) * kRadiansF;
-      psi[i] = static_cast<float>(remainder(1.002 * turned, 360.0)) * kRadiansF;
+      azimuth_center[i] = static_cast<float>(remainder(269.0 - turned, 360.0)) * kRadPerDegF;
+      psi[i] = static_cast<float>(remainder(1.002 * turned, 360.0)) * kRadPerDegF;
     }
     const SinCos of_psi = sincos_of(psi), of_center = sincos_of(zenith_center_rad);
     for (int i = 0; i < 4; ++i) {
@@ -148,8 +147,8 @@ class LivoxMid360 final : public LidarPattern {
       const float u = static_cast<float>(line) - 1.5F;
       Four zenith, azimuth;
       for (int i = 0; i < 4; ++i) {
-        zenith[i] = (zenith_center[i] + u * depth[i]) * kRadiansF;
-        azimuth[i] = azimuth_center[i] - u * width[i] * kRadiansF;
+        zenith[i] = (zenith_center[i] + u * depth[i]) * kRadPerDegF;
+        azimuth[i] = azimuth_center[i] - u * width[i] * kRadPerDegF;
       }
       const SinCos of_zenith = sincos_of(zenith), of_azimuth = sincos_of(azimuth);
       for (int i = 0; i < std::min(4, steps_ - column); ++i) {
@@ -195,7 +194,7 @@ class VelodynePuck final : public LidarPattern {
       for (int c = 0; c < cycles_; ++c) {
         const double offset_s = c * kPuckCycle_s + laser * kPuckShot_s;
         const std::size_t i = static_cast<std::size_t>(r) * cycles_ + c;
-        beams.directions_lidar[i] = direction(-2.0 * kPi * offset_s / sweep_s_, elevation_deg * kRadians);
+        beams.directions_lidar[i] = direction(-2.0 * kPi * offset_s / sweep_s_, elevation_deg * kRadPerDeg);
         beams.origins_lidar[i] = {0.0F, 0.0F, static_cast<float>(height_m)};
       }
     }
@@ -226,7 +225,7 @@ class Uniform final : public LidarPattern {
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
       for (int r = 0; r < beams.rows; ++r) {
         beams.directions_lidar[static_cast<std::size_t>(r) * beams.cols + c] =
-            direction(azimuth_deg * kRadians, (top_deg - r * step_elevation_deg) * kRadians);
+            direction(azimuth_deg * kRadPerDeg, (top_deg - r * step_elevation_deg) * kRadPerDeg);
       }
     }
   }
@@ -295,7 +294,7 @@ class CsvPattern final : public LidarPattern {
       if (!std::isfinite(azimuth_deg) || !(std::abs(elevation_deg) <= 90.0)) fail("an elevation in -90..90 deg");
       if (!(time_s >= 0.0 && time_s <= sweep_s)) fail("a time within the sweep, 0.." + text_of(sweep_s) + " s");
       if (!offsets_s_.empty() && static_cast<float>(time_s) < offsets_s_.back()) fail("times in ascending order");
-      directions_.push_back(direction(azimuth_deg * kRadians, elevation_deg * kRadians));
+      directions_.push_back(direction(azimuth_deg * kRadPerDeg, elevation_deg * kRadPerDeg));
       offsets_s_.push_back(static_cast<float>(time_s));
     }
     if (directions_.empty()) throw InputError(path + ": expected at least one shot, found none");

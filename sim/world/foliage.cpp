@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -46,7 +47,7 @@ double FoliageConfig::reach_m() const {
 
 FoliageMotion::FoliageMotion(const FoliageConfig& config, std::uint64_t seed)
     : config_(config), random_(seed, "world.foliage") {
-  const double wind_rad = config.wind_deg * std::numbers::pi / 180.0;
+  const double wind_rad = radians(config.wind_deg);
   along_ = Vector3(elementary::cos(wind_rad), elementary::sin(wind_rad), 0.0);
   across_ = Vector3(-along_.y(), along_.x(), 0.0);
 }

@@ -9,6 +9,7 @@
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
@@ -114,8 +115,7 @@ void add_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
     const TreeStock::Measures tree = stock.measures(stem.dbh_m, stem.height_factor);
     const Vector3d foot_m = on_ground(relief, stem.place_m);
     const bool crown_is_above = foot_m.z() + tree.crown_base_m >= clear_top_m;
-    const double trunk_reach_m =
-        stem.dbh_m + 1.0 + elementary::tan(config.lean_max_deg * std::numbers::pi / 180.0) * tree.height_m;
+    const double trunk_reach_m = stem.dbh_m + 1.0 + elementary::tan(radians(config.lean_max_deg)) * tree.height_m;
     const double reach_m = crown_is_above ? std::min(trunk_reach_m, tree.crown_radius_m) : tree.crown_radius_m;
     if (config.keep_clear.distance_m(stem.place_m) < reach_m) continue;
     stock.place(scene, foot_m, stem.dbh_m, stem.height_factor, stem.yaw_rad);

@@ -8,6 +8,7 @@
 #include "sim/world/materials.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
@@ -23,7 +24,7 @@ double hide_top_m(const HallConfig& config) {
 
 // Both ends of the cover wall.
 std::pair<Vector2d, Vector2d> hide_ends(const HallConfig& config) {
-  const double yaw_rad = config.hide_yaw_deg * std::numbers::pi / 180.0;
+  const double yaw_rad = radians(config.hide_yaw_deg);
   const Vector2d half_m = 0.5 * config.hide_length_m * Vector2d(elementary::cos(yaw_rad), elementary::sin(yaw_rad));
   return {config.hide_center_m - half_m, config.hide_center_m + half_m};
 }
@@ -116,7 +117,7 @@ Scene make_hall(const HallConfig& config, std::uint64_t seed) {
                     SurfaceClass::kWall,
                     "hide",
                     {config.hide_center_m.x(), config.hide_center_m.y(), 0.5 * hide_top_m(config)},
-                    config.hide_yaw_deg * std::numbers::pi / 180.0,
+                    radians(config.hide_yaw_deg),
                     {{"length_m", config.hide_length_m},
                      {"height_m", hide_top_m(config)},
                      {"thickness_m", config.wall_thickness_m}}});

@@ -2,8 +2,8 @@
 #include "sim/world/scene_builder.hpp"
 
 #include <limits>
-#include <numbers>
 
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/base/errors.hpp"
 
 namespace swiftlet::sim {
@@ -82,9 +82,7 @@ Scene SceneBuilder::finish() {
 
 Eigen::Affine3d placement(const Eigen::Vector3d& position_world_m, double yaw_deg, double scale) {
   Eigen::Affine3d T = Eigen::Affine3d::Identity();
-  T.translate(position_world_m)
-      .rotate(Eigen::AngleAxisd(yaw_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()))
-      .scale(scale);
+  T.translate(position_world_m).rotate(Eigen::AngleAxisd(radians(yaw_deg), Eigen::Vector3d::UnitZ())).scale(scale);
   return T;
 }
 

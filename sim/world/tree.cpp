@@ -6,6 +6,7 @@
 
 #include "sim/world/materials.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
@@ -233,7 +234,7 @@ bool Crown::contains(const Vector3d& point_tree_m) const {
 
 Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice dice) {
   const SpeciesLaw& law = law_of(species);
-  const double lean = elementary::tan(dice.uniform(0.0, options.lean_max_deg) * std::numbers::pi / 180.0);
+  const double lean = elementary::tan(radians(dice.uniform(0.0, options.lean_max_deg)));
   const double lean_direction_rad = dice.angle_rad();
   Tree tree;
   tree.species = species;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/world/two_rooms_gap.hpp"
 
-#include <numbers>
-
 #include "sim/world/building.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 
@@ -37,7 +36,7 @@ double TwoRoomsGapConfig::gap_width() const {
 
 Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
   const double turn_rad = config.random_yaw ? Dice(Random(seed, "world.two_rooms_gap.yaw"), 0).angle_rad() : 0.0;
-  const double yaw_rad = config.yaw_deg * std::numbers::pi / 180.0 + turn_rad;
+  const double yaw_rad = radians(config.yaw_deg) + turn_rad;
   const Eigen::Vector2d& room_m = config.room_size_m;
   const double thickness_m = config.wall_thickness_m;
   const double gap_top_m = config.gap_height_m > 0.0 ? config.gap_height_m : config.height_m;

@@ -176,7 +176,7 @@ std::unique_ptr<Guidance> make_agile(const ModuleConfig& config_in, const Guidan
   expect_within("agile", setup.limits, "speed_max_mps", config.speed_max_mps, "acceleration_max_mps2",
                 config.acceleration_max_mps2);
   std::optional<double> yaw_world_rad;
-  if (config.yaw == AgileConfig::Yaw::kFixed) yaw_world_rad = config.yaw_deg * kPi / 180.0;
+  if (config.yaw == AgileConfig::Yaw::kFixed) yaw_world_rad = radians(config.yaw_deg);
   return std::make_unique<EndlessFlight<AgileConfig, AgileSpline>>(config, setup, yaw_world_rad);
 }
 

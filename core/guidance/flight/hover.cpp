@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/guidance/hover.hpp"
 
-#include <numbers>
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
@@ -11,7 +11,7 @@ class Hover : public Guidance {
   Hover(const HoverConfig& config, const GuidanceSetup& setup) : at_start_(config.at == HoverConfig::At::kStart) {
     const Pose& T_local_start = setup.agent.T_local_body_start;
     goal_.position_m = at_start_ ? Vector3(T_local_start.translation()) : config.point_m;
-    goal_.yaw_rad = at_start_ ? yaw_of(T_local_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;
+    goal_.yaw_rad = at_start_ ? yaw_of(T_local_start.linear()) : radians(config.yaw_deg);
   }
 
   GuidanceNeeds needs() const override { return {.world = !at_start_}; }

@@ -2,11 +2,11 @@
 #include "swiftlet/core/guidance/timed_path.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
@@ -33,7 +33,7 @@ class TimedPath : public Guidance {
     if (config_.yaw == TimedPathConfig::Yaw::kAlongPath)
       turn_along_velocity(kSlowestTimed_mps, yaw_rad_, output.goal);
     else
-      yaw_rad_ = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
+      yaw_rad_ = to_local_.yaw(radians(config_.yaw_deg));
     output.goal.yaw_rad = yaw_rad_;
     if (t_s_ >= path_.duration_s()) output.mission = MissionStatus::kDone;
   }

@@ -27,7 +27,7 @@ struct CurvePoint {
 
 CurvePoint circle(const TrajectoryConfig& c, double s) {
   const double sense = c.clockwise ? -1.0 : 1.0;
-  const double angle = c.phase_deg * kPi / 180.0 + sense * s;
+  const double angle = radians(c.phase_deg) + sense * s;
   const Vector3 out(elementary::cos(angle), elementary::sin(angle), 0.0);
   const Vector3 along(-sense * out.y(), sense * out.x(), 0.0);
   return {c.center_m + c.radius_m * out, c.radius_m * along, -c.radius_m * out};
@@ -37,7 +37,7 @@ CurvePoint lissajous(const TrajectoryConfig& c, double s) {
   CurvePoint point;
   for (int i = 0; i < 3; ++i) {
     const double k = c.frequency_ratio[i];
-    const double angle = k * (s + c.phase_deg * kPi / 180.0);
+    const double angle = k * (s + radians(c.phase_deg));
     point.p[i] = c.center_m[i] + c.amplitude_m[i] * elementary::sin(angle);
     point.dp[i] = c.amplitude_m[i] * k * elementary::cos(angle);
     point.ddp[i] = -c.amplitude_m[i] * k * k * elementary::sin(angle);
@@ -138,7 +138,7 @@ class Trajectory : public Guidance {
     if (config_.yaw == TrajectoryConfig::Yaw::kAlongPath)
       turn_along_velocity(kSlowestLeg_mps, yaw_rad_, r);
     else
-      yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
+      yaw_rad_ = to_local.yaw(radians(config_.yaw_deg));
     r.yaw_rad = yaw_rad_;
     return r;
   }

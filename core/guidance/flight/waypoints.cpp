@@ -77,7 +77,7 @@ class Waypoints : public Guidance {
   }
 
   void face(const Vector3& p_m) {
-    if (config_.yaw == WaypointsConfig::Yaw::kFixed) goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * kPi / 180.0);
+    if (config_.yaw == WaypointsConfig::Yaw::kFixed) goal_.yaw_rad = to_local_.yaw(radians(config_.yaw_deg));
     if (config_.yaw == WaypointsConfig::Yaw::kFixed || arrived_) return;
     const Vector3& from = config_.yaw == WaypointsConfig::Yaw::kAlongPath ? leg_start_m_ : p_m;
     goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);
