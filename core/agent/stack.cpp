@@ -8,6 +8,7 @@
 
 #include "core/agent/look_around.hpp"
 #include "core/agent/trail.hpp"
+#include "swiftlet/core/agent/localization_status.hpp"
 #include "swiftlet/core/agent/stage_notifier.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/base/finite.hpp"
@@ -36,8 +37,27 @@ Reference at_rest_with(const StateEstimate& estimate) {
   return reference;
 }
 
+/// Throws std::invalid_argument when a stage lacks another one that it needs.
+void require_complete(const StackStages& stages, const GuidanceNeeds& needs) {
+  if (needs.map && stages.mapping == nullptr)
+    throw std::invalid_argument("mapping: expected a type other than none, because guidance needs a map");
+  if (stages.mapping != nullptr && stages.mapping->needs_submaps() && stages.localization->submap_poses() == nullptr) {
+    throw std::invalid_argument(
+        "localization: expected {type: slam, global: {enabled: true}}, because mapping uses the submaps of its pose "
+        "graph");
+  }
+  if (needs.relatives && stages.relative_localization == nullptr) {
+    throw std::invalid_argument(
+        "relative_localization: expected a type other than none, because guidance needs the pose of another vehicle");
+  }
+}
+
 /// All stages work in the local frame; outputs (`action_`) are in the world.
-class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvider, public StageNotifier {
+class StackAgent : public Agent,
+                   public SavedMapProvider,
+                   public JoinedMapProvider,
+                   public LocalizationReporter,
+                   public StageNotifier {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
       : self_(setup.self),
@@ -49,19 +69,7 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
         controller_(setup.airframe, control.gains, setup.tick_s),
         joined_map_provider_(dynamic_cast<const JoinedMapProvider*>(stages_.localization.get())),
         outbox_(setup.self) {
-    if (needs_.map && stages_.mapping == nullptr) {
-      throw std::invalid_argument("mapping: expected a type other than none, because guidance needs a map");
-    }
-    if (stages_.mapping != nullptr && stages_.mapping->needs_submaps() &&
-        stages_.localization->submap_poses() == nullptr) {
-      throw std::invalid_argument(
-          "localization: expected {type: slam, global: {enabled: true}}, because mapping uses the submaps of its "
-          "pose graph");
-    }
-    if (needs_.relatives && stages_.relative_localization == nullptr) {
-      throw std::invalid_argument(
-          "relative_localization: expected a type other than none, because guidance needs the pose of another vehicle");
-    }
+    require_complete(stages_, needs_);
   }
 
   const Action& step(const Observation& observation) override {
@@ -97,6 +105,10 @@ class StackAgent : public Agent, public SavedMapProvider, public JoinedMapProvid
   }
 
   void set_stage_listener(std::function<void(AgentStage)> begins) override { begins_ = std::move(begins); }
+
+  LocalizationStatus localization_status() const override {
+    return {stages_.localization->fault(), stages_.localization->warning()};
+  }
 
   void append_counters(std::vector<Counter>& counters) const override {
     const auto append = [&](const auto& stage, const char* key) {
