@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "swiftlet/core/math/angles.hpp"
-
 namespace swiftlet::sim {
 namespace {
 
@@ -18,12 +16,9 @@ constexpr TimeNs kAfterCapture = kNsPerSecond;
 }  // namespace
 
 EventLog::EventLog(std::vector<std::string> vehicle_names, std::vector<Perception> perception)
-    : names_(std::move(vehicle_names)),
-      perception_(std::move(perception)),
-      corrections_(names_.size(), 0),
-      missions_(names_.size(), MissionStatus::kRunning),
-      mission_notes_(names_.size()),
-      ended_(names_.size(), false) {}
+    : names_(std::move(vehicle_names)), perception_(std::move(perception)), ended_(names_.size(), false) {
+  for (std::size_t i = 0; i < names_.size(); ++i) agents_.emplace_back(static_cast<VehicleId>(i));
+}
 
 void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const Action* const> actions) {
   events_.clear();
@@ -32,8 +27,8 @@ void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const 
     const auto vehicle = static_cast<VehicleId>(i);
     const VehicleState& state = physics.state(vehicle);
     if (state.crashed) continue;  // estimates of a crashed vehicle's agent are ignored
-    note_correction(vehicle, now, actions[i]->estimate, state.p_world_m);
-    note_mission(vehicle, now, *actions[i], state.p_world_m);
+    agents_[i].collect(now, *actions[i], state.p_world_m, events_);
+    ended_[i] = ended_[i] || agents_[i].mission_is_over();
   }
   end_if_over(now + kAfterTheEnd);
 }
@@ -77,33 +72,6 @@ void EventLog::note_crash(const Crash& crash) {
   }
   event.note = fmt::format("at {:.2f} m/s", crash.speed_mps);
   events_.push_back(std::move(event));
-}
-
-void EventLog::note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m) {
-  if (estimate.correction_revision == corrections_[i]) return;
-  corrections_[i] = estimate.correction_revision;
-  const Vector3& p_m = estimate.T_world_local.translation();
-  const double yaw_deg = yaw_of(estimate.T_world_local.linear()) / kRadPerDeg;
-  events_.push_back({now,
-                     "correction",
-                     i,
-                     {},
-                     p_world_m,
-                     fmt::format("the local frame lies at {:.3f}, {:.3f}, {:.3f} m and is turned by {:.2f} deg",
-                                 p_m.x(), p_m.y(), p_m.z(), yaw_deg)});
-}
-
-void EventLog::note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m) {
-  if (action.mission == missions_[i] && action.mission_note == mission_notes_[i]) return;
-  missions_[i] = action.mission;
-  mission_notes_[i] = action.mission_note;
-  const bool over = action.mission == MissionStatus::kDone || action.mission == MissionStatus::kFailed;
-  ended_[i] = ended_[i] || over;
-  if (!over && action.mission_note.empty()) return;
-  const char* status = action.mission == MissionStatus::kDone     ? "mission_done"
-                       : action.mission == MissionStatus::kFailed ? "mission_failed"
-                                                                  : "mission";
-  events_.push_back({now, status, i, {}, p_world_m, action.mission_note});
 }
 
 }  // namespace swiftlet::sim

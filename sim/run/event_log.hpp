@@ -9,6 +9,7 @@
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/recording/tick_view.hpp"
+#include "swiftlet/sim/run/agent_events.hpp"
 
 namespace swiftlet::sim {
 
@@ -32,17 +33,13 @@ class EventLog {
 
  private:
   void note_crash(const Crash& crash);
-  void note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m);
-  void note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m);
   void end_interceptions_without_targets();
   void end_if_over(TimeNs end);
 
   std::vector<std::string> names_;
   std::vector<Perception> perception_;
   std::vector<Event> events_;
-  std::vector<std::uint32_t> corrections_;  // last correction_revision, indexed by vehicle
-  std::vector<MissionStatus> missions_;
-  std::vector<std::string> mission_notes_;
+  std::vector<AgentEvents> agents_;  // indexed by vehicle
   std::vector<bool> ended_;
   bool crashed_ = false;
   TimeNs end_of_missions_ = -1;
