@@ -2,121 +2,83 @@
 #include "pcd_sweep.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <map>
+#include <cmath>
 #include <numeric>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
+#include "pcd_file.hpp"
+
 namespace {
 
-struct Field {
-  std::string type;  // U, I or F
-  std::size_t offset = 0, bytes = 0;
-};
+using swiftlet::TimeNs;
 
-struct Header {
-  std::map<std::string, Field> fields;  // including padding ("_")
-  std::size_t point_bytes = 0, num_points = 0;
-};
+/// Plausible times of points after the start of the sweep. Wider bounds accept more times in wrong units.
+constexpr double kLatestShare = 2.0;         // largest time, as a share of the sweep's duration
+constexpr double kLeastShare = 0.01;         // smallest time of the last point, as a share of the sweep's duration
+constexpr std::size_t kPointsToJudge = 100;  // number of points from which kLeastShare applies
+constexpr double kEarliest_s = -0.001;       // smallest time; earlier points belong to another sweep
 
-std::size_t whole_number(const std::string& word) {
-  std::size_t number = 0;
-  const char* const end = word.data() + word.size();
-  const auto [at, problem] = std::from_chars(word.data(), end, number);
-  if (problem != std::errc() || at != end || number > 1'000'000'000)
-    throw std::runtime_error("expected a whole number, found " + word);
-  return number;
+/// LiDAR model: matched points are weighted by sigma_range_m, and range_max_m bounds free space.
+constexpr double kRangeMax_m = 120.0;
+constexpr double kSigmaRange_m = 0.02;
+
+const PcdPoints::Column& column_of(const PcdPoints& points, std::initializer_list<const char*> names) {
+  std::string expected, found;
+  for (const char* name : names) {
+    const auto column = points.columns.find(name);
+    if (column != points.columns.end()) return column->second;
+    expected += (expected.empty() ? "" : " or ") + std::string(name);
+  }
+  for (const auto& [name, column] : points.columns) found += (found.empty() ? "" : ", ") + name;
+  throw std::runtime_error("expected a field " + expected + ", found " + found);
 }
 
-// Computes type, size and offset of each field in a point from the lines FIELDS, SIZE, TYPE and COUNT.
-void place_fields(std::map<std::string, std::vector<std::string>>& lines, Header& header) {
-  const std::vector<std::string>& names = lines["FIELDS"];
-  if (!lines.contains("COUNT")) lines["COUNT"].assign(names.size(), "1");
-  for (const char* key : {"SIZE", "TYPE", "COUNT"}) {
-    if (lines[key].size() != names.size())
-      throw std::runtime_error(std::string("expected a value of ") + key + " for each field");
+/// Times of the points after the start of the sweep [s].
+std::vector<double> times_of(const PcdPoints& points, TimeNs stamp, TimeNs duration) {
+  const std::size_t count = points.columns.at("x").values.size();
+  if (duration == 0 || count == 0) return std::vector<double>(count, 0.0);
+  const auto& [is_whole_number, values] = column_of(points, {"t", "time", "timestamp", "offset_time"});
+  const double unit_s = is_whole_number ? 1e-9 : 1.0;
+  const double duration_s = swiftlet::to_seconds(duration);
+  std::vector<double> times_s;
+  for (const double value : values) times_s.push_back(std::isfinite(value) ? value * unit_s : 0.0);  // NaN: no return
+  if (*std::ranges::max_element(times_s) > kLatestShare * duration_s) {  // times of the clock of `stamp`
+    for (double& time_s : times_s) time_s = std::max(time_s - swiftlet::to_seconds(stamp), kEarliest_s);
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::size_t bytes = whole_number(lines["SIZE"][i]);
-    const std::size_t count = whole_number(lines["COUNT"][i]);
-    if (count > 0) header.fields[names[i]] = {lines["TYPE"][i], header.point_bytes, bytes};
-    header.point_bytes += bytes * count;
-  }
-}
-
-Header read_header(std::istream& in) {
-  std::map<std::string, std::vector<std::string>> lines;  // the words after the first of each line
-  while (!lines.contains("DATA")) {
-    std::string line, key;
-    if (!std::getline(in, line)) throw std::runtime_error("expected a PCD file");
-    std::istringstream words(line);
-    words >> key;
-    lines[key].assign(std::istream_iterator<std::string>(words), {});
-  }
-  if (lines["DATA"] != std::vector<std::string>{"binary"}) throw std::runtime_error("expected DATA binary");
-  if (lines["POINTS"].size() != 1) throw std::runtime_error("expected POINTS with one number");
-  Header header;
-  header.num_points = whole_number(lines["POINTS"][0]);
-  place_fields(lines, header);
-  for (const char* axis : {"x", "y", "z"}) {
-    const Field& field = header.fields[axis];
-    if (field.type != "F" || (field.bytes != 4 && field.bytes != 8))
-      throw std::runtime_error(std::string("expected a field ") + axis + " of TYPE F and SIZE 4 or 8");
-  }
-  const Field& time = header.fields["t"];
-  if (time.type != "U" || time.bytes != 4)
-    throw std::runtime_error("expected a field t of TYPE U and SIZE 4, in nanoseconds after the start of the sweep");
-  return header;
-}
-
-template <class Number>
-Number number_at(const char* bytes) {
-  Number number;
-  std::memcpy(&number, bytes, sizeof(number));
-  return number;
+  const double first_s = *std::ranges::min_element(times_s), last_s = *std::ranges::max_element(times_s);
+  const bool ends_early = count >= kPointsToJudge && last_s < kLeastShare * duration_s;
+  if (first_s < kEarliest_s || last_s > kLatestShare * duration_s || ends_early)
+    throw std::runtime_error("expected times of the points within the sweep of " + std::to_string(duration_s) +
+                             " s, whole numbers in nanoseconds and others in seconds, found " +
+                             std::to_string(first_s) + " to " + std::to_string(last_s) + " s after its start");
+  for (double& time_s : times_s) time_s = std::max(time_s, 0.0);
+  return times_s;
 }
 
 }  // namespace
 
-swiftlet::Scan read_sweep(const std::filesystem::path& file, swiftlet::TimeNs stamp, swiftlet::TimeNs duration) try {
-  std::ifstream in(file, std::ios::binary);
-  const Header header = read_header(in);
-  std::vector<char> data(header.point_bytes * header.num_points);
-  if (!in.read(data.data(), static_cast<std::streamsize>(data.size()))) throw std::runtime_error("it ends too early");
+swiftlet::Scan read_sweep(const std::filesystem::path& file, TimeNs stamp, TimeNs duration,
+                          const swiftlet::Pose& T_body_lidar) try {
+  const PcdPoints points = read_pcd(file);
+  const std::vector<double>& x = column_of(points, {"x"}).values;
+  const std::vector<double>& y = column_of(points, {"y"}).values;
+  const std::vector<double>& z = column_of(points, {"z"}).values;
+  const std::vector<double> times_s = times_of(points, stamp, duration);
 
   // One column with one beam for each point, sorted by time.
-  std::vector<std::size_t> order(header.num_points);
+  std::vector<std::size_t> order(times_s.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto bytes_of = [&](std::size_t i, const Field& field) { return &data[i * header.point_bytes + field.offset]; };
-  const auto time_s = [&](std::size_t i) {
-    return 1e-9 * number_at<std::uint32_t>(bytes_of(i, header.fields.at("t")));
-  };
-  const auto coordinate = [&](std::size_t i, const char* axis) {
-    const Field& field = header.fields.at(axis);
-    return field.bytes == 4 ? number_at<float>(bytes_of(i, field))
-                            : static_cast<float>(number_at<double>(bytes_of(i, field)));
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return time_s(a) < time_s(b); });
-  // Times in another unit would corrupt the motion compensation of the sweep.
-  if (!order.empty() && time_s(order.back()) > 2.0 * swiftlet::to_seconds(duration)) {
-    throw std::runtime_error("expected t in nanoseconds after the start of the sweep, found " +
-                             std::to_string(time_s(order.back())) + " s in a sweep of " +
-                             std::to_string(swiftlet::to_seconds(duration)) + " s");
-  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return times_s[a] < times_s[b]; });
   auto beams = std::make_shared<swiftlet::BeamTable>();
   swiftlet::Scan scan;
   for (const std::size_t i : order) {
-    const Eigen::Vector3f p_lidar_m(coordinate(i, "x"), coordinate(i, "y"), coordinate(i, "z"));
+    const Eigen::Vector3f p_lidar_m = Eigen::Vector3d(x[i], y[i], z[i]).cast<float>();
     const float range_m = p_lidar_m.norm();
-    if (!(range_m > 0.0F)) continue;  // NaN: no return
+    if (!(range_m > 0.0F) || !std::isfinite(range_m)) continue;  // no return
     beams->directions_lidar.push_back(p_lidar_m / range_m);
     beams->origins_lidar.push_back(Eigen::Vector3f::Zero());
-    beams->column_offset_s.push_back(static_cast<float>(time_s(i)));
+    beams->column_offset_s.push_back(static_cast<float>(times_s[i]));
     scan.range_m.push_back(range_m);
   }
   beams->rows = 1;
@@ -124,8 +86,9 @@ swiftlet::Scan read_sweep(const std::filesystem::path& file, swiftlet::TimeNs st
   scan.sensor = "lidar";
   scan.stamp = stamp;
   scan.duration = duration;
-  scan.range_max_m = 120.0;
-  scan.sigma_range_m = 0.02;
+  scan.T_body_lidar = T_body_lidar;
+  scan.range_max_m = kRangeMax_m;
+  scan.sigma_range_m = kSigmaRange_m;
   scan.intensity.assign(scan.range_m.size(), 0.0F);
   scan.reflectivity.assign(scan.range_m.size(), 0.0F);
   scan.beams = std::move(beams);
