@@ -10,6 +10,7 @@ namespace py = pybind11;
 
 void bind_errors(py::module_& module);
 void bind_functions(py::module_& module);
+void bind_make_scan(py::module_& module);
 void bind_onboard(py::module_& module);
 void bind_scenario(py::module_& module);
 void bind_scan(py::module_& module);

@@ -27,6 +27,7 @@ PYBIND11_MODULE(_core, module) {
   python::bind_table(module);
   python::bind_scenario(module);
   python::bind_scan(module);
+  python::bind_make_scan(module);
   python::bind_modules(module);
   python::bind_simulator(module);
   python::bind_onboard(module);

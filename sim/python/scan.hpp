@@ -14,6 +14,7 @@ namespace swiftlet::python {
 struct HeldScan {
   std::shared_ptr<const Scan> scan;
   std::shared_ptr<const sim::LabeledScan> labeled;  ///< null: no truth
+  bool has_mount = true;                            ///< false: T_body_lidar of the scan was not given
 
   explicit HeldScan(std::shared_ptr<const Scan> of) : scan(std::move(of)) {}
   explicit HeldScan(std::shared_ptr<const sim::LabeledScan> of) : scan(of, &of->scan), labeled(std::move(of)) {}

@@ -34,6 +34,16 @@ class Waits:
         self.leave.wait(60)
 
 
+@swiftlet.guidance("sees", clouds=True)
+class Sees:
+    """Keeps the points of its last cloud."""
+    points_m = None
+
+    def step(self, now):
+        for cloud in now.clouds:
+            Sees.points_m = cloud.points_local_m.copy()
+
+
 def feed(onboard, vehicle):
     """What the sensors of a simulated vehicle measured in this tick, as arrays."""
     for kind in SAMPLES:
@@ -106,16 +116,41 @@ class Software(support.InFolder):
                                       duration_s=scan.duration_s, offset_s=times_s[order][None], sensor=scan.sensor)
         self.assertLess(self.fly_slam(half), 0.15)
 
+    def test_mount_of_the_sensor_places_its_scans(self):
+        direction = np.array([[[1.0, 0, 0], [0, 1.0, 0]]])
+        for mount, own, expected in (({"position_m": [0, 0, 1], "rpy_deg": [0, 0, 90]}, None, [[0, 5, 1], [-3, 0, 1]]),
+                                     ({"position_m": [0, 0, 1], "rpy_deg": [0, 0, 90]}, np.eye(4), [[5, 0, 0], [0, 3, 0]])):
+            Sees.points_m = None
+            alone = swiftlet.Onboard(swiftlet.load(self.team, {
+                "vehicles[eye].agent.guidance": {"type": "sees"}, "vehicles[eye].sensors[0].mount": mount}))
+            alone.add("pose", **SAMPLES["pose"])
+            alone.add_scan(swiftlet.make_scan([[5.0, 3.0]], direction, 1, sensor="os1", T_body_lidar=own))
+            alone.step(1)
+            np.testing.assert_allclose(Sees.points_m, expected, atol=1e-6)
+
+    def test_faults_warnings_events_and_counters_are_reported(self):
+        alone = swiftlet.Onboard(swiftlet.load(SLAM))
+        self.assertEqual((alone.fault, alone.warning, alone.mission, len(alone.events)), ("", "", "running", 0))
+        alone.add("imu", **SAMPLES["imu"])
+        alone.step(1)
+        self.assertEqual(alone.fault, "")
+        alone.step(500_000_000)
+        self.assertEqual((alone.fault, alone.mission, alone.mission_note), ("no IMU", "failed", "no IMU"))
+        self.assertEqual(alone.warning, "SLAM: dead reckoning by the IMU alone")
+        self.assertEqual((list(alone.events.kind)[-1], list(alone.events.note)[-1]), ("mission_failed", "no IMU"))
+        self.assertIn("agent.localization.local.known_share_min", [counter["setting"] for counter in alone.counters])
+
     def test_a_call_meets_no_other_call_of_the_same_software(self):
         alone = swiftlet.Onboard(swiftlet.load(self.team, {"vehicles[eye].agent.guidance": {"type": "waits"}}))
         alone.add("pose", **SAMPLES["pose"])
         stepping = threading.Thread(target=alone.step, args=(1,))
         stepping.start()
         self.assertTrue(Waits.entered.wait(60))
-        scan = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 1)
+        scan = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 1, sensor="os1")
         for call in (lambda: alone.step(2), lambda: alone.add("pose", **SAMPLES["pose"]), lambda: alone.add_scan(scan),
                      lambda: alone.estimate, lambda: alone.detections, lambda: alone.tracks, lambda: alone.relatives,
-                     lambda: alone.reference, lambda: alone.rotor_command, alone.maps):
+                     lambda: alone.reference, lambda: alone.rotor_command, lambda: alone.fault, lambda: alone.warning,
+                     lambda: alone.events, lambda: alone.counters, alone.maps):
             with self.assertRaisesRegex(RuntimeError, "this Onboard is in use by another call"):
                 call()
         Waits.leave.set()
@@ -182,7 +217,8 @@ class Samples(support.InFolder):
         sample("pose", 4_000_000)  # equal times are fine
         sample("imu", 3_000_000)   # kinds are delivered apart
         scan(2_000_000)
-        scan(1_000_000, sensor="front")
+        front = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 1_000_000, sensor="front", T_body_lidar=np.eye(4))
+        self.alone.add_scan(front)
         for call, message in ((lambda: sample("pose", 3_999_999), "pose: t_ns: expected 4000000"),
                               (lambda: scan(1_000_000), "scan of os1: t_ns: expected 2000000"),
                               (lambda: self.alone.step(3_000_000), "step: t_ns: expected 4000000, as of the latest pose")):
@@ -194,7 +230,23 @@ class Samples(support.InFolder):
                 self.alone.step(t_ns)
         with self.assertRaises(TypeError):
             self.alone.step(0.008)
+        self.alone.add_scan(swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 5_000_000, sensor="os1", duration_s=0.003))
+        with self.assertRaisesRegex(ValueError, "step: t_ns: expected 8000000, as of the latest scan of os1 at the end of its sweep"):
+            self.alone.step(7_999_999)
         self.alone.step(8_000_000)
+
+    def test_imu_in_other_units_or_upside_down_is_refused(self):
+        for wrong, message in ((dict(f_mps2=(0, 0, 1.0)), "m/s\\^2, 9.81 at rest, found 1"), (dict(f_mps2=(0, 0, -9.81)), "along z at rest, found -9.8"),
+                               (dict(omega_radps=(0, 0, 90.0)), "rad/s, found 90")):
+            alone = swiftlet.Onboard(swiftlet.load(SLAM))
+            with self.assertRaisesRegex(ValueError, f"^imu: expected .*{message}"):
+                for i in range(20):
+                    alone.add("imu", **{**SAMPLES["imu"], **wrong, "t_ns": i})
+
+    def test_a_scan_needs_a_mount(self):
+        scan = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 0, sensor="os2")
+        with self.assertRaisesRegex(ValueError, 'add_scan: expected T_body_lidar, or .*os1, found "os2"; did you mean "os1"'):
+            self.alone.add_scan(scan)
 
 
 class Scans(support.InFolder):
@@ -210,14 +262,15 @@ class Scans(support.InFolder):
                             ("directions_lidar", math.nan * X_AND_Y), ("directions_lidar", np.ones((3, 2, 3))),
                             ("reflectivity", [[1.0]]), ("reflectivity", [[math.nan, 1.0]]),
                             ("offset_s", [0.0]), ("offset_s", [0.0, -0.1]), ("offset_s", [0.0, math.nan]), ("offset_s", [0.0, 50e6]),
-                            ("T_body_lidar", 2 * np.eye(4))):
+                            ("origins_lidar_m", np.zeros((2, 3))), ("origins_lidar_m", 15.8 * X_AND_Y), ("origins_lidar_m", math.nan * X_AND_Y),
+                            ("range_m", [[5000.0, 3000.0]]), ("T_body_lidar", 2 * np.eye(4))):
             with self.assertRaisesRegex(ValueError, f"^{name}.*: expected "):
                 self.make(**{name: wrong})
 
     def test_wrong_types_are_refused(self):
         for name, wrong in (("range_m", [["5", "3"]]), ("range_m", None), ("range_m", [[5, 3j]]), ("range_m", [[5, 3], [5]]),
                             ("directions_lidar", "xy"), ("t_ns", 0.5), ("t_ns", "0"), ("duration_s", "0.1"), ("sensor", 3),
-                            ("range_max_m", "far"), ("reflectivity", "white"), ("offset_s", "0"), ("T_body_lidar", np.eye(3)),
+                            ("range_max_m", "far"), ("reflectivity", "white"), ("offset_s", "0"), ("T_body_lidar", np.eye(3)), ("origins_lidar_m", "0"),
                             ("offsets", [0, 0])):
             with self.assertRaisesRegex(TypeError, name):
                 self.make(**{name: wrong})
@@ -236,6 +289,18 @@ class Scans(support.InFolder):
             directions[0, 0] = math.nan
             scan = self.make(range_m=[[nothing, 3.0]], directions_lidar=directions)
             np.testing.assert_allclose(scan.points_lidar_m(), [[0, 3, 0]])
+
+    def test_nan_is_unknown_and_other_ranges_without_return_are_free(self):
+        directions = np.broadcast_to(X_AND_Y[:, :1], (1, 4, 3))
+        scan = self.make(range_m=[[0.0, math.nan, math.inf, 5.0]], directions_lidar=directions)
+        np.testing.assert_array_equal(scan.masked, [[0, 1, 0, 0]])
+        np.testing.assert_array_equal(scan.range_m, [[0, 0, 0, 5]])
+
+    def test_ranges_are_measured_from_the_origins_of_the_beams(self):
+        origins = np.array([[[0, 0.1, 0], [0.2, 0, 0]]])
+        scan = self.make(origins_lidar_m=origins, offset_s=[0.1, 0.0])
+        np.testing.assert_allclose(scan.points_lidar_m(), [[0.2, 3, 0], [5, 0.1, 0]], rtol=1e-6)
+        np.testing.assert_allclose(scan.origins_lidar_m, origins[:, ::-1], rtol=1e-6)
 
     def test_columns_and_points_come_in_the_order_of_their_times(self):
         rng = np.random.default_rng(4)

@@ -54,7 +54,7 @@ def fly():
         t_s, t_ns = round(k * STEP_S, 3), round(k * STEP_S * 1e9)
         vehicle.add("pose", t_ns=t_ns, pose=np.eye(4), v_mps=np.zeros(3), omega_radps=np.zeros(3))
         if k % SCAN_STEPS == 0:
-            vehicle.add_scan(swiftlet.make_scan(ranges_m(ENTERS_S <= t_s < LEAVES_S), BEAMS, t_ns, duration_s=0.0))
+            vehicle.add_scan(swiftlet.make_scan(ranges_m(ENTERS_S <= t_s < LEAVES_S), BEAMS, t_ns, duration_s=0.0, T_body_lidar=np.eye(4)))
         vehicle.step(t_ns)
         if k % SCAN_STEPS == 0:
             maps = vehicle.maps()

@@ -50,17 +50,32 @@ class Onboard:
     def __init__(self, scenario: Scenario, vehicle: int = 0) -> None:
         """scenario: its vehicle's agent, sensors and start define the software. One thread at a time may use it."""
     def add(self, kind: str, **kwargs) -> None:
-        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back."""
+        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back. ValueError when the first IMU samples are in g or deg/s, or upside down."""
     def add_scan(self, scan: Scan) -> None:
-        """A scan that is new since the last step."""
+        """A scan that is new since the last step. Without T_body_lidar of its own it has the mount that the scenario gives its sensor."""
+    @property
+    def counters(self) -> list:
+        """Counts of what exceeded a setting so far: dicts of what, count, of (the total; 0: not counted) and setting, the key to change."""
     @property
     def detections(self) -> typing.Optional[Table]:
         ...
     @property
     def estimate(self) -> Table:
         ...
+    @property
+    def events(self) -> Table:
+        """Events so far: corrections of the local frame, changes of the mission, faults and warnings of localization, each at the estimated position."""
+    @property
+    def fault(self) -> str:
+        """Reason why the estimate is not valid, such as "no IMU"; empty while it is."""
     def maps(self) -> dict:
         """As the property of a simulator's vehicle."""
+    @property
+    def mission(self) -> str:
+        """running, endless, done or failed; failed once the estimate was not valid."""
+    @property
+    def mission_note(self) -> str:
+        """Reason of a failure or a wait."""
     @property
     def reference(self) -> Table:
         ...
@@ -71,10 +86,13 @@ class Onboard:
     def rotor_command(self) -> numpy.ndarray:
         ...
     def step(self, t_ns: int) -> None:
-        """One tick at the instant t_ns [ns], later than the tick before."""
+        """One tick at the instant t_ns [ns], later than the tick before, and not before the end of a sweep that was added."""
     @property
     def tracks(self) -> Table:
         ...
+    @property
+    def warning(self) -> str:
+        """Degradation of an estimate that is still valid, such as dead reckoning by the IMU alone; empty: none."""
 
 class Random:
     """Random numbers that are functions of a counter, as the simulator draws them: the same seed, purpose, entity, tick and index always give the same number."""
@@ -105,6 +123,9 @@ class Scan:
     @property
     def intensity(self) -> typing.Optional[numpy.ndarray]:
         """(rows, cols) float32, received power."""
+    @property
+    def masked(self) -> typing.Optional[numpy.ndarray]:
+        """(rows, cols) uint8, 1: neither return nor free space, because the beam meets the own vehicle, or its range or direction is unknown."""
     @property
     def origins_lidar_m(self) -> typing.Optional[numpy.ndarray]:
         """(rows, cols, 3) float32, [m] where the range of each beam is measured from, frame of the LiDAR."""
@@ -365,8 +386,8 @@ def error_means_m(covariances_m2: object) -> numpy.ndarray:
 def error_quantiles_m(covariances_m2: object, p: float) -> numpy.ndarray:
     """(n,) [m] the error that is exceeded with probability 1 - p, of points with these covariances (n, 3, 3) [Vrba 2025, sec. IV-B]."""
 
-def make_scan(range_m: object, directions_lidar: object, t_ns: int, *, duration_s: typing.Optional[float] = None, offset_s: object = None, sensor: str = 'lidar', range_max_m: float = 120.0, sigma_range_m: float = 0.02, reflectivity: object = None, T_body_lidar: object = None) -> Scan:
-    """A scan from arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, cols, 3), unit vectors. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), which become columns in the order of their times. Without it columns fire one after another during duration_s [s]. T_body_lidar (4, 4): mounting."""
+def make_scan(range_m: object, directions_lidar: object, t_ns: int, *, duration_s: typing.Optional[float] = None, offset_s: object = None, origins_lidar_m: object = None, sensor: str = 'lidar', range_max_m: float = 120.0, sigma_range_m: float = 0.02, reflectivity: object = None, T_body_lidar: object = None) -> Scan:
+    """A scan from arrays. range_m (rows, cols) [m] along each beam; 0, inf, or beyond range_max_m: no return, so that the beam is free; NaN: unknown. directions_lidar (rows, cols, 3), unit vectors; a beam without return may lack its own, and is then unknown. origins_lidar_m (rows, cols, 3) [m]: where ranges are measured from, by default the origin of the LiDAR. t_ns: start of the sweep. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), which become columns in the order of their times. Without it columns fire one after another during duration_s [s]. sensor: name of the LiDAR in the scenario. T_body_lidar (4, 4): mounting; without it an Onboard takes that of its sensor. ValueError on other shapes, units and values."""
 
 def point_covariances(directions_lidar: object, range_m: object, R_world_lidar: object, *, sigma_range_m: float = 0.03, sigma_position_m: object = ..., sigma_attitude_rad: object = ...) -> numpy.ndarray:
     """(n, 3, 3) [m^2] covariance of the true point of each ray, world axes [Vrba 2025, eq. 44]. directions_lidar (n, 3) unit vectors, range_m (n,) [m], R_world_lidar (3, 3)."""
