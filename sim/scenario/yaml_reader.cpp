@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <deque>
-#include <limits>
 #include <map>
-#include <optional>
-#include <set>
 #include <stdexcept>
 
 #include "sim/scenario/changes.hpp"
+#include "sim/scenario/config_errors.hpp"
+#include "sim/scenario/node_values.hpp"
 #include "swiftlet/sim/scenario/document.hpp"
 #include "swiftlet/sim/scenario/loader.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
@@ -22,35 +20,7 @@ namespace {
 
 using Kind = Node::Kind;
 
-constexpr std::size_t kMaxErrors = 20;
 constexpr std::size_t kMaxObjects = 100'000;
-
-/// Expected number for messages: "a number > 0", "a whole number in [2, 6]".
-std::string phrase(const Range& range, const std::string& number = "a number") {
-  const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
-  if (below && above) {
-    return number + " in " + (range.min_excluded ? "(" : "[") + yaml_number(range.min) + ", " + yaml_number(range.max) +
-           (range.max_excluded ? ")" : "]");
-  }
-  if (below) return number + (range.min_excluded ? " > " : " >= ") + yaml_number(range.min);
-  if (above) return number + (range.max_excluded ? " < " : " <= ") + yaml_number(range.max);
-  return number;
-}
-
-// Larger than any physical quantity in these units; squares and counts stay representable.
-constexpr double kLargest = 1e9;
-
-/// Replaces infinite limits of the range by finite ones.
-Range bounded(Range range) {
-  if (std::isinf(range.min)) range.min = -kLargest;
-  if (std::isinf(range.max)) range.max = std::max(kLargest, range.min);
-  return range;
-}
-
-bool contains(const Range& range, double value) {
-  return (range.min_excluded ? value > range.min : value >= range.min) &&
-         (range.max_excluded ? value < range.max : value <= range.max);
-}
 
 std::vector<std::string> names_of(std::span<const ModuleType> types) {
   std::vector<std::string> names;
@@ -91,73 +61,100 @@ Node list_node(const Values& values, const Place& place) {
   return node;
 }
 
+Node list_of_maps(std::size_t size, const Place& place) {
+  Node list;
+  list.kind = Kind::kList;
+  list.items.resize(size);
+  for (Node& item : list.items) {
+    item.kind = Kind::kMap;
+    item.place = place;
+  }
+  return list;
+}
+
+/// The value below a node at a path such as "start.yaw_deg" or "vehicles[1].name"; `place` becomes the nearest known
+/// location.
+const Node* find_node(const Node* node, std::string_view path, Place& place) {
+  while (node != nullptr && !path.empty()) {
+    const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
+    const std::string_view part = path.substr(0, end);
+    std::size_t index = 0;
+    if (node->is_list() && std::from_chars(part.data(), part.data() + part.size(), index).ec == std::errc()) {
+      node = index < node->items.size() ? &node->items[index] : nullptr;
+    } else {
+      node = node->find(part);
+    }
+    if (node != nullptr) place = node->place;
+    path.remove_prefix(end);
+    while (!path.empty() && path.find_first_of(".[]") == 0) path.remove_prefix(1);
+  }
+  return node;
+}
+
+/// Adds an error for each key of a map that is not known.
+void add_unknown_keys(const Node& map, const std::vector<std::string>& known, const std::string& path,
+                      ConfigErrors& errors) {
+  for (const Entry& entry : map.entries) {
+    if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+    const std::string hint = did_you_mean(entry.key, known);
+    const std::string expected = hint.empty() ? one_of(known) : "a known key";
+    errors.add(entry.place, join_path(path, entry.key), "expected " + expected + ", found " + quote(entry.key) + hint);
+  }
+}
+
+/// Adds an error unless the node names one of the known types.
+bool is_known_type(const Node& type, const std::string& path, const std::vector<std::string>& known,
+                   ConfigErrors& errors) {
+  if (type.is_scalar() && std::find(known.begin(), known.end(), type.text) != known.end()) return true;
+  const std::string hint = type.is_scalar() ? did_you_mean(type.text, known) : "";
+  errors.add(type.place, path, "expected " + one_of(known) + ", found " + describe(type) + hint);
+  return false;
+}
+
+/// Throws InputError when an asset builds on another one by `key`, or has another type than the object.
+void require_fitting_asset(const Node& asset, const Node* object, const std::string& key, const std::string& name,
+                           const Place& place, const std::string& path) {
+  if (const Node* chain = asset.find(key))
+    fail(chain->place, path, "expected an asset that builds on another one by `base:`, found " + quote(key));
+  const Node* type = object == nullptr ? nullptr : object->find("type");
+  const Node* asset_type = asset.find("type");
+  if (type == nullptr || asset_type == nullptr || asset_type->text == type->text) return;
+  fail(place, path,
+       "expected an asset of type " + quote(type->text) + ", found " + quote(name) + ", which is of type " +
+           quote(asset_type->text));
+}
+
 class YamlReader final : public ConfigVisitor, public PlaceProvider {
  public:
-  YamlReader(const Node& root, Loader& loader) : loader_(loader) { push(&root, root.place, ""); }
+  YamlReader(const Node& root, Loader& loader) : loader_(loader), errors_(root.place) { push(&root, root.place, ""); }
 
   void finish() {
     pop();
-    report();
+    errors_.report();
   }
 
   // --- leaves ---
 
   void field(const char* key, bool& value, const char*) override {
-    if (const Node* node = take(key)) {
-      if (node->is_scalar() && !node->quoted && (node->text == "true" || node->text == "false")) {
-        value = node->text == "true";
-      } else {
-        static constexpr const char* kYes[] = {"yes", "Yes", "on", "On", "True", "TRUE", "1"};
-        static constexpr const char* kNo[] = {"no", "No", "off", "Off", "False", "FALSE", "0"};
-        const auto is = [&](const char* word) { return node->text == word; };
-        const char* hint = std::any_of(std::begin(kYes), std::end(kYes), is) ? "; did you mean \"true\"?"
-                           : std::any_of(std::begin(kNo), std::end(kNo), is) ? "; did you mean \"false\"?"
-                                                                             : "";
-        error(*node, key, "true or false", hint);
-      }
-    }
+    if (const Node* node = take(key)) values_.read(*node, at(key), value);
     show(key, value ? "true" : "false");
   }
-
   void field(const char* key, int& value, const char*, Range range) override {
-    if (const Node* node = take(key)) {
-      const std::string expected = phrase(range, "a whole number");
-      constexpr double kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
-      if (const auto number = read_number(*node, key, key, expected)) {
-        if (*number != std::floor(*number) || *number < kMin || *number > kMax || !contains(range, *number)) {
-          error(*node, key, expected);
-        } else {
-          value = static_cast<int>(*number);
-        }
-      }
-    }
+    if (const Node* node = take(key)) values_.read(*node, at(key), key, value, range);
     show(key, std::to_string(value));
   }
-
   void field(const char* key, std::uint64_t& value, const char*) override {
-    if (const Node* node = take(key)) {
-      std::uint64_t number = 0;
-      const char* end = node->text.data() + node->text.size();
-      const auto [stop, problem] = std::from_chars(node->text.data(), end, number);
-      if (!node->is_scalar() || node->quoted || problem != std::errc() || stop != end) {
-        error(*node, key, "a whole number in [0, 18446744073709551615]");
-      } else {
-        value = number;
-      }
-    }
+    if (const Node* node = take(key)) values_.read(*node, at(key), value);
     show(key, std::to_string(value));
   }
-
   void field(const char* key, double& value, const char*, Range range) override {
-    if (const Node* node = take(key)) read_double(*node, key, key, value, range);
+    if (const Node* node = take(key)) values_.read(*node, at(key), key, value, range);
     show(key, yaml_number(value));
   }
-
   void field(const char* key, std::string& value, const char*) override {
-    if (const Node* node = take(key)) read_text(*node, key, value);
+    if (const Node* node = take(key)) values_.read(*node, at(key), value);
     show(key, value);
   }
-
   void field(const char* key, Eigen::Vector2d& value, const char*, Range range) override {
     read_fixed(key, value, range);
   }
@@ -167,16 +164,17 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
 
   void field(const char* key, std::vector<double>& value, const char*, Range range) override {
     read_list(key, value, "a list of numbers",
-              [&](const Node& item, const std::string& path, double& x) { read_double(item, path, key, x, range); });
+              [&](const Node& item, const std::string& path, double& x) { values_.read(item, path, key, x, range); });
   }
   void field(const char* key, std::vector<std::string>& value, const char*) override {
     read_list(key, value, "a list of words",
-              [&](const Node& item, const std::string& path, std::string& x) { read_text(item, path, x); });
+              [&](const Node& item, const std::string& path, std::string& x) { values_.read(item, path, x); });
   }
   void field(const char* key, std::vector<Eigen::Vector3d>& value, const char*, Range range) override {
-    read_list(
-        key, value, "a list of lists of 3 numbers",
-        [&](const Node& item, const std::string& path, Eigen::Vector3d& x) { read_vector(item, path, key, x, range); });
+    read_list(key, value, "a list of lists of 3 numbers",
+              [&](const Node& item, const std::string& path, Eigen::Vector3d& x) {
+                values_.read(item, path, key, x, range);
+              });
   }
 
   void choice(const char* key, std::string& value, std::span<const char* const> words, const char*) override {
@@ -185,7 +183,7 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
       if (node->is_scalar() && std::find(known.begin(), known.end(), node->text) != known.end()) {
         value = node->text;
       } else {
-        error(*node, key, one_of(known), node->is_scalar() ? did_you_mean(node->text, known) : "");
+        errors_.add_value(*node, at(key), one_of(known), node->is_scalar() ? did_you_mean(node->text, known) : "");
       }
     }
     show(key, value);
@@ -194,7 +192,7 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
   void changes(const char* key, ConfigChanges& value, const char*) override {
     const Node* node = take(key);
     if (node == nullptr) return;
-    if (!node->is_map()) return error(*node, key, "a map of keys");
+    if (!node->is_map()) return errors_.add_value(*node, at(key), "a map of keys");
     value = changes_of(*node);
   }
 
@@ -202,20 +200,20 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
 
   void file(const char* key, std::string& path, const char*) override {
     const Node* node = take(key);
-    if (node != nullptr && !read_text(*node, key, path)) return;
+    if (node != nullptr && !values_.read(*node, at(key), path)) return;
     show(key, path);
     if (path.empty()) return;
     const Place place = node != nullptr ? node->place : Place{};
-    attempt(place, [&] { path = loader_.find_file(path, place, at(key)).string(); });
+    errors_.attempt(place, [&] { path = loader_.find_file(path, place, at(key)).string(); });
   }
 
   void model(const char* key, std::string& name, const char* folder, const char*) override {
     const Node* node = take(key);
-    if (node != nullptr && !read_text(*node, key, name)) return;
+    if (node != nullptr && !values_.read(*node, at(key), name)) return;
     show(key, name);
     if (name.empty()) return;
     const Place place = node != nullptr ? node->place : top().place;
-    attempt(place, [&] { lay_on_asset(key, name, folder, place); });
+    errors_.attempt(place, [&] { lay_on_asset(key, name, folder, place); });
   }
 
   // --- modules ---
@@ -246,19 +244,19 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
     // Reports no consequences of earlier errors.
     if (ok || !errors_.empty()) return;
     Place place = top().place;
-    const Node* node = find(key, place);
+    const Node* node = find_node(top().node, key, place);
     std::string found;
     if (node != nullptr && node->is_scalar()) found = ", found " + quote(node->text);
     if (const auto shown = top().shown.find(key); node == nullptr && shown != top().shown.end()) {
       found = ", found " + quote(shown->second) + " by default";
     }
     const std::size_t hint = std::min(expected.find("; did you mean"), expected.size());
-    add_error(place, at(key), "expected " + expected.substr(0, hint) + found + expected.substr(hint));
+    errors_.add(place, at(key), "expected " + expected.substr(0, hint) + found + expected.substr(hint));
   }
 
   std::string place_of(const char* key) const override {
     Place place = frames_.back().place;
-    find(key, place);
+    find_node(frames_.back().node, key, place);
     return error_line(place, at(key), "");
   }
 
@@ -280,7 +278,7 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
       if (node != nullptr && node->kind == Kind::kElements) {
         change_default_elements(list, *node);
       } else if (node != nullptr) {
-        error(*node, key, "a list");
+        errors_.add_value(*node, at(key), "a list");
       }
     }
     size = list.elements.size();
@@ -311,11 +309,6 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
     std::vector<const Node*> elements;  ///< null: the element keeps its default
     bool fresh = false;                 ///< the text gives the whole list, not changes to the default
   };
-  struct Error {
-    Place place;
-    std::string line;
-  };
-
   Frame& top() { return frames_.back(); }
   std::string at(const std::string& key) const { return join_path(frames_.back().path, key); }
   void show(const char* key, std::string value) { top().shown[key] = std::move(value); }
@@ -331,122 +324,25 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
       fail(place, path, "expected at most " + std::to_string(kMaxObjects) + " objects, found more");
     }
     if (node != nullptr && !node->is_map()) {
-      add_error(node->place, path, "expected a map of keys, found " + describe(*node));
+      errors_.add(node->place, path, "expected a map of keys, found " + describe(*node));
       node = nullptr;
     }
     frames_.push_back({node, place, path, {}, {}});
   }
 
   void pop() {
-    if (const Node* node = top().node) {
-      for (const Entry& entry : node->entries) {
-        const auto& known = top().known;
-        if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-        std::string hint = did_you_mean(entry.key, known);
-        const std::string expected = hint.empty() ? one_of(known) : "a known key";
-        add_error(entry.place, at(entry.key), "expected " + expected + ", found " + quote(entry.key) + hint);
-      }
-    }
+    if (top().node != nullptr) add_unknown_keys(*top().node, top().known, top().path, errors_);
     frames_.pop_back();
   }
 
-  // --- errors ---
-
-  void error(const Node& node, const std::string& key, const std::string& expected, const std::string& hint = "") {
-    std::string found = describe(node);
-    if (node.is_scalar() && node.quoted) found = "the quoted text " + found;
-    add_error(node.place, at(key), "expected " + expected + ", found " + found + hint);
-  }
-
-  void add_error(const Place& place, const std::string& path, const std::string& message) {
-    std::string line = error_line(place, path, message);
-    // Reports an error in an asset used twice only once.
-    const std::string known = place.line > 0 ? place.str() : line;
-    if (!places_.insert(known).second) return;
-    errors_.push_back({place, std::move(line)});
-    if (errors_.size() >= kMaxErrors) report();
-  }
-
-  /// Runs an action and collects its InputError.
-  template <class Action>
-  void attempt(const Place& place, const Action& action) {
-    try {
-      action();
-    } catch (const InputError& problem) {
-      if (places_.insert(problem.what()).second) errors_.push_back({place, problem.what()});
-      if (errors_.size() >= kMaxErrors) report();
-    }
-  }
-
-  /// Throws the errors in the order of the text, followed by those of other files.
-  void report() {
-    if (errors_.empty()) return;
-    const std::string first = frames_.empty() || !frames_[0].place.source ? "" : frames_[0].place.source->name;
-    const auto order = [&](const Error& error) {
-      const std::string name = error.place.source ? error.place.source->name : "";
-      return std::make_tuple(name != first, name, error.place.line, error.place.column);
-    };
-    std::stable_sort(errors_.begin(), errors_.end(),
-                     [&](const Error& a, const Error& b) { return order(a) < order(b); });
-    std::string text;
-    for (const Error& error : errors_) text += (text.empty() ? "" : "\n") + error.line;
-    throw InputError(text);
-  }
-
-  // --- values; `path` is relative to the current object, `key` determines the unit ---
-
-  std::optional<double> read_number(const Node& node, const std::string& path, const char* key,
-                                    const std::string& expected) {
-    const auto quantity = node.is_scalar() && !node.quoted ? parse_quantity(node.text) : std::nullopt;
-    if (!quantity) {
-      error(node, path, expected);
-      return std::nullopt;
-    }
-    if (quantity->unit.empty()) return quantity->value;
-    const Unit* unit = unit_of_key(key);
-    const Unit* given = unit == nullptr ? nullptr : find_unit(quantity->unit, *unit);
-    if (given == nullptr) {
-      error(node, path, unit == nullptr ? expected : std::string(unit->dimension) + " in " + unit->symbol);
-      return std::nullopt;
-    }
-    return convert(quantity->value, *given, *unit);
-  }
-
-  void read_double(const Node& node, const std::string& path, const char* key, double& value, const Range& range) {
-    const auto number = read_number(node, path, key, phrase(range));
-    if (!number) return;
-    if (std::isfinite(*number) && !contains(bounded(range), *number) && contains(range, *number))
-      return error(node, path, phrase(bounded(range)));
-    if (!std::isfinite(*number) || !contains(range, *number)) return error(node, path, phrase(range));
-    value = *number;
-  }
-
-  bool read_text(const Node& node, const std::string& path, std::string& value) {
-    if (!node.is_scalar()) {
-      error(node, path, "a text");
-      return false;
-    }
-    value = node.text;
-    return true;
-  }
-
-  template <class Vector>
-  void read_vector(const Node& node, const std::string& path, const char* key, Vector& value, const Range& range) {
-    if (!node.is_list() || static_cast<Eigen::Index>(node.items.size()) != value.size()) {
-      return error(node, path, "a list of " + std::to_string(value.size()) + " numbers");
-    }
-    for (Eigen::Index i = 0; i < value.size(); ++i) {
-      const std::string element = path + "[" + std::to_string(i) + "]";
-      read_double(node.items[static_cast<std::size_t>(i)], element, key, value[i], range);
-    }
-  }
+  // --- values ---
 
   template <class Vector>
   void read_fixed(const char* key, Vector& value, const Range& range) {
     const Node* node = take(key);
     if (node == nullptr) return;
     const Node whole = with_default(*node, list_node(value, node->place), key);
-    read_vector(whole, key, key, value, range);
+    values_.read(whole, at(key), key, value, range);
   }
 
   template <class T, class ReadItem>
@@ -454,10 +350,10 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
     const Node* node = take(key);
     if (node == nullptr) return;
     const Node whole = with_default(*node, list_node(values, node->place), key);
-    if (!whole.is_list()) return error(whole, key, expected);
+    if (!whole.is_list()) return errors_.add_value(whole, at(key), expected);
     values.assign(whole.items.size(), T{});
     for (std::size_t i = 0; i < values.size(); ++i) {
-      read_item(whole.items[i], std::string(key) + "[" + std::to_string(i) + "]", values[i]);
+      read_item(whole.items[i], at(key) + "[" + std::to_string(i) + "]", values[i]);
     }
   }
 
@@ -467,7 +363,7 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
     try {
       merge(defaults, node, at(key));
     } catch (const InputError& problem) {
-      attempt(node.place, [&] { throw problem; });
+      errors_.attempt(node.place, [&] { throw problem; });
     }
     return defaults;
   }
@@ -476,14 +372,8 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
 
   /// Applies `[0]` and `[*]` to a list that exists only as the struct's default.
   void change_default_elements(List& list, const Node& changes) {
-    Node elements;
-    elements.kind = Kind::kList;
-    elements.items.resize(list.elements.size());
-    for (Node& item : elements.items) {
-      item.kind = Kind::kMap;
-      item.place = changes.place;
-    }
-    attempt(changes.place, [&] {
+    Node elements = list_of_maps(list.elements.size(), changes.place);
+    errors_.attempt(changes.place, [&] {
       merge(elements, changes, list.path);
       owned_.push_back(std::move(elements));
       for (std::size_t i = 0; i < list.elements.size(); ++i) list.elements[i] = &owned_.back().items[i];
@@ -494,16 +384,10 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
                    std::span<const ModuleType> types, bool type_required) {
     const Node* type = node;  // `detector: vofod` is short for `detector: {type: vofod}`
     if (node != nullptr && node->is_map()) type = node->find("type");
-    const std::vector<std::string> known = names_of(types);
-    if (type == nullptr && type_required) {
-      return add_error(place, join_path(path, "type"), "expected " + one_of(known) + ", found nothing");
-    }
+    if (type == nullptr && type_required)
+      return errors_.add(place, join_path(path, "type"), "expected " + one_of(names_of(types)) + ", found nothing");
     if (type != nullptr) {
-      if (!type->is_scalar() || std::find(known.begin(), known.end(), type->text) == known.end()) {
-        const std::string hint = type->is_scalar() ? did_you_mean(type->text, known) : "";
-        return add_error(type->place, type == node ? path : join_path(path, "type"),
-                         "expected " + one_of(known) + ", found " + describe(*type) + hint);
-      }
+      if (!is_known_type(*type, type == node ? path : join_path(path, "type"), names_of(types), errors_)) return;
       if (value.type != type->text || !value.config) value = Module(types, type->text);
     }
     if (!value.config && !types.empty()) value = Module(types, types.front().name);
@@ -518,17 +402,8 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
   void lay_on_asset(const std::string& key, std::string& name, const char* folder, const Place& place) {
     const std::string path = at(key);
     const Node& asset = loader_.load_asset(name, folder, place, path);
-    if (const Node* chain = asset.find(key)) {
-      fail(chain->place, path, "expected an asset that builds on another one by `base:`, found " + quote(key));
-    }
     const Node* node = top().node;
-    const Node* type = node == nullptr ? nullptr : node->find("type");
-    const Node* asset_type = asset.find("type");
-    if (type != nullptr && asset_type != nullptr && asset_type->text != type->text) {
-      fail(place, path,
-           "expected an asset of type " + quote(type->text) + ", found " + quote(name) + ", which is of type " +
-               quote(asset_type->text));
-    }
+    require_fitting_asset(asset, node, key, name, place, path);
     num_asset_nodes_ += num_nodes(asset);
     if (num_asset_nodes_ > 2 * kMaxNodes) fail(place, path, "expected smaller assets, found too many values in all");
     owned_.push_back(asset);
@@ -538,31 +413,12 @@ class YamlReader final : public ConfigVisitor, public PlaceProvider {
     if (name.ends_with(".yaml") || name.ends_with(".yml")) name = loader_.find_file(name, place, path).string();
   }
 
-  /// The value at a path such as "start.yaw_deg" or "vehicles[1].name"; `place` becomes the nearest known location.
-  const Node* find(std::string_view path, Place& place) const {
-    const Node* node = frames_.back().node;
-    while (node != nullptr && !path.empty()) {
-      const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
-      const std::string_view part = path.substr(0, end);
-      std::size_t index = 0;
-      if (node->is_list() && std::from_chars(part.data(), part.data() + part.size(), index).ec == std::errc()) {
-        node = index < node->items.size() ? &node->items[index] : nullptr;
-      } else {
-        node = node->find(part);
-      }
-      if (node != nullptr) place = node->place;
-      path.remove_prefix(end);
-      while (!path.empty() && path.find_first_of(".[]") == 0) path.remove_prefix(1);
-    }
-    return node;
-  }
-
   Loader& loader_;
   std::deque<Frame> frames_;
   std::vector<List> lists_;
   std::deque<Node> owned_;  ///< trees created here: objects merged with assets
-  std::vector<Error> errors_;
-  std::set<std::string> places_;
+  ConfigErrors errors_;
+  NodeValues values_{errors_};
   std::size_t num_objects_ = 0;
   std::size_t num_asset_nodes_ = 0;
 };
