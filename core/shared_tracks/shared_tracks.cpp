@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/shared_tracks/frame_link.hpp"
+#include "core/shared_tracks/observer_bodies.hpp"
 #include "core/shared_tracks/track_fusion.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/messages/kind.hpp"
@@ -20,11 +21,8 @@ namespace {
 constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;  // sampling period of the own path
 constexpr TimeNs kAhead = kNsPerSecond / 10;      // tolerance of message times in the future, for differing clocks
 constexpr TimeNs kRestart = 5 * kNsPerSecond;     // backward jump in time beyond which a sender counts as restarted
-// Squared Mahalanobis distance (six degrees of freedom) below which a track is an observer.
-constexpr double kBody_sq = 22.5;
-constexpr double kNotBody_sq = 40.0;            // distance above which it no longer is
-constexpr double kOwnVelocity_sigma_mps = 0.1;  // standard deviation of an observer's own velocity
-constexpr double kFresh_s = 0.3;                // age of a report up to which its tracks count as measured now
+constexpr double kOwnVelocity_sigma_mps = 0.1;    // standard deviation of an observer's own velocity
+constexpr double kFresh_s = 0.3;                  // age of a report up to which its tracks count as measured now
 constexpr double kHeadingNoise_rad = 0.01;
 
 bool is_covariance(const Matrix6& C) {
@@ -36,6 +34,17 @@ MotionEstimate estimate_of(const Track& track) {
   out.mean << track.position_m, track.velocity_mps;
   out.covariance = track.covariance.topLeftCorner<6, 6>();
   return out;
+}
+
+TrackReport::Entry entry_of(const Track& track, double existence, TimeNs now) {
+  TrackReport::Entry entry;
+  entry.identity = track.id;
+  entry.age_s = static_cast<float>(std::max(0.0, to_seconds(now - track.t)));
+  entry.existence = static_cast<float>(existence);
+  entry.p_local_m = track.position_m.cast<float>();
+  entry.v_local_mps = track.velocity_mps.cast<float>();
+  entry.covariance = track.covariance.topLeftCorner<6, 6>().cast<float>();
+  return entry;
 }
 
 /// Another observer: its reports and the alignment of its frame.
@@ -59,7 +68,7 @@ struct Peer {
 class SharedTracks : public Tracker {
  public:
   SharedTracks(const SharedTracksConfig& config, const AgentSetup& setup, std::unique_ptr<Tracker> own)
-      : config_(config), self_(setup.self), own_(std::move(own)), fusion_(config.fusion) {}
+      : config_(config), self_(setup.self), own_(std::move(own)), bodies_(config.body_m), fusion_(config.fusion) {}
 
   bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) override {
     remember_self(input.observation.t, input.estimate);
@@ -102,14 +111,6 @@ class SharedTracks : public Tracker {
   }
 
  private:
-  /// A track whose target is itself an observer.
-  struct Body {
-    VehicleId observer = kNoVehicle;
-    std::uint32_t identity = 0;
-    VehicleId vehicle = kNoVehicle;
-    TimeNs last = 0;
-  };
-
   // ---- input
   void remember_self(TimeNs t, const StateEstimate& estimate) {
     const SampledPath& path = own_history_.self();
@@ -242,19 +243,17 @@ class SharedTracks : public Tracker {
     return peer.link.alignment() && now - peer.newest <= from_seconds(config_.timeout_s);
   }
 
-  /// Removes tracks that are observers. A track that moves like an observer is marked as that observer for as long as
-  /// it does.
+  /// Removes tracks that are observers.
   void leave_out_observers(TimeNs t, TimeNs now) {
-    const TimeNs oldest = t - from_seconds(config_.fusion.remember_s);
-    std::erase_if(bodies_, [&](const Body& body) { return body.last < oldest; });
+    bodies_.forget_before(t - from_seconds(config_.fusion.remember_s));
     if (const auto own = own_history_.self().empty() ? std::nullopt : std::optional(own_place(t))) {
-      mark(self_, *own, t);
+      bodies_.mark(self_, *own, t, observed_);
     }
     for (const Peer& peer : peers_) {
       if (!counts(peer, now)) continue;
-      mark(peer.id, at(in_own_frame(*peer.link.alignment(), peer.self), peer.newest, t), t);
+      bodies_.mark(peer.id, at(in_own_frame(*peer.link.alignment(), peer.self), peer.newest, t), t, observed_);
     }
-    std::erase_if(observed_, [&](const ObservedTrack& o) { return body_of(o) != bodies_.end(); });
+    std::erase_if(observed_, [&](const ObservedTrack& o) { return bodies_.contain(o); });
   }
 
   MotionEstimate own_place(TimeNs t) const {
@@ -267,47 +266,6 @@ class SharedTracks : public Tracker {
     out.covariance.diagonal().head<3>().setConstant(config_.frame.sigma_own_m * config_.frame.sigma_own_m);
     out.covariance.diagonal().tail<3>().setConstant(kOwnVelocity_sigma_mps * kOwnVelocity_sigma_mps);
     return at(out, sample.t, t);
-  }
-
-  std::vector<Body>::iterator body_of(const ObservedTrack& o) {
-    return std::find_if(bodies_.begin(), bodies_.end(),
-                        [&](const Body& body) { return body.observer == o.observer && body.identity == o.identity; });
-  }
-
-  void mark(VehicleId vehicle, const MotionEstimate& place, TimeNs t) {
-    const ObservedTrack* nearest = nullptr;
-    double least = 0.0;
-    for (std::size_t i = 0; i < observed_.size(); ++i) {
-      const ObservedTrack& o = observed_[i];
-      if (o.observer == vehicle) continue;  // observers do not track themselves
-      const double squared = disagreement(o.estimate, place).squared_sigmas;
-      if (auto body = body_of(o); body != bodies_.end() && body->vehicle == vehicle) {
-        if (squared > kNotBody_sq)
-          bodies_.erase(body);
-        else
-          body->last = t;
-      }
-      if (squared <= kBody_sq && (nearest == nullptr || squared < least)) {
-        nearest = &o;
-        least = squared;
-      }
-      const bool is_last_of_observer = i + 1 == observed_.size() || observed_[i + 1].observer != o.observer;
-      if (!is_last_of_observer || nearest == nullptr) continue;
-      mark_body(*nearest, vehicle, t);
-      // A second track at the same position belongs to the same body.
-      for (const ObservedTrack& duplicate : observed_) {
-        const bool is_near = (duplicate.estimate.p_m() - place.p_m()).norm() < config_.body_m;
-        if (duplicate.observer == o.observer && is_near) mark_body(duplicate, vehicle, t);
-      }
-      nearest = nullptr;
-    }
-  }
-
-  void mark_body(const ObservedTrack& o, VehicleId vehicle, TimeNs t) {
-    if (auto body = body_of(o); body != bodies_.end())
-      *body = {o.observer, o.identity, vehicle, t};
-    else
-      bodies_.push_back({o.observer, o.identity, vehicle, t});
   }
 
   void report(std::vector<Track>& tracks) const {
@@ -366,16 +324,7 @@ class SharedTracks : public Tracker {
       num_unsent_ += order_.size() - most;
       order_.resize(most);
     }
-    for (const std::size_t i : order_) {
-      const Track& track = own_tracks_[i];
-      TrackReport::Entry& out = sent.tracks.emplace_back();
-      out.identity = track.id;
-      out.age_s = static_cast<float>(std::max(0.0, to_seconds(t - track.t)));
-      out.existence = static_cast<float>(existences_[i]);
-      out.p_local_m = track.position_m.cast<float>();
-      out.v_local_mps = track.velocity_mps.cast<float>();
-      out.covariance = track.covariance.topLeftCorner<6, 6>().cast<float>();
-    }
+    for (const std::size_t i : order_) sent.tracks.push_back(entry_of(own_tracks_[i], existences_[i], t));
     write_message(sent, outbox.add());
   }
 
@@ -407,7 +356,7 @@ class SharedTracks : public Tracker {
   std::vector<double> existences_;
   ObserverHistory own_history_;
   std::vector<Peer> peers_;  // sorted by id
-  std::vector<Body> bodies_;
+  ObserverBodies bodies_;
   TrackFusion fusion_;
   std::vector<ObservedTrack> observed_;  // input of the newest fusion, own tracks first
   TimeNs t_ = 0;                         // time of the newest fusion

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/shared_tracks/track_fusion.hpp"
+
+namespace swiftlet {
+
+/// Tracks whose target is itself an observer. A track that moves like an observer is marked as that observer for as
+/// long as it does.
+class ObserverBodies {
+ public:
+  /// @param body_m  radius around an observer in which a second track belongs to the same body
+  explicit ObserverBodies(double body_m) : body_m_(body_m) {}
+
+  void forget_before(TimeNs oldest);
+  /// Marks the tracks of each observer that are this vehicle. `tracks` is ordered by observer.
+  void mark(VehicleId vehicle, const MotionEstimate& place, TimeNs t, std::span<const ObservedTrack> tracks);
+  bool contain(const ObservedTrack& track) { return body_of(track) != bodies_.end(); }
+
+ private:
+  struct Body {
+    VehicleId observer = kNoVehicle;
+    std::uint32_t identity = 0;
+    VehicleId vehicle = kNoVehicle;
+    TimeNs last = 0;
+  };
+
+  std::vector<Body>::iterator body_of(const ObservedTrack& track);
+  void mark_body(const ObservedTrack& track, VehicleId vehicle, TimeNs t);
+
+  double body_m_;
+  std::vector<Body> bodies_;
+};
+
+}  // namespace swiftlet
