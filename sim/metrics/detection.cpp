@@ -2,7 +2,9 @@
 #include <Eigen/Cholesky>
 #include <array>
 
+#include "sim/metrics/seen_scans.hpp"
 #include "sim/metrics/statistics.hpp"
+#include "sim/metrics/track_identities.hpp"
 #include "sim/metrics/truth_history.hpp"
 #include "swiftlet/core/math/assignment.hpp"
 #include "swiftlet/sim/metrics/detection_score.hpp"
@@ -99,7 +101,6 @@ constexpr CommonDefinitions kOfTracks = {kTrackRecall,    kTrackRecallVisible, k
 constexpr double kMoving_mps = 0.5;     // below this speed, the direction of a velocity is undefined
 constexpr double kChiSquare95 = 7.815;  // 95 % quantile with three degrees of freedom
 constexpr int kBins = 20;
-constexpr int kScans = 64;  // stored scans, for detectors with delay
 
 /// Mean and standard deviation of samples.
 class Moments {
@@ -157,19 +158,6 @@ struct Estimate {
   std::uint32_t track_id = 0;
 };
 
-/// Times of one scan, and its number of returns on each vehicle.
-struct SeenScan {
-  TimeNs stamp = 0, middle = 0;
-  std::vector<int> points;  // indexed by VehicleId
-};
-
-/// State of one track during its existence.
-struct KnownTrack {
-  std::uint32_t id = 0;
-  VehicleId target = kNoVehicle;  // vehicle assigned last
-  bool alive = false;
-};
-
 /// Results of one observer's detector or tracker over the whole run.
 struct StageResult {
   Recall recall;
@@ -180,20 +168,37 @@ struct StageResult {
   int consistent = 0;            // normalized squared errors within their 95 % quantile
   int estimates = 0, right = 0;  // summed over scans
   int false_detections = 0;
-  int false_tracks = 0;  // ended without ever being assigned to a vehicle
-  int identity_switches = 0, cross_associations = 0;
   TimeNs t_first = -1, t_last = 0;
-  std::vector<KnownTrack> tracks;
-  std::vector<std::uint32_t> id_of_target;      // last track of each vehicle, by VehicleId; 0: none
+  TrackIdentities identities;
   std::vector<TimeNs> first_seen, first_found;  // indexed by VehicleId; -1: never
 
   void prepare(std::size_t num_vehicles) {
-    tracks.reserve(256);
-    id_of_target.assign(num_vehicles, 0);
+    identities.prepare(num_vehicles);
     first_seen.assign(num_vehicles, -1);
     first_found.assign(num_vehicles, -1);
   }
 };
+
+/// Optimal subpattern assignment metric of order 1, cut off at the true-positive distance (Schuhmacher et al., IEEE
+/// TSP 56(8), 2008), between the flying vehicles in range and the tracks not assigned to other vehicles.
+double ospa(std::span<const DetectionScore> scores, std::span<const char> flying, const MetricsConfig& config) {
+  const double cut_off_m = config.true_positive_m;
+  int vehicles = 0, tracks = 0, paired = 0;
+  double sum_m = 0.0;
+  for (const DetectionScore& score : scores) {
+    const bool in_range = score.distance_m <= config.detection_range_m;
+    if (score.target == kNoVehicle) {
+      ++tracks;
+    } else if (in_range && flying[score.target]) {
+      ++vehicles;
+      tracks += score.found;
+      paired += score.found;
+      if (score.found) sum_m += score.position_error_m;
+    }
+  }
+  const int most = std::max(vehicles, tracks);
+  return most > 0 ? (sum_m + cut_off_m * (most - paired)) / most : 0.0;
+}
 
 /// Detections and tracks of each observer against the true positions of all other vehicles. Estimates are relative to
 /// the observer's localization, so the truth is transformed by the observer's pose error at that time: localization
@@ -210,8 +215,7 @@ class DetectionMetric final : public Metric {
       observer.detector.prepare(num_vehicles());
       observer.tracker.prepare(num_vehicles());
       observer.T_estimate_truth = std::make_unique<RecentValues<Pose>>();
-      observer.scans.resize(kScans);
-      for (SeenScan& scan : observer.scans) scan.points.resize(num_vehicles());
+      observer.scans.prepare(num_vehicles());
     }
     if (any_) truth_.resize(num_vehicles());
   }
@@ -227,7 +231,7 @@ class DetectionMetric final : public Metric {
       const Action& action = *tick.actions[i];
       if (tick.states[i].crashed) continue;
       if (perception.detects && action.has_detections) evaluate_detections(i, tick, context);
-      const bool new_scan = !tick.scans[i].empty() || observers_[i].num_scans == 0;
+      const bool new_scan = !tick.scans[i].empty() || observers_[i].scans.newest() == nullptr;
       if (perception.tracks && action.has_tracks && new_scan) evaluate_tracks(i, tick, context);
     }
   }
@@ -243,8 +247,7 @@ class DetectionMetric final : public Metric {
   struct Observer {
     StageResult detector, tracker;
     std::unique_ptr<RecentValues<Pose>> T_estimate_truth;  // from the true world to the observer's estimated one
-    std::vector<SeenScan> scans;                           // ring buffer
-    std::size_t num_scans = 0;
+    SeenScans scans;
   };
 
   // ---- history
@@ -253,29 +256,7 @@ class DetectionMetric final : public Metric {
     const StateEstimate& estimate = tick.actions[i]->estimate;
     if (estimate.valid)
       observer.T_estimate_truth->push(tick.t, estimate.T_world_body() * tick.states[i].T_world_body().inverse());
-    for (const auto& labeled : tick.scans[i]) {
-      SeenScan& seen = observer.scans[observer.num_scans++ % kScans];
-      seen.stamp = labeled->scan.stamp;
-      seen.middle = labeled->scan.stamp + labeled->scan.duration / 2;
-      std::fill(seen.points.begin(), seen.points.end(), 0);
-      const ScanTruth& truth = labeled->truth;
-      constexpr auto kVehicleClass = static_cast<std::uint16_t>(SurfaceClass::kVehicle);
-      for (std::size_t k = 0; k < truth.instance.size(); ++k) {
-        if (truth.surface_class[k] != kVehicleClass || !(labeled->scan.range_m[k] > 0.0F)) continue;
-        const std::size_t vehicle = truth.instance[k] - 1U;
-        if (vehicle < seen.points.size()) ++seen.points[vehicle];
-      }
-    }
-  }
-
-  /// The scan with that stamp; null when not stored.
-  const SeenScan* scan_of(const Observer& observer, TimeNs stamp) const {
-    const std::size_t known = std::min<std::size_t>(observer.num_scans, kScans);
-    for (std::size_t k = 1; k <= known; ++k) {
-      const SeenScan& scan = observer.scans[(observer.num_scans - k) % kScans];
-      if (scan.stamp == stamp) return &scan;
-    }
-    return nullptr;
+    for (const auto& labeled : tick.scans[i]) observer.scans.push(*labeled);
   }
 
   // ---- scoring of one scan
@@ -289,7 +270,7 @@ class DetectionMetric final : public Metric {
       estimate.covariance = detection.covariance;
       estimates_.push_back(estimate);
     }
-    const SeenScan* scan = scan_of(observers_[i], action.detections_stamp);
+    const SeenScans::Scan* scan = observers_[i].scans.find(action.detections_stamp);
     const TimeNs middle = scan != nullptr ? scan->middle : action.detections_stamp;
     evaluate(i, DetectionScore::Stage::kDetector, scan, middle, tick.t, context.flying);
   }
@@ -305,14 +286,13 @@ class DetectionMetric final : public Metric {
       estimate.track_id = track.id;
       estimates_.push_back(estimate);
     }
-    const Observer& observer = observers_[i];
-    const SeenScan* scan = observer.num_scans == 0 ? nullptr : &observer.scans[(observer.num_scans - 1) % kScans];
+    const SeenScans::Scan* scan = observers_[i].scans.newest();
     evaluate(i, DetectionScore::Stage::kTracker, scan, scan != nullptr ? scan->middle : tick.t, tick.t, context.flying);
-    follow_identities(observers_[i].tracker);
+    follow_identities(observers_[i].tracker.identities);
   }
 
   /// Assigns estimates to vehicles, then scores every flying vehicle and every unassigned estimate.
-  void evaluate(std::size_t i, DetectionScore::Stage stage, const SeenScan* scan, TimeNs middle, TimeNs now,
+  void evaluate(std::size_t i, DetectionScore::Stage stage, const SeenScans::Scan* scan, TimeNs middle, TimeNs now,
                 std::span<const char> flying) {
     Observer& observer = observers_[i];
     if (observer.T_estimate_truth->empty()) return;
@@ -321,7 +301,7 @@ class DetectionMetric final : public Metric {
     result.t_last = now;
     pair_up(i, observer);
 
-    first_score_ = scores_.rows().size();
+    const std::size_t first_score = scores_.rows().size();
     for (std::size_t j = 0; j < num_vehicles(); ++j) {
       if (j == i || !flying[j]) continue;
       DetectionScore score;
@@ -342,7 +322,9 @@ class DetectionMetric final : public Metric {
       result.right += vehicle >= 0;
       if (vehicle < 0) add_false(i, stage, estimates_[e], now, result);
     }
-    if (stage == DetectionScore::Stage::kTracker) result.ospa.add(ospa(flying));
+    if (stage == DetectionScore::Stage::kTracker) {
+      result.ospa.add(ospa(scores_.rows().subspan(first_score), flying, setup().config));
+    }
   }
 
   /// The assignment of least total distance, each capped at the true-positive distance, as in OSPA. For an isolated
@@ -429,46 +411,10 @@ class DetectionMetric final : public Metric {
     result.false_detections += 1;
   }
 
-  /// Optimal subpattern assignment metric of order 1, cut off at the true-positive distance (Schuhmacher et al., IEEE
-  /// TSP 56(8), 2008), between the flying vehicles in range and the tracks not assigned to other vehicles.
-  double ospa(std::span<const char> flying) const {
-    const double cut_off_m = setup().config.true_positive_m;
-    int vehicles = 0, tracks = 0, paired = 0;
-    double sum_m = 0.0;
-    for (const DetectionScore& score : scores_.rows().subspan(first_score_)) {
-      const bool in_range = score.distance_m <= setup().config.detection_range_m;
-      if (score.target == kNoVehicle) {
-        ++tracks;
-      } else if (in_range && flying[score.target]) {
-        ++vehicles;
-        tracks += score.found;
-        paired += score.found;
-        if (score.found) sum_m += score.position_error_m;
-      }
-    }
-    const int most = std::max(vehicles, tracks);
-    return most > 0 ? (sum_m + cut_off_m * (most - paired)) / most : 0.0;
-  }
-
-  /// Updates the assignment between tracks and vehicles; counts identity switches, cross associations and false tracks.
-  void follow_identities(StageResult& result) {
-    for (KnownTrack& track : result.tracks) track.alive = false;
-    for (std::size_t e = 0; e < estimates_.size(); ++e) {
-      const std::uint32_t id = estimates_[e].track_id;
-      auto known =
-          std::find_if(result.tracks.begin(), result.tracks.end(), [id](const KnownTrack& t) { return t.id == id; });
-      if (known == result.tracks.end()) known = result.tracks.insert(known, {id, kNoVehicle, true});
-      known->alive = true;
-      const VehicleId vehicle = vehicle_of_[e];
-      if (vehicle == kNoVehicle) continue;
-      result.cross_associations += known->target != kNoVehicle && known->target != vehicle;
-      known->target = vehicle;
-      std::uint32_t& last = result.id_of_target[vehicle];
-      result.identity_switches += last != 0 && last != id;
-      last = id;
-    }
-    for (const KnownTrack& track : result.tracks) result.false_tracks += !track.alive && track.target == kNoVehicle;
-    std::erase_if(result.tracks, [](const KnownTrack& track) { return !track.alive; });
+  void follow_identities(TrackIdentities& identities) const {
+    identities.begin();
+    for (std::size_t e = 0; e < estimates_.size(); ++e) identities.add(estimates_[e].track_id, vehicle_of_[e]);
+    identities.end();
   }
 
   // ---- results
@@ -485,12 +431,10 @@ class DetectionMetric final : public Metric {
     report_common(kOfTracks, i, r, table);
     table.add(kTrackSpeedError, name_of(i), r.errors.speed.mean());
     table.add(kTrackDirectionError, name_of(i), r.errors.direction.mean());
-    int false_tracks = r.false_tracks;
-    for (const KnownTrack& track : r.tracks) false_tracks += track.target == kNoVehicle;
-    table.add(kFalseTracks, name_of(i), per_minute(r, false_tracks));
+    table.add(kFalseTracks, name_of(i), per_minute(r, r.identities.num_false()));
     table.add(kTimeToFirstTrack, name_of(i), time_to_first_s(r));
-    table.add(kIdentitySwitches, name_of(i), r.identity_switches);
-    table.add(kCrossAssociations, name_of(i), r.cross_associations);
+    table.add(kIdentitySwitches, name_of(i), r.identities.switches());
+    table.add(kCrossAssociations, name_of(i), r.identities.cross_associations());
     table.add(kTrackOspa, name_of(i), r.ospa.mean());
     table.add(kTrackNees, name_of(i), r.nees.mean());
     table.add(kTrackNeesWithin95, name_of(i), ratio(r.consistent, r.nees.count()));
@@ -551,7 +495,6 @@ class DetectionMetric final : public Metric {
   std::vector<int> estimate_of_, vehicle_of_;
   Assignment assignment_;
   SeriesOf<DetectionScore>& scores_;  // rows describe the observer
-  std::size_t first_score_ = 0;
 };
 
 }  // namespace
