@@ -9,7 +9,9 @@
 #include "sim/physics/air_effects.hpp"
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
+#include "sim/physics/near_pairs.hpp"
 #include "sim/physics/wind.hpp"
+#include "sim/physics/world_vehicle.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
@@ -23,9 +25,7 @@ using RotorCommands = std::span<const std::array<double, kMaxRotors>>;
 constexpr TimeNs kPlanSpan = 8'000'000;  // longest interval between predictions of possible contacts
 // Interval between updates of wakes and ground effect, which change more slowly
 constexpr TimeNs kAirSpan = 8'000'000;
-constexpr double kContactMargin_m = 0.03;     // larger than the distance at which contacts are prepared
-constexpr double kSurfaceSlack_m = 2.0;       // search distance beyond the needed one, which makes searches rare
-constexpr double kPerRotorGroundRadii = 6.0;  // below this height every rotor has its own ray to the ground
+constexpr double kContactMargin_m = 0.03;  // larger than the distance at which contacts are prepared
 constexpr double kTurningRotor_radps = 10.0;
 // A vehicle below these rates for kRestTime_s is frozen until the forces on it change.
 constexpr double kRestSpeed_mps = 0.01;
@@ -38,38 +38,22 @@ constexpr double kWakeAngular_radps2 = 0.5;
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
 
-/// Distance to the nearest surface from an earlier position: at p it is at least distance - |p - from|.
-struct SurfaceBound {
-  Vector3 from_world_m = Vector3::Zero();
-  double distance_m = 0.0;
-  bool exact = false;  // true: exact distance; false: lower bound
+/// Sum of the downwash of all other vehicles.
+Vector3 downwash_at(VehicleId id, const Vector3& p_world, std::span<const Wake> wakes) {
+  Vector3 sum = Vector3::Zero();
+  for (VehicleId source = 0; source < static_cast<VehicleId>(wakes.size()); ++source) {
+    if (source != id && wakes[source].may_reach(p_world)) sum += wakes[source].velocity_world_mps(p_world);
+  }
+  return sum;
+}
 
-  double at_least_m(const Vector3& p) const { return distance_m - (p - from_world_m).norm(); }
-};
-
-struct Vehicle {
-  Vehicle(std::string vehicle_name, MultirotorModel vehicle_model)
-      : name(std::move(vehicle_name)), model(std::move(vehicle_model)) {}
-
-  std::string name;
-  MultirotorModel model;
-  AirAtVehicle air;
-  std::optional<Gusts> gusts;
-  double circumscribed_m = 0.0;
-  double contact_reach_m = 0.0;  // radius of the collision shape plus margin
-  double acceleration_bound_mps2 = 0.0;
-  SurfaceBound surface;
-
-  // Result of the current prediction:
-  bool near_world = false;  // may touch a triangle before its end
-  bool near = false;        // ... or another vehicle
-  double travel_m = 0.0;    // upper bound of the displacement until then
-
-  bool touching = false;
-  bool asleep = false;
-  double still_s = 0.0;
-  MultirotorModel::Acceleration free_acceleration{};  // at the time of freezing
-};
+/// Sets the wind at a vehicle with gusts.
+void blow(WorldVehicle& vehicle, const VehicleState& state, const WindConfig& wind, std::uint32_t step_number,
+          double step_s) {
+  const Vector3 v_air = state.v_world_mps - vehicle.air.wind_world_mps;
+  vehicle.air.wind_world_mps =
+      wind.mean_mps + vehicle.gusts->advance(step_number, step_s, state.p_world_m.z(), v_air.norm());
+}
 
 /// Rotors are valid if these are: their speeds are clamped, and non-finite commands are rejected earlier.
 bool is_finite(const VehicleState& state) {
@@ -88,6 +72,22 @@ bool rotors_turn(const VehicleState& state) {
   return *std::max_element(state.rotor_speed_radps.begin(), state.rotor_speed_radps.end()) > kTurningRotor_radps;
 }
 
+Crash crash_by(const Touch& touch, TimeNs t, const StaticScene* scene) {
+  Crash crash{.t = t,
+              .vehicle = touch.vehicle,
+              .other_vehicle = touch.other,
+              .p_world_m = touch.p_world_m,
+              .speed_mps = touch.approach_mps};
+  if (touch.other != kNoVehicle) {
+    crash.surface_class = SurfaceClass::kVehicle;
+    crash.instance = static_cast<std::uint16_t>(touch.other + 1);
+  } else if (const auto surface = scene->nearest(touch.p_world_m, kSurfaceSlack_m)) {
+    crash.surface_class = surface->surface_class;
+    crash.instance = surface->instance;
+  }
+  return crash;
+}
+
 std::vector<double> circumscribed_radii_m(std::span<const PhysicsVehicle> vehicles) {
   std::vector<double> radii_m;
   for (const PhysicsVehicle& vehicle : vehicles) radii_m.push_back(vehicle.airframe.circumscribed_radius_m());
@@ -103,7 +103,7 @@ struct PhysicsWorld::Impl {
   TimeNs step = 0;
   TimeNs now = 0;
   TimeNs next_air = 0;
-  std::vector<Vehicle> vehicles;
+  std::vector<WorldVehicle> vehicles;
   std::vector<VehicleState> states;
   Contacts contacts;
   std::vector<Crash> crashes;
@@ -111,11 +111,9 @@ struct PhysicsWorld::Impl {
   // Scratch, kept to avoid allocations.
   std::vector<Vector3> positions;
   Neighborhood neighborhood;
-  std::vector<Vector3> pairs_from;  // positions at the last search of all pairs,
-  double least_gap_m = 0.0;         // and the least gap then
   std::vector<Wake> wakes;
   std::vector<VehicleId> near_vehicles;
-  std::vector<Contacts::Pair> near_pairs;
+  NearPairs near_pairs;
   std::vector<VehicleState> before;  // states of the near vehicles before this step
   std::vector<ContactBody> bodies;
   std::vector<Contacts::Pair> pairs;
@@ -129,16 +127,15 @@ struct PhysicsWorld::Impl {
         scene(std::move(static_scene)),
         step(from_seconds(physics.step_s)),
         contacts(fleet, physics),
-        neighborhood(circumscribed_radii_m(fleet)) {
+        neighborhood(circumscribed_radii_m(fleet)),
+        near_pairs(fleet.size()) {
     stopped.fill(-1.0);
     for (const PhysicsVehicle& vehicle : fleet) add(vehicle, seed);
     const std::size_t count = vehicles.size();
     crashes.reserve(count);
     positions.resize(count);
-    pairs_from.resize(count, Vector3::Zero());
     wakes.resize(count);
     near_vehicles.reserve(count);
-    near_pairs.reserve(16 * count);
     before.resize(count);
     bodies.reserve(count);
     pairs.reserve(16 * count);
@@ -158,11 +155,11 @@ struct PhysicsWorld::Impl {
                                       airframe.rotor_speed_min_radps, airframe.rotor_speed_max_radps);
       std::fill_n(state.rotor_speed_radps.begin(), airframe.num_rotors(), hover);
     }
-    Vehicle entry(vehicle.name, MultirotorModel(airframe, config));
+    WorldVehicle entry(vehicle.name, MultirotorModel(airframe, config));
     entry.air.wind_world_mps = wind.mean_mps;
     if (wind.gusts) {
       entry.gusts.emplace(wind, seed, vehicle.name);
-      blow(entry, state, 0);
+      blow(entry, state, wind, 0, config.step_s);
     }
     entry.circumscribed_m = airframe.circumscribed_radius_m();
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
@@ -199,32 +196,14 @@ struct PhysicsWorld::Impl {
   }
 
   void look_ahead(VehicleId id, double span_s, bool look_up_air) {
-    Vehicle& vehicle = vehicles[id];
+    WorldVehicle& vehicle = vehicles[id];
     const VehicleState& state = states[id];
-    if (look_up_air && config.downwash) vehicle.air.downwash_world_mps = downwash_at(id);
+    if (look_up_air && config.downwash) vehicle.air.downwash_world_mps = downwash_at(id, positions[id], wakes);
     vehicle.travel_m = state.v_world_mps.norm() * span_s + 0.5 * vehicle.acceleration_bound_mps2 * span_s * span_s;
-    vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, state.p_world_m);
+    vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, state.p_world_m, config, *scene);
     vehicle.near = vehicle.near_world;
     if (vehicle.near_world && !vehicle.asleep) gather_triangles(id);
-    if (look_up_air && config.ground_effect && scene) apply_ground_effect(vehicle, state);
-  }
-
-  double ground_effect_reach_m(const Vehicle& vehicle) const {
-    return config.ground_effect ? kGroundEffectReachRadii * vehicle.model.airframe().propeller_radius_m : 0.0;
-  }
-
-  bool may_meet_surface(Vehicle& vehicle, const Vector3& p_world) const {
-    const double reach_m = vehicle.contact_reach_m + vehicle.travel_m;
-    if (vehicle.surface.at_least_m(p_world) > reach_m) return false;
-    if (vehicle.asleep) return true;
-    const double radius_m = reach_m + std::max(kSurfaceSlack_m, ground_effect_reach_m(vehicle));
-    measure_surface(vehicle, p_world, radius_m);
-    return vehicle.surface.distance_m <= reach_m;
-  }
-
-  void measure_surface(Vehicle& vehicle, const Vector3& p_world, double radius_m) const {
-    const std::optional<NearestSurface> nearest = scene->nearest(p_world, radius_m);
-    vehicle.surface = {p_world, nearest ? nearest->distance_m : radius_m, nearest.has_value()};
+    if (look_up_air && config.ground_effect && scene) apply_ground_effect(vehicle, state, config, *scene);
   }
 
   void gather_triangles(VehicleId id) {
@@ -240,70 +219,18 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// Sum of the downwash of all other vehicles.
-  Vector3 downwash_at(VehicleId id) const {
-    const Vector3 p_world = positions[id];
-    Vector3 sum = Vector3::Zero();
-    for (VehicleId source = 0; source < static_cast<VehicleId>(wakes.size()); ++source) {
-      if (source != id && wakes[source].may_reach(p_world)) sum += wakes[source].velocity_world_mps(p_world);
-    }
-    return sum;
-  }
-
-  /// Ground effect of each rotor from its height above the surface, by a vertical ray.
-  void apply_ground_effect(Vehicle& vehicle, const VehicleState& state) const {
-    vehicle.air.ground_effect_gain.fill(0.0);
-    const double reach_m = ground_effect_reach_m(vehicle);
-    const Matrix3 R_world_body = state.q_world_body.toRotationMatrix();
-    const double upright = R_world_body(2, 2);
-    if (upright <= 0.0 || vehicle.surface.at_least_m(state.p_world_m) > reach_m) return;
-    const Vector3 down = -Vector3::UnitZ();
-    const double center_height_m = scene->trace(state.p_world_m, down, reach_m).range_m;
-    const Airframe& airframe = vehicle.model.airframe();
-    const bool high = center_height_m > kPerRotorGroundRadii * airframe.propeller_radius_m;
-    if (center_height_m <= 0.0 && vehicle.surface.at_least_m(state.p_world_m) > airframe.arm_length_m) return;
-    for (int i = 0; i < airframe.num_rotors(); ++i) {
-      const Vector3 arm_world = R_world_body * airframe.rotors[i].position_m;
-      double height_m = center_height_m + arm_world.z();
-      if (!high) {
-        height_m = scene->trace(state.p_world_m + arm_world, down, reach_m).range_m;
-        if (height_m <= 0.0) continue;
-      }
-      vehicle.air.ground_effect_gain[i] =
-          upright * ground_effect_gain(height_m, airframe.propeller_radius_m, config.ground_effect_coefficient);
-    }
-  }
-
-  /// Pairs that may touch before the prediction ends. The least gap between any two vehicles bounds the time without
-  /// contacts, so that all pairs of a well separated fleet are rarely tested.
   void find_near_pairs() {
-    near_pairs.clear();
-    double displacement_m = 0.0;
-    for (std::size_t i = 0; i < vehicles.size(); ++i) {
-      displacement_m = std::max(displacement_m, (positions[i] - pairs_from[i]).norm() + vehicles[i].travel_m);
-    }
-    if (2.0 * displacement_m < least_gap_m) return;
-
-    least_gap_m = std::numeric_limits<double>::infinity();
-    pairs_from = positions;
-    const VehicleId count = static_cast<VehicleId>(vehicles.size());
-    for (VehicleId a = 0; a < count; ++a) {
-      for (VehicleId b = a + 1; b < count; ++b) {
-        const double gap_m =
-            (positions[a] - positions[b]).norm() - vehicles[a].contact_reach_m - vehicles[b].contact_reach_m;
-        least_gap_m = std::min(least_gap_m, gap_m);
-        if (gap_m > vehicles[a].travel_m + vehicles[b].travel_m) continue;
-        near_pairs.push_back({a, b});
-        for (const VehicleId id : {a, b}) {
-          vehicles[id].near = true;
-          if (vehicles[id].asleep) wake(id);
-        }
+    near_pairs.find(positions, vehicles);
+    for (const Contacts::Pair& pair : near_pairs.pairs()) {
+      for (const VehicleId id : {pair.a, pair.b}) {
+        vehicles[id].near = true;
+        if (vehicles[id].asleep) wake(id);
       }
     }
   }
 
   void wake(VehicleId id) {
-    Vehicle& vehicle = vehicles[id];
+    WorldVehicle& vehicle = vehicles[id];
     vehicle.asleep = false;
     vehicle.still_s = 0.0;
     if (vehicle.near_world) gather_triangles(id);
@@ -311,21 +238,15 @@ struct PhysicsWorld::Impl {
 
   // ---- one step ----
 
-  void blow(Vehicle& vehicle, const VehicleState& state, std::uint32_t step_number) const {
-    const Vector3 v_air = state.v_world_mps - vehicle.air.wind_world_mps;
-    vehicle.air.wind_world_mps =
-        wind.mean_mps + vehicle.gusts->advance(step_number, config.step_s, state.p_world_m.z(), v_air.norm());
-  }
-
   const std::array<double, kMaxRotors>& command_of(VehicleId id, RotorCommands commands) const {
     return states[id].crashed && config.stop_motors_on_crash ? stopped : commands[id];
   }
 
   /// Free flight through one step.
   void fly(VehicleId id, TimeNs t, RotorCommands commands) {
-    Vehicle& vehicle = vehicles[id];
+    WorldVehicle& vehicle = vehicles[id];
     VehicleState& state = states[id];
-    if (vehicle.gusts) blow(vehicle, state, static_cast<std::uint32_t>(t / step));
+    if (vehicle.gusts) blow(vehicle, state, wind, static_cast<std::uint32_t>(t / step), config.step_s);
     if (vehicle.asleep) {
       vehicle.model.step_motors(state, command_of(id, commands));
       const auto free = vehicle.model.acceleration(state, vehicle.air);
@@ -373,7 +294,7 @@ struct PhysicsWorld::Impl {
   void collect_bodies() {
     bodies.clear();
     pairs.clear();
-    for (const Contacts::Pair& pair : near_pairs) {
+    for (const Contacts::Pair& pair : near_pairs.pairs()) {
       const double reach_m = vehicles[pair.a].contact_reach_m + vehicles[pair.b].contact_reach_m;
       const double displacement_m =
           (states[pair.a].v_world_mps.norm() + states[pair.b].v_world_mps.norm()) * config.step_s;
@@ -381,7 +302,7 @@ struct PhysicsWorld::Impl {
         pairs.push_back(pair);
     }
     for (const VehicleId id : near_vehicles) {
-      Vehicle& vehicle = vehicles[id];
+      WorldVehicle& vehicle = vehicles[id];
       if (vehicle.asleep) continue;
       vehicle.touching = false;
       const bool low = vehicle.near_world && vehicle.surface.at_least_m(before[id].p_world_m) < vehicle.contact_reach_m;
@@ -416,40 +337,21 @@ struct PhysicsWorld::Impl {
         ((touch.propeller && rotors_turn(state)) || (touch.other_propeller && rotors_turn(states[touch.other])));
     if (touch.approach_mps <= config.crash_speed_mps && !propeller_hit) return;
     state.crashed = true;
-    Crash crash{.t = t,
-                .vehicle = touch.vehicle,
-                .other_vehicle = touch.other,
-                .p_world_m = touch.p_world_m,
-                .speed_mps = touch.approach_mps};
-    if (touch.other == kNoVehicle) {
-      if (const auto surface = scene->nearest(touch.p_world_m, kSurfaceSlack_m)) {
-        crash.surface_class = surface->surface_class;
-        crash.instance = surface->instance;
-      }
-    } else {
-      crash.surface_class = SurfaceClass::kVehicle;
-      crash.instance = static_cast<std::uint16_t>(touch.other + 1);
-    }
-    crashes.push_back(crash);
+    crashes.push_back(crash_by(touch, t, scene.get()));
   }
 
   void fall_asleep(VehicleId id) {
-    Vehicle& vehicle = vehicles[id];
+    WorldVehicle& vehicle = vehicles[id];
     VehicleState& state = states[id];
     if (vehicle.asleep) return;
     const bool still = vehicle.touching && state.v_world_mps.norm() < kRestSpeed_mps &&
                        state.omega_body_radps.norm() < kRestRate_radps;
     vehicle.still_s = still ? vehicle.still_s + config.step_s : 0.0;
-    if (vehicle.still_s < kRestTime_s || has_near_pair(id)) return;
+    if (vehicle.still_s < kRestTime_s || near_pairs.contain(id)) return;
     vehicle.asleep = true;
     state.v_world_mps.setZero();
     state.omega_body_radps.setZero();
     vehicle.free_acceleration = vehicle.model.acceleration(state, vehicle.air);
-  }
-
-  bool has_near_pair(VehicleId id) const {
-    return std::any_of(near_pairs.begin(), near_pairs.end(),
-                       [id](const Contacts::Pair& pair) { return pair.a == id || pair.b == id; });
   }
 
   void advance(TimeNs t_end, RotorCommands commands, StateHistory& history) {
@@ -473,21 +375,10 @@ struct PhysicsWorld::Impl {
 
   Clearance clearance(VehicleId id, double max_distance_m) {
     Clearance clearance;
-    Vehicle& vehicle = vehicles[id];
+    WorldVehicle& vehicle = vehicles[id];
     const Vector3& p = positions[id];
 
-    // The known distance at an earlier position bounds the search. Without a near surface, the search extends beyond
-    // the requested distance, so that its result holds longer.
-    const double search_m = max_distance_m + vehicle.circumscribed_m;
-    clearance.surface_m = max_distance_m;
-    if (scene && vehicle.surface.at_least_m(p) < search_m) {
-      const double moved_m = (p - vehicle.surface.from_world_m).norm();
-      const double known_m = vehicle.surface.exact ? (vehicle.surface.distance_m + moved_m) * (1.0 + 1e-6) + 1e-6
-                                                   : search_m + kSurfaceSlack_m;
-      measure_surface(vehicle, p, std::min(known_m, search_m + kSurfaceSlack_m));
-      if (vehicle.surface.exact)
-        clearance.surface_m = std::min(vehicle.surface.distance_m - vehicle.circumscribed_m, max_distance_m);
-    }
+    clearance.surface_m = scene ? surface_clearance_m(vehicle, p, max_distance_m, *scene) : max_distance_m;
 
     // Squared distances first: most vehicles are farther than the nearest one so far.
     clearance.vehicle_m = std::numeric_limits<double>::infinity();
