@@ -38,7 +38,8 @@ else()
 endif()
 
 # What of sim/render is compiled: everything that includes OpenGL with one source of contexts, or renderer_none.cpp.
-set(opengl_sources gl_context_osmesa gl_context_egl gl_functions gl_objects mark_painter renderer vehicle_painter world_painter)
+set(opengl_sources gl_context_osmesa gl_context_egl gl_functions gl_objects mark_painter overlay_painter renderer
+  shadow_painter vehicle_painter world_painter)
 if(SWIFTLET_PICTURE_LIBRARY STREQUAL none)
   set(not_compiled ${opengl_sources})
 elseif(SWIFTLET_PICTURE_LIBRARY STREQUAL OSMESA)

@@ -230,41 +230,10 @@ void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& wel
   }
 }
 
-}  // namespace
-
-RenderMesh prepare_mesh(const Mesh& mesh) {
-  RenderMesh out;
-  if (mesh.triangles.empty()) return out;
-  const std::vector<std::uint32_t> welded = weld(mesh.vertices_mesh_m);
-  const bool plant =
-      mesh.surface_class == SurfaceClass::kVegetation || mesh.surface_class == SurfaceClass::kUndergrowth;
-  Groups groups;
-  if (plant) {
-    groups = connected_groups(mesh, pieces_of(mesh, welded));
-    std::size_t in_leaves = 0;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      const std::size_t size = groups.first[g + 1] - groups.first[g];
-      if (size <= kLeafTriangles) in_leaves += size;
-    }
-    if (4 * in_leaves >= 3 * mesh.triangles.size()) out.leaf_size_m = 1.0F;  // placeholder, computed below
-  }
-  const bool leafy = out.leaf_size_m > 0.0F;
-  if (leafy) {
-    make_leaf_vertices(mesh, groups, out);
-    out.leaf_size_m = static_cast<float>(std::sqrt(area_of(mesh) / static_cast<double>(groups.size())));
-  } else {
-    const bool branches = mesh.surface_class == SurfaceClass::kBranch;
-    groups = branches ? connected_groups(mesh, pieces_of(mesh, welded)) : single_triangles(mesh.triangles.size());
-    make_solid_vertices(mesh, welded, out);
-  }
-  const std::vector<float> lengths_m =
-      mesh.surface_class == SurfaceClass::kBranch ? lengths_of(mesh, groups) : std::vector<float>();
-  if (!lengths_m.empty()) {  // the area of a tube is pi * thickness * length
-    const double length_m = std::accumulate(lengths_m.begin(), lengths_m.end(), 0.0);
-    out.branch_thickness_m = static_cast<float>(area_of(mesh) / (M_PI * std::max(length_m, 1e-6)));
-  }
-
-  // Compact chunks of whole groups.
+/// Sorts the triangles into compact chunks of whole groups.
+/// @param lengths_m  of the groups, longest first within a chunk; empty: other groups than branches
+void sort_into_chunks(const Mesh& mesh, const Groups& groups, bool leafy, const std::vector<float>& lengths_m,
+                      RenderMesh& out) {
   std::vector<Vector3f> centers(groups.size());
   std::vector<std::uint32_t> order(groups.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -299,6 +268,43 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
     out.chunks.push_back(chunk);
   }
   out.indices = std::move(sorted);
+}
+
+}  // namespace
+
+RenderMesh prepare_mesh(const Mesh& mesh) {
+  RenderMesh out;
+  if (mesh.triangles.empty()) return out;
+  const std::vector<std::uint32_t> welded = weld(mesh.vertices_mesh_m);
+  const bool plant =
+      mesh.surface_class == SurfaceClass::kVegetation || mesh.surface_class == SurfaceClass::kUndergrowth;
+  Groups groups;
+  if (plant) {
+    groups = connected_groups(mesh, pieces_of(mesh, welded));
+    std::size_t in_leaves = 0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const std::size_t size = groups.first[g + 1] - groups.first[g];
+      if (size <= kLeafTriangles) in_leaves += size;
+    }
+    if (4 * in_leaves >= 3 * mesh.triangles.size()) out.leaf_size_m = 1.0F;  // placeholder, computed below
+  }
+  const bool leafy = out.leaf_size_m > 0.0F;
+  if (leafy) {
+    make_leaf_vertices(mesh, groups, out);
+    out.leaf_size_m = static_cast<float>(std::sqrt(area_of(mesh) / static_cast<double>(groups.size())));
+  } else {
+    const bool branches = mesh.surface_class == SurfaceClass::kBranch;
+    groups = branches ? connected_groups(mesh, pieces_of(mesh, welded)) : single_triangles(mesh.triangles.size());
+    make_solid_vertices(mesh, welded, out);
+  }
+  const std::vector<float> lengths_m =
+      mesh.surface_class == SurfaceClass::kBranch ? lengths_of(mesh, groups) : std::vector<float>();
+  if (!lengths_m.empty()) {  // the area of a tube is pi * thickness * length
+    const double length_m = std::accumulate(lengths_m.begin(), lengths_m.end(), 0.0);
+    out.branch_thickness_m = static_cast<float>(area_of(mesh) / (M_PI * std::max(length_m, 1e-6)));
+  }
+
+  sort_into_chunks(mesh, groups, leafy, lengths_m, out);
   return out;
 }
 

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <map>
-#include <numeric>
 #include <string>
 
 #include "embedded/sim_render.hpp"
 #include "sim/render/gl_context.hpp"
 #include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/mark_painter.hpp"
+#include "sim/render/overlay_painter.hpp"
+#include "sim/render/shadow_painter.hpp"
 #include "sim/render/vehicle_painter.hpp"
 #include "sim/render/world_painter.hpp"
 #include "swiftlet/sim/render/colors.hpp"
@@ -20,64 +20,13 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr int kMostShadowTexels = 4096;
-constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
-constexpr int kVehicleShadowTexels = 1024;
-constexpr std::size_t kShadowsKept = 3;
 constexpr std::size_t kSightsSeen = 4;
 constexpr std::size_t kSurfacesKept = 2;
 constexpr std::int64_t kMostSamplesKept = 16'000'000;  // samples of one picture, of 12 bytes each
 constexpr int kMostWatched = 16;                       // length of u_watched
 constexpr float kCloudPoint_m = 0.07F;
-constexpr float kTrailWidth_px = 3.2F;
-const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
-// For a cut world, so that stumps have short shadows.
-const Eigen::Vector3f kHighSun = Eigen::Vector3f(-0.20F, 0.09F, 0.97F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
-
-const Eigen::Vector3f& sun_of(const PictureStyle& style) { return style.cut_above ? kHighSun : kSun; }
-
-/// Parallel projection along the sun's rays around a box: x, y to [-1, 1], depth to [0, 1] from the sun.
-Eigen::Matrix4f clip_of_sun(const Eigen::Vector3f& sun, const Eigen::AlignedBox3f& box, float& width_m) {
-  const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(sun).normalized();
-  const Eigen::Vector3f up = sun.cross(right);
-  Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
-  clip.block<1, 3>(0, 0) = right.transpose();
-  clip.block<1, 3>(1, 0) = up.transpose();
-  clip.block<1, 3>(2, 0) = -sun.transpose();
-  Eigen::AlignedBox3f around;
-  for (int corner = 0; corner < 8; ++corner) {
-    around.extend((clip * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).homogeneous()).head<3>());
-  }
-  const Eigen::Vector3f size = around.sizes().array() + 0.2F;
-  width_m = size.head<2>().maxCoeff();
-  const Eigen::Vector3f center = around.center();
-  Eigen::Matrix4f fit = Eigen::Matrix4f::Identity();
-  for (int axis = 0; axis < 2; ++axis) {
-    fit(axis, axis) = 2.0F / size[axis];
-    fit(axis, 3) = -2.0F * center[axis] / size[axis];
-  }
-  fit(2, 2) = 1.0F / size.z();
-  fit(2, 3) = 0.5F - center.z() / size.z();
-  return fit * clip;
-}
-
-/// Transform from clip to texture coordinates.
-Eigen::Matrix4f texture_of_clip() {
-  Eigen::Matrix4f m = Eigen::Matrix4f::Identity();
-  m(0, 0) = m(1, 1) = m(0, 3) = m(1, 3) = 0.5F;
-  return m;
-}
-
-Eigen::Vector4f color_at(const Overlay& overlay, std::size_t i) {
-  if (overlay.colors.empty()) return {1.0F, 0.75F, 0.1F, 1.0F};
-  return overlay.colors[std::min(i, overlay.colors.size() - 1)];
-}
-
-bool is_opaque(const Overlay& overlay) {
-  return std::all_of(overlay.colors.begin(), overlay.colors.end(), [](const auto& c) { return c.w() >= 0.995F; });
-}
 
 std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, const PictureStyle& style) {
   const CloudColors by = style.cloud;
@@ -115,12 +64,6 @@ class CurrentContext {
 }  // namespace
 
 struct Renderer::Impl {
-  struct Shadow {
-    Target target;
-    Eigen::Matrix4f texture_world = Eigen::Matrix4f::Identity();
-    float texel_m = 0.0F;
-  };
-
   GlContext context;
   GlFunctions gl = load_gl_functions();
   Program mesh_program{gl, "mesh", embedded::mesh_vert, embedded::mesh_frag};
@@ -134,15 +77,14 @@ struct Renderer::Impl {
   VehiclePainter vehicles;
   MarkPainter marks{gl};
   std::vector<float> vehicle_radii_m;
+  ShadowPainter shadows{gl, depth_program};
   GLuint empty_array = 0;
   float haze_per_m = 0.001F;
-  int samples = 0;                        // per pixel of `sampled`
-  Target sampled;                         // drawing target
-  Target resolved;                        // one sample per pixel
-  Target openness;                        // ambient occlusion, at half resolution
-  Target softened;                        // ambient occlusion without its noise pattern
-  std::map<float, Shadow> world_shadows;  // indexed by height of the cut; world and sun are static
-  Shadow vehicle_shadow;
+  int samples = 0;  // per pixel of `sampled`
+  Target sampled;   // drawing target
+  Target resolved;  // one sample per pixel
+  Target openness;  // ambient occlusion, at half resolution
+  Target softened;  // ambient occlusion without its noise pattern
 
   Impl(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> shapes)
       : world(gl, scene), vehicles(gl, shapes) {
@@ -174,22 +116,12 @@ struct Renderer::Impl {
   void copy(const Target& from, const Target& to) const;
   Target make_surfaces(int width, int height) const;
   void draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world);
-  DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
   void set_watched(const PictureScene& picture, const PictureStyle& style) const;
-  void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
-  void begin_shadow(int texels, const Eigen::Matrix4f& clip_world, float cut_m);
-  const Shadow& world_shadow(const PictureStyle& style);
-  void draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style);
   void draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style);
-  void resolve_surfaces();
   void bind_textures(std::initializer_list<GLuint> textures);
   void find_occlusion(const View& view);
   void light(const View& view, const PictureStyle& style);
   void draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style);
-  void draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style);
-  void draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m);
-  void append_trails(const View& view, const PictureScene& picture, float line_scale, std::vector<ClipVertex>& outline,
-                     std::vector<ClipVertex>& ribbon) const;
   Image read_picture();
   void smooth_edges();
 };
@@ -202,6 +134,18 @@ Eigen::Vector3f forward_of(const View& view) {
 
 Eigen::Vector3f axis_of(const View& view, int axis) {
   return view.T_camera_world.block<1, 3>(axis, 0).transpose().cast<float>();
+}
+
+DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) {
+  DrawSelection selection;
+  selection.frustum = frustum_of(clip_world);
+  selection.eye_world_m = view.eye_world_m.cast<float>();
+  selection.pixels_at_1m = static_cast<float>(view.pixels_per_m(1.0));
+  selection.parallel = view.orthographic;
+  selection.cull = style.cull;
+  selection.reduce = style.reduce;
+  selection.cut_m = cut_of(style);
+  return selection;
 }
 
 /// Sets the uniforms that convert a pixel and its buffered depth into a point.
@@ -229,27 +173,6 @@ void Renderer::Impl::prepare_targets(const View& view, int wanted_samples) {
   softened = make_target(gl, openness.width, openness.height, {GL_RG32F, 0});
 }
 
-DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style,
-                                     const Eigen::Matrix4f& clip_world) const {
-  DrawSelection selection;
-  selection.frustum = frustum_of(clip_world);
-  selection.eye_world_m = view.eye_world_m.cast<float>();
-  selection.pixels_at_1m = static_cast<float>(view.pixels_per_m(1.0));
-  selection.parallel = view.orthographic;
-  selection.cull = style.cull;
-  selection.reduce = style.reduce;
-  selection.cut_m = cut_of(style);
-  return selection;
-}
-
-void Renderer::Impl::set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const {
-  program.use();
-  program.set("u_clip_world", clip_world);
-  program.set("u_cut_m", cut_m);
-  program.set("u_leaf_growth", 0.0F);
-  program.set("u_num_watched", 0);
-}
-
 void Renderer::Impl::set_watched(const PictureScene& picture, const PictureStyle& style) const {
   int count = 0;
   for (const VehicleId vehicle : style.watched) {
@@ -260,74 +183,6 @@ void Renderer::Impl::set_watched(const PictureScene& picture, const PictureStyle
     mesh_program.set(("u_watched[" + std::to_string(count++) + "]").c_str(), with_alpha(p, radius_m));
   }
   mesh_program.set("u_num_watched", count);
-}
-
-void Renderer::Impl::begin_shadow(int texels, const Eigen::Matrix4f& clip_world, float cut_m) {
-  gl.Viewport(0, 0, texels, texels);
-  gl.ClearDepth(1.0);
-  gl.DepthMask(GL_TRUE);
-  gl.Clear(GL_DEPTH_BUFFER_BIT);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_LESS);
-  gl.Enable(GL_POLYGON_OFFSET_FILL);
-  gl.PolygonOffset(1.5F, 2.0F);
-  set_mesh_uniforms(depth_program, clip_world, cut_m);
-}
-
-const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& style) {
-  const float cut_m = cut_of(style);
-  if (const auto found = world_shadows.find(cut_m); found != world_shadows.end()) return found->second;
-  if (world_shadows.size() >= kShadowsKept) {
-    delete_target(gl, world_shadows.begin()->second.target);
-    world_shadows.erase(world_shadows.begin());
-  }
-
-  Shadow shadow;
-  Eigen::AlignedBox3f casters = world.casters_m();
-  if (casters.isEmpty()) casters.extend(Eigen::Vector3f::Zero());
-  casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
-  float width_m = 1.0F;
-  const Eigen::Matrix4f clip_world = clip_of_sun(sun_of(style), casters, width_m);
-  const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMostShadowTexels);
-  shadow.target = make_target(gl, texels, texels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
-  shadow.texture_world = texture_of_clip() * clip_world;
-  shadow.texel_m = width_m / static_cast<float>(texels);
-
-  begin_shadow(texels, clip_world, cut_m);
-  gl.Enable(GL_CLIP_DISTANCE0);
-  DrawSelection selection;
-  selection.frustum = frustum_of(clip_world);
-  selection.parallel = true;
-  selection.pixels_at_1m = 1.0F / shadow.texel_m;
-  selection.cut_m = cut_m;
-  world.draw(depth_program, selection);
-  gl.Disable(GL_POLYGON_OFFSET_FILL);
-  gl.Disable(GL_CLIP_DISTANCE0);
-  return world_shadows.emplace(cut_m, shadow).first->second;
-}
-
-void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style) {
-  if (vehicle_shadow.target.framebuffer == 0) {
-    vehicle_shadow.target =
-        make_target(gl, kVehicleShadowTexels, kVehicleShadowTexels, {0, GL_DEPTH_COMPONENT32F, 1, false, true});
-  }
-  Eigen::AlignedBox3f box;
-  for (std::size_t v = 0; v < std::min(picture.states.size(), vehicle_radii_m.size()); ++v) {
-    const Eigen::Vector3f p = picture.states[v].p_world_m.cast<float>();
-    const float r = vehicle_radii_m[v] * static_cast<float>(style.vehicle_scale);
-    box.extend(Eigen::Vector3f(p.array() - r));
-    box.extend(Eigen::Vector3f(p.array() + r));
-  }
-  if (box.isEmpty()) box.extend(Eigen::Vector3f::Zero());
-  float width_m = 1.0F;
-  const Eigen::Matrix4f clip_world = clip_of_sun(sun_of(style), box, width_m);
-  vehicle_shadow.texture_world = texture_of_clip() * clip_world;
-  vehicle_shadow.texel_m = width_m / kVehicleShadowTexels;
-
-  gl.BindFramebuffer(GL_FRAMEBUFFER, vehicle_shadow.target.framebuffer);
-  begin_shadow(kVehicleShadowTexels, clip_world, kNoCut_m);
-  vehicles.draw(picture.states, style.vehicle_scale, kNoVehicle);
-  gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
 /// Draws the static world. For a static camera, its surfaces are reused from picture to picture.
@@ -410,9 +265,6 @@ void Renderer::Impl::copy(const Target& from, const Target& to) const {
   gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
-/// Averages samples, which smooths edges.
-void Renderer::Impl::resolve_surfaces() { copy(sampled, resolved); }
-
 void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
   GLenum unit = GL_TEXTURE0;
   for (const GLuint texture : textures) {
@@ -447,7 +299,8 @@ void Renderer::Impl::find_occlusion(const View& view) {
 
 /// Shades the picture; keeps the depth of each sample for later marks.
 void Renderer::Impl::light(const View& view, const PictureStyle& style) {
-  const Shadow& shadow = world_shadows.at(cut_of(style));
+  const Shadow& shadow = shadows.of_world(style);
+  const Shadow& vehicle_shadow = shadows.of_vehicles();
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
   gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
   gl.Viewport(0, 0, view.width_px, view.height_px);
@@ -476,97 +329,6 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   gl.Enable(GL_DEPTH_TEST);
 }
 
-void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, float line_scale,
-                                   std::vector<ClipVertex>& outline, std::vector<ClipVertex>& ribbon) const {
-  for (std::size_t v = 0; v < std::min(picture.trails_m.size(), picture.states.size()); ++v) {
-    std::vector<Eigen::Vector3f> points = picture.trails_m[v];
-    points.push_back(picture.states[v].p_world_m.cast<float>());
-    if (points.size() < 2) continue;
-    std::vector<Eigen::Vector4f> colors(points.size());
-    std::vector<Eigen::Vector4f> dark(points.size());
-    const Rgb color = vehicle_color(static_cast<VehicleId>(v));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const float age = 1.0F - static_cast<float>(i) / static_cast<float>(points.size() - 1);
-      const float alpha = 1.0F - 0.7F * age;
-      colors[i] = with_alpha(color, alpha);
-      dark[i] = with_alpha(0.18F * color, 0.75F * alpha);
-    }
-    append_polyline(view, points, dark, line_scale * (kTrailWidth_px + 2.4F), outline);
-    append_polyline(view, points, colors, line_scale * kTrailWidth_px, ribbon);
-  }
-}
-
-void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m) {
-  const bool cubes = overlay.kind == Overlay::Kind::kCubes;
-  const std::size_t corners = overlay.kind == Overlay::Kind::kTriangles ? 3 : 1;
-  const std::size_t n = overlay.positions.size() / corners;
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const bool opaque = is_opaque(overlay);
-  if (!opaque) {  // sorted from far to near
-    const Eigen::Vector3f back = view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return back.dot(overlay.positions[corners * a]) < back.dot(overlay.positions[corners * b]);
-    });
-  }
-  gl.DepthMask(opaque ? GL_TRUE : GL_FALSE);
-  std::vector<Eigen::Vector4f> colors;
-  if (corners == 1) {
-    std::vector<Eigen::Vector4f> center_size;
-    for (const std::size_t i : order) {
-      const Eigen::Vector3f& p = overlay.positions[i];
-      center_size.emplace_back(p.x(), p.y(), p.z(), overlay.size_m);
-      colors.push_back(color_at(overlay, i));
-    }
-    marks.draw_solids(view, cubes ? MarkPainter::Solid::kCube : MarkPainter::Solid::kSphere, center_size, colors, kSun,
-                      cut_m);
-  } else {
-    std::vector<Eigen::Vector3f> positions;
-    for (const std::size_t i : order) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        positions.push_back(overlay.positions[3 * i + c]);
-        colors.push_back(color_at(overlay, 3 * i + c));
-      }
-    }
-    marks.draw_triangles(view, positions, colors, kSun, cut_m);
-  }
-  gl.DepthMask(GL_FALSE);
-}
-
-void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style) {
-  const float width_px = overlay.size_m * style.line_scale;
-  std::vector<ClipVertex> lines;
-  switch (overlay.kind) {
-    case Overlay::Kind::kPoints: {
-      std::vector<PointVertex> points;
-      for (std::size_t i = 0; i < overlay.positions.size(); ++i)
-        points.push_back({overlay.positions[i], color_at(overlay, i)});
-      gl.DepthMask(is_opaque(overlay) ? GL_TRUE : GL_FALSE);
-      marks.draw_points(view, points, {overlay.size_m}, cut_of(style));
-      gl.DepthMask(GL_FALSE);
-      return;
-    }
-    case Overlay::Kind::kLines:
-      for (std::size_t i = 0; i + 1 < overlay.positions.size(); i += 2) {
-        const Eigen::Vector4f colors[] = {color_at(overlay, i), color_at(overlay, i + 1)};
-        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, width_px, lines);
-      }
-      break;
-    case Overlay::Kind::kPolyline: {
-      std::vector<Eigen::Vector4f> colors;
-      for (std::size_t i = 0; i < overlay.positions.size(); ++i) colors.push_back(color_at(overlay, i));
-      append_polyline(view, overlay.positions, colors, width_px, lines);
-      break;
-    }
-    case Overlay::Kind::kCubes:
-    case Overlay::Kind::kSpheres:
-    case Overlay::Kind::kTriangles:
-      draw_solid_overlay(view, overlay, cut_of(style));
-      return;
-  }
-  marks.draw_clip(lines, 1.0F);
-}
-
 void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style) {
   gl.DepthFunc(GL_GEQUAL);
   gl.Enable(GL_CLIP_DISTANCE0);
@@ -581,7 +343,8 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   // Opaque overlays first, so that translucent ones are blended over them.
   for (const bool opaque : {true, false}) {
     for (const Overlay& overlay : picture.overlays) {
-      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque) draw_overlay(view, overlay, style);
+      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque)
+        draw_overlay(gl, marks, view, overlay, style);
     }
   }
   gl.Disable(GL_CLIP_DISTANCE0);
@@ -655,8 +418,8 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
   r.prepare_targets(view, style.quick ? 1 : kSamples);
   r.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   r.gl.Disable(GL_BLEND);
-  r.world_shadow(style);
-  r.draw_vehicle_shadow(picture, style);
+  r.shadows.draw_world(r.world, style);
+  r.shadows.draw_vehicles(r.vehicles, r.vehicle_radii_m, picture, style);
 
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.sampled.framebuffer);
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -669,7 +432,7 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
   r.gl.Enable(GL_DEPTH_TEST);
   r.gl.DepthFunc(GL_GEQUAL);
   r.draw_surfaces(view, picture, style);
-  r.resolve_surfaces();
+  r.copy(r.sampled, r.resolved);
   r.find_occlusion(view);
   r.light(view, style);
   r.draw_marks(view, picture, style);
@@ -689,11 +452,11 @@ DepthImage Renderer::draw_depth(const View& view, const PictureScene& picture, c
   r.gl.Clear(GL_DEPTH_BUFFER_BIT);
   r.gl.Enable(GL_DEPTH_TEST);
   r.gl.DepthFunc(GL_GEQUAL);
-  r.set_mesh_uniforms(r.depth_program, clip_world, cut_of(style));
+  set_mesh_uniforms(r.depth_program, clip_world, cut_of(style));
   r.gl.Enable(GL_CLIP_DISTANCE0);
-  r.world.draw(r.depth_program, r.select(view, style, clip_world));
+  r.world.draw(r.depth_program, select(view, style, clip_world));
   r.gl.Disable(GL_CLIP_DISTANCE0);
-  r.set_mesh_uniforms(r.depth_program, clip_world, kNoCut_m);
+  set_mesh_uniforms(r.depth_program, clip_world, kNoCut_m);
   r.vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 
   std::vector<float> bottom_up(static_cast<std::size_t>(view.width_px) * view.height_px);
