@@ -153,6 +153,25 @@ std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::ve
   return files;
 }
 
+std::vector<Job> unfinished(const DatasetPlan& plan, const fs::path& directory) {
+  std::vector<Job> jobs;
+  for (const Flight& flight : plan.flights) {
+    if (!is_finished(flight, directory))
+      jobs.push_back({static_cast<std::uint64_t>(flight.number), static_cast<std::uint64_t>(flight.number)});
+  }
+  return jobs;
+}
+
+/// Writes all that describes the finished sequences, and returns them.
+std::vector<SequenceInfo> complete_dataset(const DatasetPlan& plan, const fs::path& directory) {
+  std::vector<SequenceInfo> sequences = read_sequences(plan, directory);
+  const std::vector<FileEntry> files = write_descriptions(plan, sequences, directory);
+  write_file(directory / kManifest, manifest_json(plan, sequences, files, true));
+  std::error_code ignored;
+  fs::remove(directory / ".lock", ignored);
+  return sequences;
+}
+
 }  // namespace
 
 GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& options) {
@@ -162,12 +181,7 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   make_inner_directory(options.directory / "sequences");  // an existing one may be a link, which throws
   remove_partial(plan, options.directory);
 
-  std::vector<Job> jobs;
-  for (const Flight& flight : plan.flights) {
-    if (!is_finished(flight, options.directory)) {
-      jobs.push_back({static_cast<std::uint64_t>(flight.number), static_cast<std::uint64_t>(flight.number)});
-    }
-  }
+  const std::vector<Job> jobs = unfinished(plan, options.directory);
   GenerateReport report;
   report.flights_all = static_cast<int>(plan.flights.size());
   report.flights_done = report.flights_all - static_cast<int>(jobs.size());
@@ -208,13 +222,7 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
                              " flights are finished and kept; continue with --resume)");
   }
   report.canceled = !complete;
-  if (!report.canceled) {
-    report.sequences = read_sequences(plan, options.directory);
-    const std::vector<FileEntry> files = write_descriptions(plan, report.sequences, options.directory);
-    write_file(options.directory / kManifest, manifest_json(plan, report.sequences, files, true));
-    std::error_code ignored;
-    fs::remove(options.directory / ".lock", ignored);
-  }
+  if (!report.canceled) report.sequences = complete_dataset(plan, options.directory);
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -265,24 +265,26 @@ std::string Simulator::timed_summary() const {
   return sim::to_json(summary);
 }
 
-void bind_simulator(py::module_& module) {
-  add_commanded_modules();
-  if (pthread_atfork(nullptr, nullptr, note_fork) != 0) throw std::runtime_error("cannot register a fork handler");
-  py::class_<BuiltWorld>(module, "World", "The static part of a run, ready to trace; runs may share it.");
-  bind_vehicle(module);
-  using Out = std::optional<std::filesystem::path>;
-  py::class_<Simulator>(
-      module, "Simulator",
-      "One run in lockstep. The same scenario gives the same bits as the program `swiftlet run`, for any "
-      "number of threads.")
-      .def(py::init([](const ReadScenario& scenario, int threads, const BuiltWorld* world, const Out& out) {
-             if (threads < 0) throw py::value_error("threads: expected 0 or more, found " + std::to_string(threads));
-             const py::gil_scoped_release parallel;
-             return std::make_unique<Simulator>(scenario, threads, world, out);
-           }),
-           py::arg("scenario"), py::arg("threads") = 0, py::arg("world") = py::none(), py::arg("out") = py::none(),
-           "threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world "
-           "and seed. out: run directory, which appears at `finish`.")
+namespace {
+
+/// The vehicle of that name or number.
+Vehicle vehicle_of(const Simulator& simulator, const py::object& which) {
+  const auto& names = simulator.simulation()->info().vehicle_names;
+  if (!py::isinstance<py::str>(which) && !PyIndex_Check(which.ptr()))
+    throw py::type_error("which: expected a name or a number, found " + shown(which));
+  const VehicleId id =
+      py::isinstance<py::str>(which) ? id_of(*simulator.simulation(), which.cast<std::string>()) : which.cast<int>();
+  if (id < 0 || id >= static_cast<VehicleId>(names.size()))
+    throw py::index_error("expected a vehicle from 0 to " + std::to_string(names.size() - 1) + ", found " +
+                          std::to_string(id));
+  return Vehicle{simulator.simulation(), simulator.in_use(), id};
+}
+
+using SimulatorClass = py::class_<Simulator>;
+
+/// Calls that fly.
+void bind_flight(SimulatorClass& simulator) {
+  simulator
       .def("tick", &Simulator::tick, py::arg("count") = 1,
            "Flies so many ticks, at most until the run is over; returns their number.")
       .def(
@@ -291,8 +293,12 @@ void bind_simulator(py::module_& module) {
             s.run(until_s.value_or(std::numeric_limits<double>::infinity()));
           },
           py::arg("until_s") = py::none(), "Flies until that simulated instant, or until the run is over.")
-      .def("finish", &Simulator::finish, "Ends recording; the run directory appears under its name.")
-      .def_property_readonly("finished", &Simulator::finished, "Is the run over?")
+      .def("finish", &Simulator::finish, "Ends recording; the run directory appears under its name.");
+}
+
+/// State of the run.
+void bind_state(SimulatorClass& simulator) {
+  simulator.def_property_readonly("finished", &Simulator::finished, "Is the run over?")
       .def_property_readonly(
           "t_s", [](const Simulator& s) { return to_seconds(s.simulation()->now()); }, "[s] simulated time.")
       .def_property_readonly(
@@ -314,21 +320,33 @@ void bind_simulator(py::module_& module) {
       .def_property_readonly(
           "vehicle_names", [](const Simulator& s) { return s.simulation()->info().vehicle_names; },
           "In the order of their numbers.")
-      .def(
-          "vehicle",
-          [](const Simulator& s, const py::object& which) {
-            const auto& names = s.simulation()->info().vehicle_names;
-            if (!py::isinstance<py::str>(which) && !PyIndex_Check(which.ptr()))
-              throw py::type_error("which: expected a name or a number, found " + shown(which));
-            const VehicleId id =
-                py::isinstance<py::str>(which) ? id_of(*s.simulation(), which.cast<std::string>()) : which.cast<int>();
-            if (id < 0 || id >= static_cast<VehicleId>(names.size()))
-              throw py::index_error("expected a vehicle from 0 to " + std::to_string(names.size() - 1) + ", found " +
-                                    std::to_string(id));
-            return Vehicle{s.simulation(), s.in_use(), id};
-          },
-          py::arg("which"), "One vehicle, by name or number.")
+      .def("vehicle", &vehicle_of, py::arg("which"), "One vehicle, by name or number.")
       .def("_summary_json", &Simulator::summary_json);
+}
+
+}  // namespace
+
+void bind_simulator(py::module_& module) {
+  add_commanded_modules();
+  if (pthread_atfork(nullptr, nullptr, note_fork) != 0) throw std::runtime_error("cannot register a fork handler");
+  py::class_<BuiltWorld>(module, "World", "The static part of a run, ready to trace; runs may share it.");
+  bind_vehicle(module);
+  using Out = std::optional<std::filesystem::path>;
+  SimulatorClass simulator(
+      module, "Simulator",
+      "One run in lockstep. The same scenario gives the same bits as the program `swiftlet run`, for any "
+      "number of threads.");
+  simulator.def(
+      py::init([](const ReadScenario& scenario, int threads, const BuiltWorld* world, const Out& out) {
+        if (threads < 0) throw py::value_error("threads: expected 0 or more, found " + std::to_string(threads));
+        const py::gil_scoped_release parallel;
+        return std::make_unique<Simulator>(scenario, threads, world, out);
+      }),
+      py::arg("scenario"), py::arg("threads") = 0, py::arg("world") = py::none(), py::arg("out") = py::none(),
+      "threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world "
+      "and seed. out: run directory, which appears at `finish`.");
+  bind_flight(simulator);
+  bind_state(simulator);
 }
 
 }  // namespace swiftlet::python

@@ -334,19 +334,10 @@ void bind_clouds(py::module_& module) {
       .def("__len__", [](const HeldCloud& h) { return h.cloud->size(); });
 }
 
-void bind_input(py::module_& module) {
-  py::class_<Lent, std::shared_ptr<Lent>>(
-      module, "StepInput",
-      "Inputs of a module in one tick, valid until `step` returns. Positions are in "
-      "the vehicle's local frame, unless their name says world.")
-      .def_property_readonly(
-          "t_s", [](const Lent& l) { return to_seconds(l.sensed().t); }, "[s] now.")
-      .def_property_readonly(
-          "t_ns", [](const Lent& l) { return l.sensed().t; }, "[ns] now.")
-      .def_property_readonly(
-          "dt_s", [](const Lent& l) { return l.dt_s; }, "[s] since the last tick.")
-      .def_property_readonly(
-          "id", [](const Lent& l) { return l.sensed().self; }, "Number of the vehicle.")
+using InputClass = py::class_<Lent, std::shared_ptr<Lent>>;
+
+void bind_estimate(InputClass& input) {
+  input
       .def_property_readonly(
           "estimate", [](const Lent& l) { return Table::row(l.known()); }, "The vehicle's estimate of its own state.")
       .def_property_readonly(
@@ -360,8 +351,12 @@ void bind_input(py::module_& module) {
           "[rad] estimated heading, counter-clockwise from east.")
       .def_property_readonly(
           "p_local_m", [](const Lent& l) { return vector_array(l.known().T_local_body.translation()); },
-          "(3,) [m] estimated position in its local frame.")
-      .def_property_readonly("detections", [](const Lent& l) { return table_of(l, &Lent::detections); })
+          "(3,) [m] estimated position in its local frame.");
+}
+
+/// What sensors and other stages delivered.
+void bind_perception(InputClass& input) {
+  input.def_property_readonly("detections", [](const Lent& l) { return table_of(l, &Lent::detections); })
       .def_property_readonly("tracks", [](const Lent& l) { return table_of(l, &Lent::tracks); })
       .def_property_readonly("relatives", [](const Lent& l) { return table_of(l, &Lent::relatives); })
       .def_property_readonly("clouds",
@@ -379,7 +374,11 @@ void bind_input(py::module_& module) {
           "samples", [](const Lent& l, const std::string& kind) { return samples_named(l.sensed(), kind); },
           py::arg("kind"), "Samples of this tick: imu, gnss, altimeter, compass, pose ...")
       .def("send", &send, py::arg("topic"), py::arg("payload"), py::arg("to") = kNoVehicle,
-           "Sends a message by radio; `to` is the number of a vehicle, -1: broadcast.")
+           "Sends a message by radio; `to` is the number of a vehicle, -1: broadcast.");
+}
+
+void bind_map(InputClass& input) {
+  input
       .def(
           "map_distance_m",
           [](const Lent& l, const py::object& at, double max_m) {
@@ -396,6 +395,24 @@ void bind_input(py::module_& module) {
           py::arg("p_local_m"), "unknown, free or occupied.")
       .def("map_occupied_within", &occupied_within, py::arg("center_local_m"), py::arg("radius_m"),
            "(n, 3) [m] centers of occupied cells in a ball.");
+}
+
+void bind_input(py::module_& module) {
+  InputClass input(module, "StepInput",
+                   "Inputs of a module in one tick, valid until `step` returns. Positions are in "
+                   "the vehicle's local frame, unless their name says world.");
+  input
+      .def_property_readonly(
+          "t_s", [](const Lent& l) { return to_seconds(l.sensed().t); }, "[s] now.")
+      .def_property_readonly(
+          "t_ns", [](const Lent& l) { return l.sensed().t; }, "[ns] now.")
+      .def_property_readonly(
+          "dt_s", [](const Lent& l) { return l.dt_s; }, "[s] since the last tick.")
+      .def_property_readonly(
+          "id", [](const Lent& l) { return l.sensed().self; }, "Number of the vehicle.");
+  bind_estimate(input);
+  bind_perception(input);
+  bind_map(input);
 }
 
 void bind_outputs(py::module_& module) {
