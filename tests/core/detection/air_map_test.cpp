@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-using testing::ConfigChecks;
+using test::ConfigChecks;
 
 TEST(AirMap, IgnoresBeamsWithNonFiniteEnds) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
@@ -40,7 +40,7 @@ TEST(AirMap, ItsSettingsAreBounded) {
     config.size_m = size_m;
     return ConfigChecks(config).refuses("size_m");
   };
-  EXPECT_TRUE(ConfigChecks(AirMapConfig{}).refuses_nothing());
+  EXPECT_TRUE(ConfigChecks(AirMapConfig{}).problems().empty());
   EXPECT_TRUE(refuses({1e4, 1.0, 1.0}));
   EXPECT_TRUE(refuses({1.0, 1.0, 1e4}));
   EXPECT_TRUE(refuses({1e3, 1e3, 1e3})) << "too many voxels";

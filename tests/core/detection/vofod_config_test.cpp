@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-using testing::ConfigChecks;
+using test::ConfigChecks;
 
 TEST(VofodConfig, ReportsTheMemoryOfItsMap) {
   VofodConfig config;
@@ -26,7 +26,7 @@ TEST(VofodConfig, ReportsTheMemoryOfItsMap) {
 }
 
 TEST(VofodConfig, IsBoundedByItsVoxels) {
-  EXPECT_TRUE(ConfigChecks(VofodConfig{}).refuses_nothing());
+  EXPECT_TRUE(ConfigChecks(VofodConfig{}).problems().empty());
   for (const auto& [distance, key] : {std::pair(&VofodConfig::separate_distance_m, "separate_distance_m"),
                                       std::pair(&VofodConfig::search_distance_m, "search_distance_m"),
                                       std::pair(&VofodConfig::close_distance_m, "close_distance_m"),

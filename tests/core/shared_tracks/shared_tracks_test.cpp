@@ -347,7 +347,7 @@ TEST(SharedTracks, RepeatsToTheSameBits) {
   }
 }
 
-TEST(SharedTracks, ItsDefaultsAreValid) { EXPECT_TRUE(testing::ConfigChecks(SharedTracksConfig{}).refuses_nothing()); }
+TEST(SharedTracks, ItsDefaultsAreValid) { EXPECT_TRUE(test::ConfigChecks(SharedTracksConfig{}).problems().empty()); }
 
 }  // namespace
 }  // namespace swiftlet

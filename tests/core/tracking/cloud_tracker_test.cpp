@@ -496,13 +496,13 @@ TEST(CloudTracker, AllocatesNothingOnceWarm) {
 
 TEST(CloudTrackerConfig, RequiresSearchRadiusForLargestSphere) {
   CloudTrackerConfig config;
-  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing());
+  EXPECT_TRUE(test::ConfigChecks(config).problems().empty());
   config.search_radius_min_m = 6.0;
-  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing()) << "the printed radius is no length";
+  EXPECT_TRUE(test::ConfigChecks(config).problems().empty()) << "the printed radius is no length";
   config.radius_law = CloudTrackerConfig::RadiusLaw::kSphere;
-  EXPECT_TRUE(testing::ConfigChecks(config).refuses("radius_max_m"));
+  EXPECT_TRUE(test::ConfigChecks(config).refuses("radius_max_m"));
   config.search_radius_min_m = config.radius_max_m;
-  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing());
+  EXPECT_TRUE(test::ConfigChecks(config).problems().empty());
 }
 
 }  // namespace

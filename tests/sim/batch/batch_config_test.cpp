@@ -13,7 +13,7 @@
 #include "swiftlet/sim/batch/slurm.hpp"
 #include "swiftlet/sim/scenario/document.hpp"
 #include "tests/sim/batch/batch_support.hpp"
-#include "tests/sim/world/config_support.hpp"
+#include "tests/support/config_checks.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -25,9 +25,7 @@ using Law = ParameterConfig::Law;
 
 template <class Config>
 std::vector<std::string> problems_in(Config config) {
-  test::CheckingVisitor visitor;
-  config.visit(visitor);
-  return visitor.problems;
+  return swiftlet::test::ConfigChecks(config).problems();
 }
 bool is_fine(const auto& config) { return problems_in(config).empty(); }
 

@@ -14,7 +14,7 @@
 #include "swiftlet/core/guidance/timed_path.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/dataset/flight.hpp"
-#include "tests/sim/world/config_support.hpp"
+#include "tests/support/config_checks.hpp"
 #include "tests/support/numeric_bounds.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -124,9 +124,7 @@ TEST(DatasetPlan, NumbersSequencesAndDistinguishesConfigurations) {
 
 template <class Config>
 std::vector<std::string> problems_of_config(Config config) {
-  test::CheckingVisitor visitor;
-  config.visit(visitor);
-  return visitor.problems;
+  return swiftlet::test::ConfigChecks(config).problems();
 }
 
 TEST(DatasetConfig, NamesAreUniqueWords) {

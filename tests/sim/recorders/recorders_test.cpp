@@ -18,7 +18,7 @@
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
-#include "tests/sim/world/config_support.hpp"
+#include "tests/support/config_checks.hpp"
 #include "tests/support/file_size_limit.hpp"
 #include "tests/support/recorder_types.hpp"
 #include "tests/support/synthetic_run.hpp"
@@ -277,15 +277,12 @@ TEST(Csv, ListsNewerMessagesWithoutReadingThem) {
 TEST(Csv, RefusesTablesWithoutASource) {
   CsvConfig config;
   config.topics = {"imu", "scores", "weather"};
-  test::CheckingVisitor refused;
-  config.visit(refused);
-  ASSERT_EQ(refused.problems.size(), 1U);
-  EXPECT_THAT(refused.problems[0], HasSubstr("topics: expected a list of state, imu, "));
-  EXPECT_THAT(refused.problems[0], HasSubstr("scores"));
+  const std::vector<std::string> problems = swiftlet::test::ConfigChecks(config).problems();
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_THAT(problems[0], HasSubstr("topics: expected a list of state, imu, "));
+  EXPECT_THAT(problems[0], HasSubstr("scores"));
   config.topics = {"imu", "scores"};
-  test::CheckingVisitor accepted;
-  config.visit(accepted);
-  EXPECT_THAT(accepted.problems, ::testing::IsEmpty());
+  EXPECT_THAT(swiftlet::test::ConfigChecks(config).problems(), ::testing::IsEmpty());
 }
 
 TEST(Events, CanBeChosenByKind) {

@@ -8,8 +8,8 @@
 #include "swiftlet/sim/world/hall.hpp"
 #include "swiftlet/sim/world/two_rooms_gap.hpp"
 #include "swiftlet/sim/world/warehouse.hpp"
-#include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
+#include "tests/support/config_checks.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -133,7 +133,8 @@ TEST(Warehouse, NumbersThingsPerClassWithoutGaps) {
 TEST(Warehouse, RejectsDoorsWiderThanTheGate) {
   WarehouseConfig config;
   config.door_width_m = 5.0;
-  EXPECT_THAT(test::problems_of(config), testing::ElementsAre(testing::HasSubstr("door_width_m")));
+  EXPECT_THAT(swiftlet::test::ConfigChecks(config).problems(),
+              testing::ElementsAre(testing::HasSubstr("door_width_m")));
 }
 
 TEST(TwoRoomsGap, WidthFollowsEquationOneUnlessSet) {

@@ -8,8 +8,8 @@
 #include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/world/forest.hpp"
-#include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
+#include "tests/support/config_checks.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -41,7 +41,7 @@ TEST(Worlds, ListEveryGeneratorWithValidDefault) {
   for (const WorldType& type : world_registry().rows()) {
     EXPECT_TRUE(names.insert(type.module.name).second) << type.module.name;
     const auto config = type.module.make_config();
-    EXPECT_THAT(test::problems_of(*config), testing::IsEmpty()) << type.module.name;
+    EXPECT_THAT(swiftlet::test::ConfigChecks(*config).problems(), testing::IsEmpty()) << type.module.name;
   }
   EXPECT_THAT(names, testing::IsSupersetOf({"forest_thesis", "forest", "warehouse", "two_rooms_gap", "hall", "campus",
                                             "field", "empty", "walls", "mesh", "cloud"}));
