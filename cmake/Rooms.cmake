@@ -41,6 +41,13 @@ endfunction()
 # A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
 file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/rooms)
 
+# In core/ a conversion that may lose digits is written out; clang checks it.
+function(swiftlet_warn_of_conversions target)
+  if(target MATCHES "^swiftlet_core_" AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    target_compile_options(${target} PRIVATE -Wconversion -Wno-sign-conversion)
+  endif()
+endfunction()
+
 function(swiftlet_link_headers room folder)
   cmake_path(GET room PARENT_PATH parent)
   file(MAKE_DIRECTORY ${folder}/public/swiftlet/${parent} ${folder}/private/${parent})
@@ -77,6 +84,7 @@ function(swiftlet_part room part seen)
   target_link_libraries(${target}_${part} PRIVATE ${libraries})
   swiftlet_share_headers(${target}_${part} swiftlet_house_headers)
   swiftlet_compile_together(${target}_${part})
+  swiftlet_warn_of_conversions(${target}_${part})
   target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_${part}>)
 endfunction()
 
@@ -113,6 +121,7 @@ function(swiftlet_room room)
       <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
       <numbers> <optional> <span> <stdexcept> <string> <vector>)
     swiftlet_compile_together(${target})
+    swiftlet_warn_of_conversions(${target})
   else()
     add_library(${target} INTERFACE)  # headers only
     set(reach INTERFACE)
