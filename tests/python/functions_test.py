@@ -245,7 +245,7 @@ class Samples(support.InFolder):
 
     def test_a_scan_needs_a_mount(self):
         scan = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 0, sensor="os2")
-        with self.assertRaisesRegex(ValueError, 'add_scan: expected T_body_lidar, or .*os1, found "os2"; did you mean "os1"'):
+        with self.assertRaisesRegex(ValueError, 'add_scan: expected T_body_lidar, or .*"os1", found "os2"; did you mean "os1"'):
             self.alone.add_scan(scan)
 
 
@@ -284,7 +284,7 @@ class Scans(support.InFolder):
         np.testing.assert_allclose(scan.points_lidar_m(), points[0])
 
     def test_a_beam_without_return_needs_no_direction(self):
-        for nothing in (0.0, math.nan, math.inf, 1e4):
+        for nothing in (0.0, math.nan, math.inf, 1e3):
             directions = X_AND_Y.copy()
             directions[0, 0] = math.nan
             scan = self.make(range_m=[[nothing, 3.0]], directions_lidar=directions)
