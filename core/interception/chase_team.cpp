@@ -114,14 +114,16 @@ void ChaseTeam::compare_targets(const Vector3& target_local_m, TimeNs now, doubl
   }
 }
 
-void ChaseTeam::decide(std::optional<double> arrival_s) {
+void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
   const auto rank_s = [](double arrives_s, bool leads) { return arrives_s - (leads ? kTeam.lead_hold_s : 0.0); };
   leader_ = arrival_s ? self_ : kNoVehicle;
   double least_s = arrival_s ? rank_s(*arrival_s, leads_) : std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < teammates_.size(); ++i) {
     const Teammate& teammate = teammates_[i].teammate;
     if (!teammates_[i].fresh || !teammate.same_target || !teammate.chases()) continue;
-    const double its_s = rank_s(teammate.arrival_s, teammate.status == Status::kLeads);
+    // A leader has come nearer since its report, a yielding interceptor has not.
+    const bool led = teammate.status == Status::kLeads;
+    const double its_s = rank_s(teammate.arrival_s - (led ? to_seconds(now - teammate.t) : 0.0), led);
     const auto id = static_cast<VehicleId>(i);
     if (its_s > least_s || (its_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
     least_s = its_s;
@@ -130,17 +132,18 @@ void ChaseTeam::decide(std::optional<double> arrival_s) {
   leads_ = leader_ == self_;
 }
 
-void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m,
+void ChaseTeam::append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
                                         std::vector<MovingObstacle>& moving_obstacles) const {
-  for (const Received& received : teammates_) {
-    const Teammate& teammate = received.teammate;
-    if (!received.fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
+  for (std::size_t i = 0; i < teammates_.size(); ++i) {
+    const Teammate& teammate = teammates_[i].teammate;
+    if (!teammates_[i].fresh || moving_obstacles.size() == moving_obstacles.capacity()) continue;
     const double age_s = to_seconds(now - teammate.t);
     const bool yields = leads_ && teammate.same_target && teammate.status != Status::kCaptured;
     MovingObstacle obstacle;
     obstacle.p_local_m = teammate.at(now) + teammate.offset_local_m;
     obstacle.v_local_mps = teammate.path.velocity_mps(age_s);
     obstacle.radius_m = yields ? kTeam.leader_share * clearance_m : clearance_m;
+    if (leader_ == static_cast<VehicleId>(i)) obstacle.plan_room_m = std::max(0.0, yield_clearance_m - clearance_m);
     obstacle.path = &teammate.path;
     obstacle.path_age_s = age_s;
     moving_obstacles.push_back(obstacle);

@@ -53,11 +53,13 @@ class ChaseTeam {
 
   /// The interceptor with the earliest arrival leads; a leader is replaced only by a clearly earlier one.
   /// @param arrival_s  own; empty: does not chase
-  void decide(std::optional<double> arrival_s);
+  void decide(TimeNs now, std::optional<double> arrival_s);
   bool leads() const { return leads_; }
   bool yields() const { return leader_ != kNoVehicle && leader_ != self_; }
-  /// Appends all interceptors, to be kept clear of. A leader keeps half the clearance from those that yield to it.
-  void append_moving_obstacles(TimeNs now, double clearance_m, std::vector<MovingObstacle>& moving_obstacles) const;
+  /// Appends all interceptors, to be kept clear of. A leader keeps half the clearance from those that yield to it, and
+  /// these plan with more.
+  void append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
+                               std::vector<MovingObstacle>& moving_obstacles) const;
   /// Has a teammate captured the own target?
   bool has_captured() const;
   /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.

@@ -129,7 +129,7 @@ class Intercept : public Guidance {
       obstacles.push_back(
           {track.position_m + age_s * track.velocity_mps, track.velocity_mps, config_.bystander_clearance_m});
     }
-    team_.append_moving_obstacles(now_, config_.bystander_clearance_m, obstacles);
+    team_.append_moving_obstacles(now_, config_.bystander_clearance_m, config_.yield_clearance_m, obstacles);
     if (target_track == nullptr || config_.target_clearance_m <= 0.0) return;
     const PointState now = target().at(0.0);
     obstacles.push_back({now.p_m, now.v_mps, config_.target_clearance_m, config_.net.offset_m.z() < 0.0});
@@ -194,8 +194,11 @@ class Intercept : public Guidance {
     led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kIntercept.lead_timeout_s + kIntercept.max_lead_penalty_s);
     arrival_s_ = kIntercept.no_arrival_s;
     const bool can_lead = states_.has_target() && states_.outside_s() == 0.0;
-    if (can_lead) arrival_s_ = flight_.arrival_s(target()) + std::max(0.0, led_for_s_ - kIntercept.lead_timeout_s);
-    team_.decide(can_lead ? std::optional(arrival_s_) : std::nullopt);
+    if (can_lead) {
+      arrival_s_ = flight_.arrival_s(target()) + std::max(0.0, led_for_s_ - kIntercept.lead_timeout_s);
+      if (states_.is(State::kLeaving)) arrival_s_ += config_.after_capture_s;
+    }
+    team_.decide(now_, can_lead ? std::optional(arrival_s_) : std::nullopt);
   }
 
   void report(const StateEstimate& estimate, Outbox& outbox) {

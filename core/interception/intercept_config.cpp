@@ -7,6 +7,10 @@ namespace swiftlet {
 void ChasePlanConfig::visit(ConfigVisitor& v) {
   v.field("steps", steps, "[-] number of steps of the plan", Range::between(2, ChaseMpc::kMaxSteps));
   v.field("meeting_s", meeting_s, "[s] duration of the meeting", Range::positive());
+  v.field(
+      "reach_share", reach_share,
+      "[-] share of the net's radius within which plans meet the target; at larger ones sooner, but nearer to the rim",
+      Range{0.0, 1.0, true, false});
   v.object("solver", solver, "solver of the condensed problem");
 }
 
@@ -26,6 +30,8 @@ void InterceptConfig::visit(ConfigVisitor& v) {
           "[m] least distance between the centers of vehicle and target; 0: any", Range::non_negative());
   v.field("bystander_clearance_m", bystander_clearance_m,
           "[m] least distance between the centers of vehicle and any other track", Range::non_negative());
+  v.field("yield_clearance_m", yield_clearance_m, "[m] distance of plans from another interceptor that arrives sooner",
+          Range::non_negative());
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});
   v.field("track_timeout_s", track_timeout_s, "[s] age beyond which a track is lost", Range::positive());
   v.field("after_capture_s", after_capture_s,

@@ -11,8 +11,6 @@ namespace {
 
 struct FlightTuning {
   double check_step_s = 0.01;  ///< [s] step of the simulated motion that is checked before it is flown
-  /// [-] Share of the net's radius within which plans meet the target. At 1 they meet it at the rim.
-  double reach_share = 0.8;
   /// [m] Limit by axis of the difference between estimate and reference by which the approach is shifted.
   double max_bias_m = 0.5;
   double min_heading_m = 1.0;  ///< [m] shorter horizontal displacements give no heading
@@ -37,7 +35,7 @@ InterceptFlight::InterceptFlight(const InterceptConfig& config, const GuidanceSe
       period_s_(config.period_s),
       limits_(setup.limits),
       governor_(setup.limits),
-      planner_(config.plan, setup.limits, kFlight.reach_share * config.net.radius_m),
+      planner_(config.plan, setup.limits, config.plan.reach_share * config.net.radius_m),
       yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())),
       since_plan_s_(config.period_s) {}
 

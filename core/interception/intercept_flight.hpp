@@ -12,9 +12,9 @@ namespace swiftlet {
 struct FlightTask {
   enum class Kind { kChase, kLeave, kGoTo };
   Kind kind = Kind::kGoTo;
-  const TargetPrediction* target = nullptr;  ///< of kChase and kLeave
+  const TargetPrediction* target = nullptr;  ///< target of kChase and kLeave
   const Surroundings* surroundings = nullptr;
-  Vector3 goal_local_m = Vector3::Zero();  ///< of kGoTo
+  Vector3 goal_local_m = Vector3::Zero();  ///< goal of kGoTo
   bool net_to_goal = false;                ///< the net flies to the goal, not the vehicle
 };
 

@@ -61,7 +61,7 @@ void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim
   for (const MovingObstacle& obstacle : moving_obstacles) {
     const Vector3 center_m = obstacle.at(ahead_s), above = p_local_m - center_m;
     if (!obstacle.flown_over || above.z() < kClearance.over_height * obstacle.radius_m)
-      keep_from(center_m, obstacle.radius_m);
+      keep_from(center_m, obstacle.radius_m + obstacle.plan_room_m);
     else if (above.head<2>().norm() < obstacle.radius_m + kClearance.over_reach_m)
       add({-Vector3::UnitZ(), -(center_m.z() + obstacle.radius_m)});
   }

@@ -16,6 +16,7 @@ struct MovingObstacle {
   Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
   double radius_m = 0.0;
   bool flown_over = false;          ///< a vehicle above it stays above
+  double plan_room_m = 0.0;         ///< added to the radius in plans, but not for braking
   const PathAhead* path = nullptr;  ///< reported path; null: it flies straight on
   double path_age_s = 0.0;
 

@@ -39,13 +39,13 @@ struct Team {
     team.listen(observation, {});
   }
   bool leads(double arrival_s) {
-    team.decide(arrival_s);
+    team.decide(observation.t, arrival_s);
     return team.leads();
   }
   std::vector<MovingObstacle> moving_obstacles() {
     std::vector<MovingObstacle> all;
     all.reserve(8);
-    team.append_moving_obstacles(observation.t, 3.0, all);
+    team.append_moving_obstacles(observation.t, 3.0, 6.0, all);
     return all;
   }
 
@@ -72,7 +72,7 @@ TEST(PathAhead, FollowsItsWaypointsAndExtrapolatesBeyond) {
 TEST(ChaseTeam, LeadsWhenAlone) {
   EXPECT_TRUE(Team().leads(100.0));
   ChaseTeam alone(0, 1);
-  alone.decide(5.0);
+  alone.decide(0, 5.0);
   EXPECT_TRUE(alone.leads());
   EXPECT_FALSE(alone.is_report_due(0)) << "no other interceptor receives it";
 }
@@ -107,10 +107,10 @@ TEST(ChaseTeam, HasOneLeaderForAnyReports) {
             observation.messages[0].from = 1 - i;
             write_message(report, observation.messages[0]);
             // The decision is set directly.
-            teams[i].decide(led[i] ? std::optional(1.0) : std::nullopt);
+            teams[i].decide(0, led[i] ? std::optional(1.0) : std::nullopt);
             teams[i].listen(observation, {});
             teams[i].compare_targets(Vector3::Zero(), 0, 3.0);
-            teams[i].decide(arrival_s[i]);
+            teams[i].decide(0, arrival_s[i]);
           }
           EXPECT_NE(teams[0].leads(), teams[1].leads()) << first_s << " " << second_s << " " << first_led << second_led;
         }
@@ -200,15 +200,21 @@ TEST(ChaseTeam, TruncatesReportsWithTooManyPlaces) {
   EXPECT_NEAR(here.moving_obstacles()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
 }
 
-TEST(ChaseTeam, LeaderKeepsLessClearanceFromYieldingVehicles) {
+TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
   Team here;
   here.receives(kOther, Status::kYields, 2.0);
   ASSERT_TRUE(here.leads(1.0));
   EXPECT_LT(here.moving_obstacles()[0].radius_m, 3.0);
+  EXPECT_EQ(here.moving_obstacles()[0].plan_room_m, 0.0);
   here.receives(kOther, Status::kLeads, 2.0);
   here.receives(kThird, Status::kYields, 5.0);
   ASSERT_FALSE(here.leads(3.0));
-  for (const MovingObstacle& obstacle : here.moving_obstacles()) EXPECT_EQ(obstacle.radius_m, 3.0);
+  const std::vector<MovingObstacle> all = here.moving_obstacles();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].radius_m, 3.0);
+  EXPECT_EQ(all[0].plan_room_m, 0.0) << "the third one does not lead";
+  EXPECT_EQ(all[1].radius_m, 3.0);
+  EXPECT_EQ(all[1].plan_room_m, 3.0);
   for (const Status inactive : {Status::kIdle, Status::kCaptured}) {
     Team other;
     other.receives(kOther, inactive, 2.0);

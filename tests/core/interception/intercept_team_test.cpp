@@ -168,9 +168,10 @@ TEST(InterceptTeam, FencedVehicleDoesNotBlockTeammate) {
 
 // The target hovers inside of its fence, so high that the net below cannot be brought there.
 TEST(InterceptTeam, UnsuccessfulLeaderYieldsToTeammate) {
-  InterceptConfig low_config;
+  InterceptConfig low_config, polite_config;
   low_config.fence.max_m.z() = 15.0;
-  Pair pair(low_config, InterceptConfig(), {-8.0, 0.0, 14.0}, {-20.0, 24.0, 15.0});
+  polite_config.yield_clearance_m = 15.0;  // with this clearance it never arrives first
+  Pair pair(low_config, polite_config, {-8.0, 0.0, 14.0}, {-20.0, 24.0, 15.0});
   pair.run(25.0, [](int, Hunt& hunt) { hunt.sees({4.0, 0.0, 14.8}, Vector3::Zero()); });
   EXPECT_TRUE(pair.captured(1));
   EXPECT_FALSE(pair.captured(0));

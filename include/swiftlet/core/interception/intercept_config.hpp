@@ -69,6 +69,7 @@ struct ChasePlanConfig {
   /// [-] weight after the meeting; at 1 the vehicle stays with the target, and arrives later
   double weight_after = 0.02;
   double meeting_s = 0.5;
+  double reach_share = 0.48;
   double velocity_weight = 0.0;  ///< [s^2] weight of the squared difference of velocities at the meeting
   double hold_m = 0.2;           ///< [m] vertical distance that a disc keeps from the target until they meet
   double through_m = 0.06;       ///< [m] vertical distance by which a disc then passes the target
@@ -97,6 +98,7 @@ struct InterceptConfig : ModuleConfigOf<InterceptConfig> {
   double clearance_m = 1.5;
   double target_clearance_m = 1.0;
   double bystander_clearance_m = 3.0;
+  double yield_clearance_m = 6.0;
   double period_s = 0.05;
   double track_timeout_s = 1.0;
   double after_capture_s = 2.0;
