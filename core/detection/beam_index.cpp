@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/detection/direction_bins.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
@@ -17,18 +18,6 @@ constexpr double kEnoughShots = 1000.0;   // more shots do not refine the probab
 constexpr double kNearest_m = 0.2;        // least range of a target
 constexpr double kLogistic = 1.702;       // slope of the logistic curve within 0.01 of the normal distribution
 
-// Pseudo-angle: grows monotonically with the azimuth from 0 to 4, without an arc tangent.
-double turn_of(double x, double y) {
-  const double sum = std::abs(x) + std::abs(y);
-  if (sum == 0.0) return 0.0;
-  const double part = y / sum;
-  return x < 0.0 ? 2.0 - part : (y < 0.0 ? 4.0 + part : part);
-}
-
-int bin_in(double value, double whole, int count) {
-  return std::clamp(static_cast<int>(value / whole * count), 0, count - 1);
-}
-
 // Probability that a beam did not end before a surface of uncertain range.
 double share_beyond(double range_m, double surface_m, double sigma_m) {
   if (range_m <= 0.0) return 1.0;
@@ -38,7 +27,7 @@ double share_beyond(double range_m, double surface_m, double sigma_m) {
 
 }  // namespace
 
-void BeamIndex::assign(const LocalCloud& cloud) {
+void BeamIndex::assign(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar) {
   const Scan& scan = *cloud.scan;
   const BeamTable& table = *scan.beams;
   stamp_ = cloud.stamp();
@@ -68,21 +57,26 @@ void BeamIndex::assign(const LocalCloud& cloud) {
     for (int column = 0; column < scan.cols(); ++column) {
       const auto i = static_cast<std::size_t>(row * scan.cols() + column);
       if (masks && table.masked[i]) continue;
-      const Eigen::Vector3f d = rotations_[static_cast<std::size_t>(column)] * table.directions_lidar[i];
-      if (!d.allFinite() || !(scan.range_m[i] >= 0.0F)) continue;
-      const int bin = bin_of(d.cast<double>());
-      unsorted_.push_back({d, scan.range_m[i], column});
-      bin_of_.push_back(static_cast<std::uint16_t>(bin));
-      ++starts_[static_cast<std::size_t>(bin) + 1];
-      float& nearest_m = nearest_return_m_[static_cast<std::size_t>(bin)];
-      if (scan.range_m[i] > 0.0F) nearest_m = std::min(nearest_m, scan.range_m[i]);
+      add(table.directions_lidar[i], scan.range_m[i], column);
     }
   }
+  for (const Eigen::Vector3f& d_lidar : empty_lidar) add(d_lidar, 0.0F, scan.cols() / 2);
   for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
   beams_.resize(unsorted_.size());
   for (std::size_t i = 0; i < unsorted_.size(); ++i) beams_[starts_[bin_of_[i]]++] = unsorted_[i];
   for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // restores the begin of each bin
   starts_[0] = 0;
+}
+
+void BeamIndex::add(const Eigen::Vector3f& direction_lidar, float range_m, int column) {
+  const Eigen::Vector3f d = rotations_[static_cast<std::size_t>(column)] * direction_lidar;
+  if (!d.allFinite() || d.isZero(0.0F) || !(range_m >= 0.0F)) return;
+  const int bin = bin_of(d.cast<double>());
+  unsorted_.push_back({d, range_m, column});
+  bin_of_.push_back(static_cast<std::uint16_t>(bin));
+  ++starts_[static_cast<std::size_t>(bin) + 1];
+  float& nearest_m = nearest_return_m_[static_cast<std::size_t>(bin)];
+  if (range_m > 0.0F) nearest_m = std::min(nearest_m, range_m);
 }
 
 int BeamIndex::bin_of(const Vector3& d) {

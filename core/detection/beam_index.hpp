@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "swiftlet/core/localization/local_cloud.hpp"
@@ -28,7 +29,8 @@ struct RoundTarget {
 /// without returns. Reuses its memory from sweep to sweep.
 class BeamIndex {
  public:
-  void assign(const LocalCloud& cloud);
+  /// @param empty_lidar  further directions without return, as of EmptyDirections
+  void assign(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar = {});
 
   /// Expected beams on the target. A beam that ended before the target carries no information about it. The range of
   /// the target is uncertain, so a beam counts by the probability that it reached the target's near side. The target is
@@ -56,6 +58,7 @@ class BeamIndex {
   };
   static constexpr int kTurn = 256, kRows = 64;  // azimuth bins, and elevation bins from nadir to zenith
   static int bin_of(const Vector3& direction_local);
+  void add(const Eigen::Vector3f& direction_lidar, float range_m, int column);
 
   TimeNs stamp_ = 0, middle_ = 0;
   Vector3 p_local_lidar_m_ = Vector3::Zero();

@@ -14,6 +14,12 @@ bool at_border(const Cell& offset, const SearchShape& shape, double edge_m) {
   return edge_m * edge_m * offset.squaredNorm() >= shape.radius_m * shape.radius_m;
 }
 
+bool is_above_view(const VoxelGrid& grid, const Cell& cell, const SearchShape& shape) {
+  if (shape.top_z > 1.0) return false;
+  const Vector3 from_sensor_m = grid.center_m(cell) - shape.sensor_m;
+  return from_sensor_m.z() > shape.top_z * from_sensor_m.norm();
+}
+
 int half_width(const SearchShape& shape, double edge_m) {
   return shape.octahedron ? std::max(shape.radius_steps, 1) : static_cast<int>(std::ceil(shape.radius_m / edge_m)) + 1;
 }
@@ -69,7 +75,7 @@ bool EnclosureSearch::leads_out(const VoxelMap& map, const Cell& start, const Se
     const std::ptrdiff_t index = grid.index(cell);
     const VoxelState state = map.state(index);
     if (state >= VoxelState::kTentative) return true;
-    if (state == VoxelState::kFree) continue;
+    if (state == VoxelState::kFree || (offset != Cell::Zero() && is_above_view(grid, cell, shape))) continue;
     if (at_border(offset, shape, grid.edge_m)) return true;
     explored_.push_back(index);
     part.min = part.min.cwiseMin(cell);

@@ -14,6 +14,9 @@ struct SearchShape {
   bool octahedron = false;
   double radius_m = 3.0;  ///< sphere
   int radius_steps = 0;   ///< octahedron
+  Vector3 sensor_m = Vector3::Zero();
+  /// Sine of the elevation from the sensor above which voxels count as free; 2: none.
+  double top_z = 2.0;
 };
 
 /// Rule B [Vrba 2025, sec. III-B, algorithm 1]: tests whether confident free voxels separate a set of voxels from all

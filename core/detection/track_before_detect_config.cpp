@@ -35,6 +35,7 @@ void ExpectedNoise::visit(ConfigVisitor& v) {
 
 void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
   v.field("sensor", sensor, "name of the LiDAR; empty: all");
+  v.object("field_of_view", field_of_view, "field of view of a LiDAR whose driver reports points alone");
   v.object("air", air, "where beams pass, and where the background returns them");
   v.object("target", target, "expected targets");
   v.object("noise", noise, "Sigma_w: noise of range and pose");

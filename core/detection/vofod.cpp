@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/detection/vofod_overlays.hpp"
 #include "core/detection/vofod_stages.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
@@ -45,7 +46,9 @@ class VofodDetector : public Detector {
   }
 
   const VoxelMap* map() const override { return &stages_.map(); }
-  void append_overlays(std::vector<Overlay>& overlays) const override;
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    append_vofod_overlays(stages_, config_.search_distance_m, newest_, overlays);
+  }
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back({"sweeps passed over because the one before was still being classified", num_sweeps_passed_over_,
                         num_sweeps_, "timing.classification_latency_s"});
@@ -120,74 +123,6 @@ class VofodDetector : public Detector {
   std::uint64_t num_sweeps_ = 0, num_sweeps_passed_over_ = 0;
   std::vector<Counter> prior_counters_;
 };
-
-// Voxels by confidence, the last scan by class, its detections, and the free air around them that supports them.
-void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
-  const VoxelMap& map = stages_.map();
-  const auto begin = [&](const char* name, Overlay::Kind kind, float size_m, std::vector<Overlay::Key> legend) {
-    Overlay overlay;
-    overlay.name = name;
-    overlay.kind = kind;
-    overlay.size_m = size_m;
-    overlay.legend = std::move(legend);
-    if (overlay.legend.size() == 1) overlay.colors = {overlay.legend.front().color};
-    return overlay;
-  };
-  const auto edge = static_cast<float>(map.grid().edge_m);
-  const auto center_m = [&](std::ptrdiff_t i) -> Eigen::Vector3f {
-    return map.grid().center_m(map.grid().cell(i)).cast<float>();
-  };
-
-  // Translucent, because background points lie inside.
-  Overlay tentative = begin("voxels.tentative", Overlay::Kind::kCubes, 0.8F * edge,
-                            {{"voxel: tentative occupied", {0.95F, 0.6F, 0.1F, 0.4F}}});
-  Overlay confident = begin("voxels.confident", Overlay::Kind::kCubes, 0.8F * edge,
-                            {{"voxel: confident occupied", {0.45F, 0.48F, 0.55F, 0.3F}}});
-  map.for_each_occupied([&](std::ptrdiff_t i) {
-    (map.state(i) == VoxelState::kConfident ? confident : tentative).positions.push_back(center_m(i));
-  });
-  overlays.push_back(std::move(tentative));
-  overlays.push_back(std::move(confident));
-
-  const Eigen::Vector4f kFree = {0.15F, 0.75F, 0.4F, 0.45F}, kUncertain = {0.7F, 0.3F, 0.95F, 0.8F};
-  Overlay around =
-      begin("voxels.around", Overlay::Kind::kCubes, 0.4F * edge,
-            {{"around a detection: confident free", kFree}, {"around a detection: uncertain", kUncertain}});
-  const int reach = static_cast<int>(config_.search_distance_m / map.grid().edge_m);
-  for (const Detection& d : newest_) {
-    const Cell middle = map.grid().cell_of(d.position_m);
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const Cell cell = middle + Cell(x, y, 0);
-        if (x * x + y * y > reach * reach || !map.grid().contains(cell)) continue;
-        const VoxelState state = map.state(map.grid().index(cell));
-        if (state > VoxelState::kUncertain) continue;
-        around.positions.push_back(center_m(map.grid().index(cell)));
-        around.colors.push_back(state == VoxelState::kFree ? kFree : kUncertain);
-      }
-    }
-  }
-  overlays.push_back(std::move(around));
-
-  const Eigen::Vector4f kBlue = {0.2F, 0.4F, 0.95F, 1.0F}, kYellow = {0.95F, 0.85F, 0.1F, 1.0F},
-                        kRed = {0.95F, 0.1F, 0.1F, 1.0F};
-  Overlay clusters =
-      begin("clusters", Overlay::Kind::kPoints, 0.08F,
-            {{"cluster: background (A)", kBlue}, {"cluster: flying (B)", kRed}, {"cluster: unknown (C)", kYellow}});
-  const auto paint = [&](ClusterClass of_class, const Eigen::Vector4f& color) {
-    stages_.append_cluster_points(of_class, clusters.positions);
-    clusters.colors.resize(clusters.positions.size(), color);
-  };
-  paint(ClusterClass::kBackground, kBlue);
-  paint(ClusterClass::kTooLarge, kBlue);
-  paint(ClusterClass::kUnknown, kYellow);
-  paint(ClusterClass::kFlying, kRed);
-  overlays.push_back(std::move(clusters));
-
-  Overlay detections = begin("detections", Overlay::Kind::kSpheres, 0.35F, {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}});
-  for (const Detection& d : newest_) detections.positions.push_back(d.position_m.cast<float>());
-  overlays.push_back(std::move(detections));
-}
 
 }  // namespace
 

@@ -73,6 +73,7 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal",
           Range::between(0.0, 1e6));
   v.field("empty_returns", empty_returns, "[-] do rays without return clear the voxels up to ray_max_m?");
+  v.object("field_of_view", field_of_view, "field of view of a LiDAR whose driver reports points alone");
   v.field("separate_distance_m", separate_distance_m, "[m] d_sep: distance between clusters of background",
           Range{0.0, 100.0, true});
   v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",
@@ -81,6 +82,11 @@ void VofodConfig::visit(ConfigVisitor& v) {
           Range::between(1, 1e6));
   v.field("max_size_m", max_size_m, "[m] largest diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
   v.field("max_range_m", max_range_m, "[m] largest range of a detection; 0: any", Range::non_negative());
+  v.field(
+      "still_s", still_s,
+      "[s] a cluster at the lower edge of the field of view that stands where it was first seen for this long is not "
+      "reported until it has moved; 0: reported",
+      Range::non_negative());
   v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
            "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
   v.choice("covariance", covariance, {"constant", "pose_noise"},

@@ -5,22 +5,27 @@
 #include <cmath>
 #include <limits>
 
-#include "swiftlet/core/base/elementary.hpp"
+#include "core/detection/direction_bins.hpp"
 
 namespace swiftlet {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Margin in voxels around a cluster's box in which the released code computes the confidence.
-constexpr int kConfidenceMargin = 2;
+// Height above the lowest beam, as a sine of the elevation, below which a return is at the lower edge of the field of
+// view: 1.7 deg, a little less than the spacing of the beams of a Puck. Larger values take more hovering targets for
+// things that stand there.
+constexpr float kEdge = 0.03F;
 
-MeasurementNoise noise_of(const VofodConfig& config) {
-  MeasurementNoise noise;
-  noise.sigma_range_m = config.sigma_range_m;
-  noise.sigma_position_m.setConstant(config.sigma_position_m);
-  noise.sigma_attitude_rad.setConstant(config.sigma_attitude_rad);
-  return noise;
+// Sine of the elevation of the lowest beam; of the lowest return in a scan of points alone.
+float lowest_z(const Scan& scan) {
+  const BeamTable& beams = *scan.beams;
+  float lowest = 1.0F;
+  for (int i = 0; i < scan.size(); ++i) {
+    if ((beams.masked.empty() || beams.masked[i] == 0) && has_direction(beams, i))
+      lowest = std::min(lowest, beams.directions_lidar[i].z());
+  }
+  return lowest;
 }
 
 }  // namespace
@@ -30,7 +35,9 @@ VofodStages::VofodStages(const VofodConfig& config)
       map_(config.map),
       large_is_background_(config.seed == VofodSeed::kLarge || config.seed == VofodSeed::kLargeAndAltimeter),
       g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
-      clusterer_(make_clusterer(config.clusterer)) {}
+      clusterer_(make_clusterer(config.clusterer)),
+      rays_(config),
+      separate_(config) {}
 
 void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
   take_samples(cloud);
@@ -50,7 +57,7 @@ void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& dete
   }
   if (config_.choices.hit_voxels == VofodChoices::HitVoxels::kKeep) {
     for (const Samples* samples : {&aside_, &samples_}) {
-      for (const std::ptrdiff_t voxel : samples->voxel) hits_.push_back(map_.grid().cell(voxel));
+      for (const std::ptrdiff_t voxel : samples->voxel) rays_.leave_out(map_.grid().cell(voxel));
     }
   }
 }
@@ -77,6 +84,7 @@ void VofodStages::update_then_classify(const LocalCloud& cloud, std::vector<Dete
 }
 
 void VofodStages::take_samples(const LocalCloud& cloud) {
+  lowest_z_ = lowest_z(*cloud.scan);
   samples_.take_points(cloud, map_.grid());
   num_points_ += cloud.size();
   num_points_outside_ += cloud.size() - samples_.size();
@@ -88,9 +96,18 @@ void VofodStages::find_background() {
   set_background_aside();
   clusters_.compute(samples_.at_local_m, config_.cluster_distance_m);
   classes_.resize(clusters_.size());
+  in_free_air_.resize(clusters_.size());
   for (int i = 0; i < clusters_.size(); ++i) {
     classes_[i] = is_background(clusters_.members(i)) ? ClusterClass::kBackground : ClusterClass::kUnknown;
+    in_free_air_[i] = is_in_free_air(clusters_.members(i));
   }
+}
+
+bool VofodStages::is_in_free_air(Members members) const {
+  const auto num_free = std::count_if(members.begin(), members.end(), [&](std::uint32_t i) {
+    return map_.state(samples_.voxel[i]) == VoxelState::kFree;
+  });
+  return 2 * num_free > static_cast<std::ptrdiff_t>(members.size());
 }
 
 // Most points are near background themselves; rule A makes any cluster with them background, so they need no
@@ -132,9 +149,10 @@ void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& d
     if (classes_[i] == ClusterClass::kBackground) continue;
     const Members members = clusters_.members(i);
     const ClusterShape shape = shape_of(samples_, members);
-    if (sufficient && is_flying(cloud, members, shape)) {
+    const MovedThings::Motion motion = things_.see(cloud.stamp(), shape.centroid_local_m, in_free_air_[i] != 0);
+    if (sufficient && !rises_into_view(cloud, members, motion) && is_flying(cloud, members, shape, motion.has_moved)) {
       classes_[i] = ClusterClass::kFlying;
-      detections.push_back(make_detection(cloud, members, shape));
+      detections.push_back(detection_of({cloud, samples_, members, shape, map_, starts_, starts_index_}, config_));
       if (config_.choices.failed_search == VofodChoices::FailedSearch::kClear) {
         to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
       }
@@ -144,7 +162,16 @@ void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& d
   }
 }
 
-bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape) {
+// A thing at the lower edge of the field of view stands on something, as far as anything is known. Rays that graze the
+// edge clear the voxel below it although they see little of that voxel.
+bool VofodStages::rises_into_view(const LocalCloud& cloud, Members members, const MovedThings::Motion& motion) const {
+  if (config_.still_s <= 0.0 || motion.has_moved || motion.seen_for < from_seconds(config_.still_s)) return false;
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
+    return cloud.scan->beams->directions_lidar[cloud.beam[samples_.point[i]]].z() < lowest_z_ + kEdge;
+  });
+}
+
+bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape, bool has_moved) {
   if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
   const Vector3 sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
   if (config_.max_range_m > 0.0 && (shape.centroid_local_m - sensor_m).norm() > config_.max_range_m) return false;
@@ -156,7 +183,10 @@ bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const Clus
   starts_.clear();
   for (const std::ptrdiff_t index : starts_index_) starts_.push_back(map_.grid().cell(index));
 
-  return search_.enclosed(map_, starts_, search_shape(shape));
+  SearchShape reach = search_shape(shape);
+  reach.sensor_m = sensor_m;
+  if (has_moved) reach.top_z = rays_.top_z();
+  return search_.enclosed(map_, starts_, reach);
 }
 
 SearchShape VofodStages::search_shape(const ClusterShape& shape) const {
@@ -172,7 +202,7 @@ bool VofodStages::is_sufficient() {
   const Cell size = map_.grid().size;
   const double needed = config_.choices.sufficient_ratio * size.x() * size.y();
   was_sufficient_ = was_sufficient_ || static_cast<double>(map_.num_occupied()) > needed;
-  return was_sufficient_ && separator_.num_kept() > 0;
+  return was_sufficient_ && separate_.num_kept() > 0;
 }
 
 void VofodStages::put_aside() {
@@ -202,166 +232,13 @@ void VofodStages::for_each_cluster(ClusterClass of_class, Visit&& visit) const {
   }
 }
 
-Detection VofodStages::make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const {
-  Detection d;
-  std::int64_t offset_sum = 0;
-  for (const std::uint32_t i : members) {
-    offset_sum += cloud.time_of(samples_.point[i]) - cloud.stamp();
-    d.num_points += samples_.weight_of(i);
-  }
-  d.t = cloud.stamp() + offset_sum / static_cast<std::int64_t>(members.size());
-  d.position_m =
-      config_.choices.position == VofodChoices::Position::kCentroid ? shape.centroid_local_m : shape.box_center_local_m;
-  d.extent_m = shape.extent_m;
-  d.covariance = covariance(cloud, samples_.point[members.front()], d.position_m);
-  d.confidence = confidence();
-  d.reflectivity = reflectivity(cloud, members);
-  return d;
-}
+void VofodStages::cast_rays(const LocalCloud& cloud) { rays_.cast(cloud, map_.grid()); }
 
-// A voxel represents all of its points.
-double VofodStages::reflectivity(const LocalCloud& cloud, Members members) const {
-  float greatest = 0.0F;
-  if (config_.choices.clustering == VofodChoices::Clustering::kPoints) {
-    for (const std::uint32_t i : members) greatest = std::max(greatest, cloud.reflectivity_of(samples_.point[i]));
-    return greatest;
-  }
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_local_m[i].cast<double>());
-    if (!std::binary_search(starts_index_.begin(), starts_index_.end(), voxel)) continue;
-    greatest = std::max(greatest, cloud.reflectivity_of(i));
-  }
-  return greatest;
-}
+void VofodStages::apply_rays(int num_classifications) { rays_.apply(num_classifications, map_); }
 
-// Free share of the surroundings of the cluster last searched by rule B: exp(-sum(1 - G / g_free) / voxels) over its
-// box and a margin, with its own voxels as free. Unspecified in the paper; the released code counts voxels, so that a
-// near object with many points per voxel is not more certain than a far one.
-double VofodStages::confidence() const {
-  const VoxelGrid& grid = map_.grid();
-  Cell first = starts_.front(), last = starts_.front();
-  for (const Cell& cell : starts_) {
-    first = first.cwiseMin(cell);
-    last = last.cwiseMax(cell);
-  }
-  first = (first.array() - kConfidenceMargin).matrix().cwiseMax(grid.min_cell);
-  last = (last.array() + kConfidenceMargin).matrix().cwiseMin(grid.min_cell + grid.size - Cell::Ones());
-  double sum = 0.0;
-  for (int z = first.z(); z <= last.z(); ++z) {
-    for (int y = first.y(); y <= last.y(); ++y) {
-      for (int x = first.x(); x <= last.x(); ++x) {
-        const std::ptrdiff_t index = grid.index({x, y, z});
-        if (std::binary_search(starts_index_.begin(), starts_index_.end(), index)) continue;
-        sum += 1.0 - std::clamp(map_.value(index) / config_.map.g_free, 0.0, 1.0);
-      }
-    }
-  }
-  return elementary::exp(-sum / static_cast<double>(starts_.size()));
-}
+void VofodStages::find_separate() { separate_.find(map_); }
 
-Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_local_m) const {
-  const Matrix3 constant = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
-  if (config_.covariance == DetectionCovariance::kConstant) return constant;
-  const Pose& T_local_lidar = cloud.T_local_lidar_of_beam(cloud.beam[point]);
-  const Vector3 p_lidar = T_local_lidar.inverse() * position_local_m;
-  const double range_m = p_lidar.norm();
-  if (range_m <= 0.0) return constant;
-  return constant + point_covariance(p_lidar / range_m, range_m, T_local_lidar.linear(), noise_of(config_).Sigma_w());
-}
-
-void VofodStages::cast_rays(const LocalCloud& cloud) {
-  const Scan& scan = *cloud.scan;
-  const BeamTable& beams = *scan.beams;
-  double beam_offset_m = 0.0;  // offset of the beams from the sensor's origin
-  for (const Eigen::Vector3f& origin : beams.origins_lidar) {
-    if (origin.allFinite()) beam_offset_m = std::max(beam_offset_m, static_cast<double>(origin.norm()));
-  }
-  Eigen::AlignedBox3d origins;
-  for (const Pose& pose : cloud.T_local_lidar) {
-    if (pose.matrix().allFinite()) origins.extend(Vector3(pose.translation()));
-  }
-  if (origins.isEmpty() || !map_.grid().contains(Vector3(origins.center()))) {
-    rays_.begin({}, config_.ray_max_m, config_.map.voxel_m);
-    return;
-  }
-  origins.min().array() -= beam_offset_m + 1e-6;
-  origins.max().array() += beam_offset_m + 1e-6;
-  // The map may scroll until the rays take effect.
-  VoxelGrid within = map_.grid();
-  if (config_.map.extent == VoxelMapConfig::Extent::kScrolling) {
-    within.min_cell.array() -= kRayScroll_voxels;
-    within.size.array() += 2 * kRayScroll_voxels;
-  }
-  rays_.begin(origins, config_.ray_max_m, config_.map.voxel_m, &within);
-
-  const double shorten_m = config_.choices.ray_end == VofodChoices::RayEnd::kVoxelBefore ? config_.map.voxel_m : 0.0;
-  const bool masks = !beams.masked.empty();
-  for (int row = 0; row < scan.rows(); ++row) {
-    for (int column = 0; column < scan.cols(); ++column) {
-      const int i = row * scan.cols() + column;
-      if (masks && beams.masked[i]) continue;
-      double length_m = config_.ray_max_m;
-      if (scan.hit(i))
-        length_m = std::min(length_m, static_cast<double>(scan.range_m[i]) - shorten_m);
-      else if (!config_.empty_returns || !(scan.range_m[i] == 0.0F))
-        continue;
-      const Pose& T = cloud.T_local_lidar[column];
-      rays_.add(T * beams.origins_lidar[i].cast<double>(), T.linear() * beams.directions_lidar[i].cast<double>(),
-                length_m);
-    }
-  }
-}
-
-void VofodStages::apply_rays(int num_classifications) {
-  rays_.leave_out(hits_);
-  hits_.clear();
-  rays_.apply(num_classifications * config_.ray_weight / std::sqrt(3.0), map_);
-}
-
-void VofodStages::find_separate() {
-  const auto& found = separator_.find(map_, config_.separate_distance_m, config_.separate_min_confident);
-  separate_.clear();
-  switch (config_.choices.separate_reach) {
-    case VofodChoices::SeparateReach::kCluster:
-      for (const std::ptrdiff_t index : found) separate_.push_back(map_.grid().cell(index));
-      break;
-    case VofodChoices::SeparateReach::kSphere:
-      append_spheres(found, separate_);
-      break;
-  }
-}
-
-// Appends every voxel within d_sep of a center, once.
-void VofodStages::append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells) {
-  const int reach = static_cast<int>(config_.separate_distance_m / config_.map.voxel_m);
-  const double reach_sq = elementary::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
-  separate_index_.clear();
-  for (const std::ptrdiff_t index : centers) {
-    const Cell center = map_.grid().cell(index);
-    for (int z = -reach; z <= reach; ++z) {
-      for (int y = -reach; y <= reach; ++y) {
-        for (int x = -reach; x <= reach; ++x) {
-          const Cell cell = center + Cell(x, y, z);
-          if (x * x + y * y + z * z <= reach_sq && map_.grid().contains(cell)) {
-            separate_index_.push_back(map_.grid().index(cell));
-          }
-        }
-      }
-    }
-  }
-  std::sort(separate_index_.begin(), separate_index_.end());
-  separate_index_.erase(std::unique(separate_index_.begin(), separate_index_.end()), separate_index_.end());
-  for (const std::ptrdiff_t index : separate_index_) cells.push_back(map_.grid().cell(index));
-}
-
-void VofodStages::remove_separate(int num_classifications) {
-  const double g = config_.choices.separate_becomes == VofodChoices::SeparateBecomes::kFree ? config_.map.g_free
-                                                                                            : config_.map.g_unknown;
-  for (const Cell& cell : separate_) {
-    if (map_.grid().contains(cell)) map_.update(map_.grid().index(cell), num_classifications, g);
-  }
-  separate_.clear();
-}
+void VofodStages::remove_separate(int num_classifications) { separate_.remove(num_classifications, map_); }
 
 void VofodStages::seed_ground(const Vector3& p_local_m) {
   if (map_.grid().contains(p_local_m)) {

@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "core/detection/enclosure.hpp"
+#include "core/detection/flying_cluster.hpp"
+#include "core/detection/moved_things.hpp"
+#include "core/detection/ray_caster.hpp"
 #include "core/detection/samples.hpp"
-#include "core/detection/separate_background.hpp"
+#include "core/detection/separate_removal.hpp"
 #include "core/detection/vicinity.hpp"
 #include "swiftlet/core/base/detection.hpp"
 #include "swiftlet/core/detection/clusterer.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
-#include "swiftlet/core/map/ray_lengths.hpp"
 
 namespace swiftlet {
 
@@ -41,7 +43,6 @@ class VofodStages {
 
   VoxelMap& map() { return map_; }
   const VoxelMap& map() const { return map_; }
-  const RayLengths& rays() const { return rays_; }
 
   // Number of returns of all classified scans, and of those outside the map.
   std::uint64_t num_points() const { return num_points_; }
@@ -60,11 +61,13 @@ class VofodStages {
   void set_background_aside();
   bool is_near_background(const Eigen::Vector3f& at_local_m) const;
   bool is_background(Members members) const;
+  bool is_in_free_air(Members members) const;
   void find_background();
 
   // Rules B and C.
   void find_flying(const LocalCloud& cloud, std::vector<Detection>& detections);
-  bool is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape);
+  bool rises_into_view(const LocalCloud& cloud, Members members, const MovedThings::Motion& motion) const;
+  bool is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape, bool has_moved);
   SearchShape search_shape(const ClusterShape& shape) const;
   bool is_sufficient();
 
@@ -77,12 +80,6 @@ class VofodStages {
   void set_large();
   template <class Visit>
   void for_each_cluster(ClusterClass of_class, Visit&& visit) const;
-
-  Detection make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const;
-  double confidence() const;
-  double reflectivity(const LocalCloud& cloud, Members members) const;
-  Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_local_m) const;
-  void append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells);
 
   VofodConfig config_;
   VoxelMap map_;
@@ -97,15 +94,15 @@ class VofodStages {
   std::unique_ptr<Clusterer> clusterer_;
   Clusterer& clusters_ = *clusterer_;
   std::vector<ClusterClass> classes_;
+  std::vector<std::uint8_t> in_free_air_;  // most points in voxels that were free before this scan, by cluster
+  MovedThings things_;
+  float lowest_z_ = 1.0F;  // sine of the elevation of the lowest beam
   EnclosureSearch search_;
   std::vector<std::ptrdiff_t> starts_index_, to_clear_;
   std::vector<Cell> starts_;
 
-  RayLengths rays_;
-  std::vector<Cell> hits_;  // voxels with a point since the last raycasting
-  SeparateBackground separator_;
-  std::vector<Cell> separate_;
-  std::vector<std::ptrdiff_t> separate_index_;
+  RayCaster rays_;
+  SeparateRemoval separate_;
   std::uint64_t num_points_ = 0, num_points_outside_ = 0;
 };
 

@@ -30,6 +30,7 @@ void ScanRays::take_without_return(const LocalCloud& cloud) {
   for (int beam = 0; beam < scan.size(); ++beam) {
     if (!chosen(beam, scan.cols()) || returned_[beam] || scan.hit(beam)) continue;
     if (!scan.beams->masked.empty() && scan.beams->masked[beam] != 0) continue;
+    if (scan.beams->directions_lidar[beam].isZero(0.0F)) continue;
     const Pose& T = cloud.T_local_lidar_of_beam(beam);
     const Vector3 direction = T.linear() * scan.beams->directions_lidar[beam].cast<double>();
     const Eigen::Vector3f origin_local_m = T.translation().cast<float>();

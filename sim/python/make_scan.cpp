@@ -63,7 +63,7 @@ void take_ranges(const Numbers<float>& range_m, Scan& scan, BeamTable& beams) {
   }
 }
 
-/// A beam without return may lack a direction; it is then masked.
+/// A beam without return may lack a direction, which is then zero.
 void take_directions(const Numbers<float>& directions, const Scan& scan, BeamTable& beams) {
   beams.directions_lidar.resize(scan.range_m.size());
   std::copy_n(directions.data(), directions.size(), beams.directions_lidar.front().data());
@@ -73,8 +73,7 @@ void take_directions(const Numbers<float>& directions, const Scan& scan, BeamTab
     if (scan.range_m[i] > 0.0F)
       throw py::value_error("directions_lidar: expected unit vectors, found one of length " + std::to_string(length) +
                             index_text(i, beams.cols) + "; points are divided by their ranges");
-    beams.directions_lidar[i] = Eigen::Vector3f::UnitX();
-    beams.masked[i] = 1;
+    beams.directions_lidar[i].setZero();
   }
 }
 
@@ -82,7 +81,7 @@ void take_origins(const Numbers<float>& origins_m, BeamTable& beams) {
   std::copy_n(origins_m.data(), origins_m.size(), beams.origins_lidar.front().data());
   for (int i = 0; i < beams.size(); ++i) {
     Eigen::Vector3f& origin_m = beams.origins_lidar[i];
-    if (beams.masked[i]) origin_m.setZero();
+    if (beams.masked[i] || beams.directions_lidar[i].isZero(0.0F)) origin_m.setZero();
     if (!(origin_m.norm() <= kBounds.origin_max_m))
       within(origin_m.norm(), 0.0, kBounds.origin_max_m, "origins_lidar_m: distance" + index_text(i, beams.cols));
   }

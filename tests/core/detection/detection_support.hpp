@@ -100,6 +100,17 @@ inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_
   return scan;
 }
 
+/// A copy without the directions of beams that have no return.
+inline std::shared_ptr<const Scan> points_alone(const Scan& full) {
+  auto scan = std::make_shared<Scan>(full);
+  auto beams = std::make_shared<BeamTable>(*full.beams);
+  for (int i = 0; i < full.size(); ++i) {
+    if (!full.hit(i)) beams->directions_lidar[i].setZero();
+  }
+  scan->beams = beams;
+  return scan;
+}
+
 inline std::shared_ptr<const LocalCloud> cloud_of(const std::shared_ptr<const Scan>& scan) {
   auto cloud = std::make_shared<LocalCloud>();
   CloudRegistrar(0.0).make(scan, *cloud);

@@ -33,7 +33,8 @@ class Flight {
   explicit Flight(const VofodConfig& config) : stages(config) {}
 
   std::vector<Detection> scan(const World& world, const Vector3& from = {0.0, 0.0, 2.0}) {
-    const auto cloud = cloud_of(scan_world(world, pose_at(from, 0.01 * count_), beams_, count_ * kPeriod));
+    const auto full = scan_world(world, pose_at(from, 0.01 * count_), beams_, count_ * kPeriod);
+    const auto cloud = cloud_of(knows_points_alone ? points_alone(*full) : full);
     ++count_;
     std::vector<Detection> detections;
     stages.cast_rays(*cloud);
@@ -50,6 +51,7 @@ class Flight {
   }
 
   VofodStages stages;
+  bool knows_points_alone = false;
   bool removes_separate = true;  // needs confident voxels, so more points than these scans have
 
  private:
@@ -71,6 +73,41 @@ TEST(VofodStages, LocatesFlyingObjectInExploredAir) {
     EXPECT_GT(found[0].confidence, 0.0);
     EXPECT_LE(found[0].confidence, 1.0);
     EXPECT_LT(found[0].extent_m.norm(), 1.1);
+  }
+}
+
+// The field of view is learned from the ground and a wall, or stated.
+TEST(VofodStages, DetectsByPointsAlone) {
+  for (const bool is_stated : {false, true}) {
+    VofodConfig config = small_config();
+    if (is_stated) config.field_of_view = {.bottom_deg = -30.0, .top_deg = 30.0};
+    Flight flight(config);
+    flight.knows_points_alone = true;
+    const World background = all_of({ground(), bar({-9.0, 2.0, 0.0}, {-9.0, 2.0, 7.5}, 0.3)});
+    flight.look_around(background, 20);
+    int found = 0;
+    for (int i = 0; i < 10; ++i) {
+      const Vector3 at(5.0, 0.3 * i - 1.5, 2.5);
+      const auto detections = flight.scan(all_of({background, sphere(at, 0.3)}));
+      found += detections.size() == 1 && (detections[0].position_m - at).norm() < 0.31;
+    }
+    EXPECT_GE(found, 9) << (is_stated ? "stated" : "learned");
+  }
+}
+
+// The lower end of a post is out of view, and rays that graze the edge of the view clear the voxel below it.
+TEST(VofodStages, EdgeThingsFlyOnceMoved) {
+  for (const double still_s : {0.0, 0.2}) {
+    VofodConfig config = small_config();
+    config.still_s = still_s;
+    config.map.center_m = {0.0, 0.0, 0.0};
+    Flight flight(config);
+    std::size_t standing = 0, flying = 0;
+    const auto post = [](double y_m) { return bar({4.0, y_m, -2.0}, {4.0, y_m, 0.0}, 0.2); };
+    for (int i = 0; i < 30; ++i) standing += flight.scan(post(0.0)).size();
+    for (int i = 1; i <= 20; ++i) flying += flight.scan(post(0.1 * i)).size();
+    EXPECT_EQ(standing > 3, still_s == 0.0) << standing;
+    EXPECT_GE(flying, 5U);
   }
 }
 
@@ -228,6 +265,7 @@ TEST_P(VofodStagesByDistance, MatchesReferenceImplementationOfThePaper) {
   VofodConfig config = small_config();
   config.cluster_distance_m = GetParam();
   config.ray_weight = 0.06;
+  config.still_s = 0.0;  // a rule that the paper does not have
   VofodStages stages(config);
   reference::Vofod reference(config);
   const auto beams = make_beams(48, 320, 30.0, -30.0);

@@ -16,7 +16,8 @@ namespace swiftlet {
 struct BeamTable {
   int rows = 0;
   int cols = 0;
-  std::vector<Eigen::Vector3f> directions_lidar;  ///< unit vectors                                  (rows x cols)
+  /// Unit vectors; zero for a beam without return whose direction the driver does not report     (rows x cols)
+  std::vector<Eigen::Vector3f> directions_lidar;
   std::vector<Eigen::Vector3f> origins_lidar;  ///< points from which ranges are measured [m]             (rows x cols)
   std::vector<float> column_offset_s;          ///< firing time after the start of the sweep      (cols)
   std::vector<float> row_offset_s;  ///< firing time after that of the column    (rows, or empty: all at once)

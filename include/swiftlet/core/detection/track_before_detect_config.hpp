@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/detection/field_of_view.hpp"
 
 namespace swiftlet {
 
@@ -57,6 +58,7 @@ struct ExpectedNoise {
 /// Fuses sweeps before it decides whether an object flies; docs/detection.md.
 struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   std::string sensor;
+  FieldOfView field_of_view;
   AirMapConfig air;
   ExpectedTarget target;
   ExpectedNoise noise;

@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/base/prior_map.hpp"
+#include "swiftlet/core/detection/field_of_view.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
 
@@ -57,11 +58,13 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   double ray_max_m = 20.0;
   double ray_weight = 0.003;
   bool empty_returns = true;
+  FieldOfView field_of_view;
   double separate_distance_m = 0.7;
   int separate_min_confident = 24;
   int min_points = 2;
   double max_size_m = 3.0;
   double max_range_m = 0.0;
+  double still_s = 0.2;
   VofodSeed seed = VofodSeed::kLargeAndAltimeter;
   DetectionCovariance covariance = DetectionCovariance::kConstant;
   double sigma_m = 0.3;

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/detection/air_map.hpp"
+#include "core/detection/beam_index.hpp"
+#include "core/detection/hypothesis.hpp"
+#include "swiftlet/core/detection/track_before_detect_config.hpp"
+
+namespace swiftlet {
+
+/// Air and background as learned from the sweeps: where beams pass, and where returns that are no target end them.
+class LearnedAir {
+ public:
+  explicit LearnedAir(const TrackBeforeDetectConfig& config);
+
+  /// Begins a sweep: centers the map, and chooses the share of the beams that clear air.
+  void begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar, const BeamIndex& beams);
+  /// True where the background may have returned a beam.
+  bool is_background(const Vector3& p_local_m) const { return map_.clutter_share(p_local_m) > background_share_; }
+  /// True if enough beams passed all voxels around, and hardly any ended nearby. @param blur_m  error of the position
+  bool is_free(const Vector3& p_local_m, double blur_m) const;
+  /// Adds a return of the background. @param weight  probability that it is
+  void hit(const Vector3& p_local_m, double weight) { map_.hit(p_local_m, weight / ray_stride_); }
+  /// Adds a return that becomes background after a delay by the probability that its hypothesis is no target, so that a
+  /// target is not taken for background because of its own returns of earlier sweeps. @param hypothesis  0: none
+  void wait(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis, std::span<const Hypothesis> all);
+  /// Adds the returns whose delay is over.
+  void learn(TimeNs t, std::span<const Hypothesis> all);
+  /// Clears the air along every n-th beam, alternating between sweeps.
+  void clear(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar, const BeamIndex& beams);
+
+  const AirMap& map() const { return map_; }
+
+ private:
+  struct Pending {
+    TimeNs t = 0;
+    Eigen::Vector3f p_local_m;
+    std::uint32_t hypothesis = 0;
+  };
+
+  void learn_oldest(std::span<const Hypothesis> all);
+  void clear_beam(const Vector3& from_local_m, const Vector3& direction_local, double range_m, const BeamIndex& beams);
+
+  double background_share_, free_share_, hit_share_, free_reach_m_, ray_max_m_, empty_ray_m_;
+  TimeNs learning_delay_;
+  int rays_per_sweep_;
+  AirMap map_;
+  std::vector<Pending> pending_;  // ring buffer
+  std::size_t first_pending_ = 0, num_pending_ = 0;
+  int ray_stride_ = 1, ray_offset_ = 0;  // every n-th beam of a sweep clears air
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/detection/empty_directions.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/map/ray_lengths.hpp"
+
+namespace swiftlet {
+
+/// Rays of a scan through the map of VoFOD [Vrba 2025, sec. III-C]. Beams without return clear the voxels up to
+/// ray_max_m; where their directions are unknown, empty directions replace them.
+class RayCaster {
+ public:
+  explicit RayCaster(const VofodConfig& config);
+
+  /// Sums the lengths by voxel, for apply().
+  void cast(const LocalCloud& cloud, const VoxelGrid& map);
+  /// Excludes a voxel that holds a point from the next apply().
+  void leave_out(const Cell& cell) { left_out_.push_back(cell); }
+  /// Eq. (22). @param num_classifications  N_cls, since the rays were cast
+  void apply(int num_classifications, VoxelMap& map);
+
+  /// Sine of the elevation of the upper edge of the field of view for scans of points alone; 2 for others.
+  double top_z() const { return empty_.top_z(); }
+
+ private:
+  bool begin(const LocalCloud& cloud, const VoxelGrid& map);
+  void add(const Pose& T_local_lidar, const Eigen::Vector3f& origin_lidar_m, const Eigen::Vector3f& direction_lidar,
+           double length_m);
+
+  bool clears_empty_, is_scrolling_;
+  double ray_max_m_, ray_weight_, voxel_m_, shorten_m_;
+  EmptyDirections empty_;
+  RayLengths lengths_;
+  std::vector<Cell> left_out_;
+};
+
+}  // namespace swiftlet
