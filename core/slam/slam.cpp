@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/slam/graph/correction_blend.hpp"
 #include "core/slam/graph/global_slam.hpp"
 #include "core/slam/matching/grid_matcher.hpp"
 #include "core/slam/sharing/map_sharing.hpp"
@@ -37,7 +38,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     const bool searches = global_ && config.global.loaded_map != nullptr && setup.start_known != StartKnown::kPose;
     if (searches) search_ = Search::kActive;
     if (global_ && config.global.share.enabled) {
-      sharing_.emplace(config.global.share, setup.self, setup.num_vehicles);
+      sharing_.emplace(config.global.share, config.global.closures, setup.self, setup.num_vehicles);
     }
     estimate_.valid = true;
     estimate_.T_local_body = setup.T_local_body_start;
@@ -78,6 +79,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back(
         {"scans with too few points near surfaces of the map", num_mismatched_, num_scans_, "local.known_share_min"});
+    if (global_) global_->append_counters(counters);
     if (sharing_) sharing_->append_counters(counters);
   }
 

@@ -39,7 +39,7 @@ constexpr EstimatorType kEstimatorTypes[] = {
     {{"slam", "LiDAR and IMU: matches scans to the map built from earlier ones", make_module_config<SlamConfig>},
      make_slam_estimator,
      need_lidar_and_imu,
-     "slam.trajectory slam.submaps slam.closures slam.joined"},
+     "slam.trajectory slam.submaps slam.closures slam.refused slam.joined"},
 };
 
 }  // namespace

@@ -1,74 +1,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "core/slam/graph/branch_and_bound.hpp"
-#include "swiftlet/core/base/config.hpp"
+#include "core/slam/graph/closure_search.hpp"
+#include "swiftlet/core/base/counter.hpp"
 #include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/slam/closure_config.hpp"
 
 namespace swiftlet {
 
-/// Result of the attempt to join two submaps; in the order of the checks.
+/// Result of an attempt to find a submap in others; in the order of the checks.
 enum class ClosureVerdict {
-  kTooFlat,      ///< too few upright structures for a unique pose
-  kNoMatch,      ///< no pose in the window reaches the minimum score
-  kNotSearched,  ///< the budget ended the search
-  kRival,        ///< another pose scores about as well, as in parallel aisles
-  kOpen,         ///< a direction is not constrained by the surfaces
-  kMoved,        ///< the refinement left the pose found by the search
-  kNoOverlap,    ///< too small a share of one submap overlaps the other
-  kDoesNotFit,   ///< too large a share of the overlap is off the surfaces
+  kTooFlat,     ///< too few upright structures for a unique pose
+  kNoMatch,     ///< no pose in the window reaches score_min
+  kOverBudget,  ///< the budget ended the search
+  kAmbiguous,   ///< another pose matches about as well, as in parallel aisles
+  kUnobserved,  ///< the surfaces leave a direction unobserved
+  kDiverged,    ///< the alignment left the pose of the search, or the error bound of the guess
+  kLowOverlap,  ///< the older submap contains less than overlap_min of the newer one
+  kPoorFit,     ///< less than near_min of the overlap lies on surfaces
   kClosed,
 };
 
 struct ClosureResult {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
+  std::size_t candidate = 0;              ///< index of the older submap; valid for kClosed
   Pose T_older_newer = Pose::Identity();  ///< valid for kClosed
-  /// Projector onto the constrained directions of that pose, for kClosed: the identity, or without the one
-  /// unconstrained direction. Displacements are in axes of the older submap, rotations in those of the newer.
-  Matrix6 constrained = Matrix6::Identity();
-  double score = 0.0, overlap = 0.0, near_share = 0.0;
+  /// Projector onto the observed directions of that pose, for kClosed: the identity, or without the one unobserved
+  /// direction. Displacements are in axes of the older submap, rotations in those of the newer.
+  Matrix6 observed = Matrix6::Identity();
+  double score = 0.0;       ///< share of the points in occupied cells; 0: found without a search
+  double overlap = 0.0;     ///< share of the newer submap that the older one contains
+  double near_share = 0.0;  ///< share of the overlap that lies on surfaces
   std::int64_t num_expanded = 0;
+
+  bool closed() const { return verdict == ClosureVerdict::kClosed; }
 };
 
-/// Finds the pose of one submap in another around a guess: branch and bound over headings and displacements, then
-/// refinement from points to surfaces. A false closure is worse than none, so ambiguous results are rejected.
+/// Finds the pose of a submap in older ones, in four steps:
 ///
-/// If the guess is already accurate, the points fit the surfaces without a search. The surfaces may then leave one
-/// direction unconstrained, as a wall and the floor do; the closure does not constrain it.
+/// 1. Candidate: a guess that is nearly right, or the best pose by branch and bound.
+/// 2. Alignment of the points to the surfaces of the older submap.
+/// 3. Verification of the overlap and of the fit.
+/// 4. Rivals: a false closure is worse than none, so ambiguous poses are refused.
 ///
+/// Where a guess is nearly right, the surfaces may leave one direction unobserved, as a wall and the floor do.
 /// Frames of submaps have z up.
-/// @param guess_off_m  maximum error of the guess: poses farther away are rejected
-ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
-                           std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
-                           const ClosureConfig& config, double guess_off_m = std::numeric_limits<double>::infinity());
+/// @param directions_newer  histogram of points_newer_m; null: computed from them
+ClosureResult find_closure(std::span<const ClosureCandidate> candidates,
+                           std::span<const Eigen::Vector3f> points_newer_m, const ClosureConfig& config,
+                           const RotationalHistogram* directions_newer = nullptr);
 
-/// A submap of a map; poses are in the frame of the map.
-struct MapPart {
-  Pose T_map_part = Pose::Identity();
-  std::span<const Eigen::Vector3f> points_part_m;
-  const RotationalHistogram* directions = nullptr;  ///< null: computed from the points
+/// Number of attempts by their verdict.
+class ClosureCounts {
+ public:
+  void count(ClosureVerdict verdict) { ++counts_[static_cast<std::size_t>(verdict)]; }
+  std::uint64_t operator[](ClosureVerdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
+  /// One counter per reason of refusal, with the key of `global.closures` to change.
+  /// @param attempts  such as "searches for loop closures"
+  void append_counters(const std::string& attempts, std::vector<Counter>& counters) const;
+
+ private:
+  std::array<std::uint64_t, static_cast<std::size_t>(ClosureVerdict::kClosed) + 1> counts_{};
 };
-
-struct MapMatch {
-  ClosureResult result;  ///< pose in the part
-  std::size_t part = 0;  ///< index of the part that contains the cloud, when closed
-};
-
-/// Finds the part of a map that contains a cloud, and its pose. Each part is searched around its center within the
-/// window. The result is rejected when another position in the map, or another heading, scores about as well.
-///
-/// @param directions  histogram of the cloud; null: computed from its points
-MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
-                     const ClosureConfig& config, const RotationalHistogram* directions = nullptr);
-/// One point in each occupied cell of columns with structure at least a meter high. Floors, which match anywhere, are
-/// removed. The cloud's frame has z up. Any frame, the same for all arguments.
-std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_cloud_m, double cell_m,
-                                              double range_max_m);
 
 }  // namespace swiftlet

@@ -5,21 +5,20 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "core/slam/graph/block_cholesky.hpp"
-#include "core/slam/graph/closure.hpp"
-#include "core/slam/graph/correction_blend.hpp"
+#include "core/slam/graph/gnss_factors.hpp"
+#include "core/slam/graph/loop_closer.hpp"
+#include "core/slam/graph/submap_memory.hpp"
 #include "core/slam/graph/submap_provider.hpp"
-#include "swiftlet/core/base/config.hpp"
+#include "core/slam/graph/trajectory_graph.hpp"
+#include "swiftlet/core/base/counter.hpp"
 #include "swiftlet/core/base/overlay.hpp"
 #include "swiftlet/core/base/samples.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/map/submap_poses.hpp"
 #include "swiftlet/core/math/latency.hpp"
 #include "swiftlet/core/slam/global_slam_config.hpp"
-#include "swiftlet/core/slam/pose_graph.hpp"
 
 namespace swiftlet {
 
@@ -40,112 +39,59 @@ class GlobalSlam : public SubmapProvider {
   /// @param T_world_local  present correction, which places the first node
   void add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
                 const Pose& T_world_local);
-  void add_gnss(const GnssSample& sample);
+  void add_gnss(const GnssSample& sample) { gnss_.add(sample, trajectory_); }
   /// Correction that has become available by t, if any.
   std::optional<Pose> correction(TimeNs t);
   /// Poses of the submaps as of the last available result.
   const SubmapPoses& submap_poses() const { return submap_poses_; }
-  /// Trajectory of this flight, submaps and closures, in the local frame.
+  /// Trajectory of this flight, submaps, closures and refused closures, in the local frame.
   void append_overlays(std::vector<Overlay>& overlays) const;
+  /// Refused closures by reason.
+  void append_counters(std::vector<Counter>& counters) const { closer_.append_counters(counters); }
   /// Map of this flight and of the earlier ones. A flight that is not localized in its prior map adds nothing to it.
   std::shared_ptr<const SavedMap> saved_map() const;
 
-  int num_nodes() const { return static_cast<int>(nodes_.size()); }
-  int num_submaps() const override { return static_cast<int>(submaps_.size()); }
+  int num_nodes() const { return static_cast<int>(trajectory_.nodes().size()); }
+  int num_submaps() const override { return static_cast<int>(trajectory_.submaps().size()); }
   std::span<const Eigen::Vector3f> points_submap_m(int submap) const override {
-    return submaps_[static_cast<std::size_t>(submap)].points_submap_m;
+    return trajectory_.submaps()[static_cast<std::size_t>(submap)].points_submap_m;
   }
   const Pose& T_local_submap(int submap) const override {
     return submap_poses_.T_local_own[static_cast<std::size_t>(submap)];
   }
-  double path_length_m(int submap) const override { return submaps_[static_cast<std::size_t>(submap)].begin_m; }
+  double path_length_m(int submap) const override {
+    return trajectory_.submaps()[static_cast<std::size_t>(submap)].begin_m;
+  }
   std::uint64_t places_revision() const override { return submap_poses_.revision; }
-  int num_closures() const { return num_closures_; }
+  int num_closures() const { return trajectory_.num_closures(); }
   /// Number of points of all finished submaps, the main part of the memory.
   std::size_t num_points() const;
   /// True when the pose of this flight in its prior map is known.
-  bool located() const { return located_; }
+  bool located() const { return closer_.located(); }
   /// Relocalization has reached its limit of attempts from one place; it resumes when the vehicle moves on.
-  bool search_failed() const;
-  const PoseGraph& graph() const { return graph_; }
+  bool search_failed() const { return closer_.search_failed(trajectory_); }
+  const PoseGraph& graph() const { return trajectory_.graph(); }
 
  private:
-  struct Node {
-    TimeNs t = 0;
-    int pose = 0;  // index in the graph
-    Pose T_local_body = Pose::Identity();
-    double path_length_m = 0.0;
-  };
-  /// Odometry from an older pose to the start of a submap. Replaces the poses of dropped submaps in between.
-  struct Tie {
-    int pose = -1;  // index in the graph; -1: none
-    Pose T_pose_local = Pose::Identity();
-    double path_length_m = 0.0;  // path length of the odometry
-  };
-  enum class Closed { kNot, kPartly, kFully };  // kPartly: one direction is unconstrained
-  struct Submap {
-    int pose = 0;        // index in the graph
-    int first_pose = 0;  // first pose that is removed together with it
-    Pose T_local_submap = Pose::Identity();
-    double begin_m = 0.0, end_m = 0.0;  // path length
-    std::vector<Eigen::Vector3f> points_submap_m;
-    bool thinned_out = false;  // most of its content is in older ones
-    Closed closed = Closed::kNot;
-    Tie tie;
-    double hidden_m = 0.0;  // path length of dropped submaps since the last full closure
-  };
-  /// An older submap, and the pose of the newest one in it.
-  struct Older {
-    int pose = 0;  // index in the graph
-    std::span<const Eigen::Vector3f> points_older_m;
-    Pose T_older_newer = Pose::Identity();
-  };
-  void begin_submap(const Tie& tie, int first_pose, double hidden_m);
-  void begin_next_submap();
-  void add_gravity();
-  std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
-  std::vector<Older> seek_closures();
-  std::vector<Eigen::Vector3f> unknown_m(std::span<const Older> older) const;
-  bool is_covered(std::size_t num_unknown) const;
-  void forget_known(std::span<const Older> joined);
-  bool drop_known(std::span<const Older> joined);
-  void drop_newest(std::span<const Older> joined);
-  void record_dropped(int into, const Pose& T_into_newest);
-  bool is_search_due(TimeNs t, double path_length_m) const;
-  void locate(TimeNs t);
-  void join(int older_pose, int newer_pose, const ClosureResult& closure);
-  void place_fixes();
-  void fit_start();
-  void optimize(TimeNs t);
-  Pose T_local_world() const;
-  std::vector<Pose> given_poses_local() const;
-  double off_m(double path_length_m) const;
-  Matrix6 odometry_information(double path_length_m) const;
-
-  GlobalSlamConfig config_;
-  Latency latency_;
-  bool pose_known_;
-  PoseGraph graph_;
-  GraphWorkspace graph_workspace_;
-  std::vector<Node> nodes_;
-  std::vector<Submap> submaps_;      // the last one grows
-  std::vector<GnssSample> waiting_;  // fixes newer than the last node
-  std::vector<MatchedPosition> matched_;
-  bool fitted_ = false;
-  int num_given_poses_ = 0;  // poses of the prior map; the first ones in the graph
-  bool located_ = false;
-  double searched_at_m_ = 0.0;  // path length at the last attempt after moving on
-  TimeNs searched_at_ = 0;      // time of the last attempt, also in hover
-  double hovers_at_m_ = 0.0;    // path length at the last attempt
-  int num_searches_here_ = 0;   // attempts since the vehicle moved on
-  int num_closures_ = 0;
-  bool news_ = false, fixes_ = false;  // new since the last optimization: a closure, a fix
-  TimeNs last_optimized_ = 0;
   struct Learned {
     TimeNs begun = 0;
     Pose T_world_local = Pose::Identity();
     std::vector<Pose> T_local_own, T_local_given;  // poses of the submaps at that time
   };
+
+  void begin_next_submap();
+  void record_dropped(const SubmapHeir& heir);
+  void record_begun();
+  void optimize(TimeNs t);
+
+  GlobalSlamConfig config_;
+  Latency latency_;
+  TrajectoryGraph trajectory_;
+  LoopCloser closer_;
+  GnssFactors gnss_;
+  int num_optimized_closures_ = 0;
+  bool has_new_fixes_ = false;  // since the last optimization
+  TimeNs last_optimized_ = 0;
   std::vector<Learned> learned_;  // few
   SubmapPoses submap_poses_;
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/slam/graph/closure.hpp"
+#include "core/slam/graph/closure_search.hpp"
 #include "core/slam/matching/sweep.hpp"
 
 namespace swiftlet {

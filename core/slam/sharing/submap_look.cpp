@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/slam/graph/closure.hpp"
+#include "core/slam/graph/closure_search.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -56,6 +56,7 @@ const kOverlays = {
   'slam.trajectory': ['SLAM trajectory', 'Trajectory by the pose graph'],
   'slam.submaps': ['SLAM submaps', 'Origins of submaps'],
   'slam.closures': ['loop closures', 'Constraints between submaps'],
+  'slam.refused': ['refused loop closures', 'Pairs of submaps that were compared and not joined'],
   'slam.joined': ['joined maps', 'Submaps received from another vehicle, and closures with them'],
   'mapping.cells': ['map near the vehicle', 'Occupied cells of the map around the vehicle'],
   'mapping.map': ['whole map', 'All occupied cells of the map, colored by height'],

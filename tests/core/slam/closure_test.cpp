@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "core/slam/graph/branch_and_bound.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
@@ -72,6 +71,13 @@ Points seen_from(const Points& points, const Pose& T_map_cloud) {
   return out;
 }
 
+/// Closure of two submaps with a guess.
+ClosureResult close_near(std::span<const Eigen::Vector3f> older_m, std::span<const Eigen::Vector3f> newer_m,
+                         const Pose& T_guess, double guess_error_m, const ClosureConfig& config = {}) {
+  const ClosureCandidate candidate{Pose::Identity(), older_m, nullptr, T_guess, guess_error_m};
+  return find_closure({&candidate, 1}, newer_m, config);
+}
+
 TEST(OccupancyPyramid, EveryLevelIsMaximumOfCells) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(-4.0F, 4.0F);
@@ -111,7 +117,7 @@ TEST(Closure, RecoversRelativePoseToACentimeter) {
     const Pose T = make_pose({1.5, -0.8, 0.3}, rotation_by({0, 0, yaw_rad}));
     const Points newer = seen_from(yard(2), T);
     const Pose guess = make_pose(T.translation() + Vector3(-1.6, 1.2, -0.4), rotation_by({0, 0, yaw_rad + 0.08}));
-    const ClosureResult result = find_closure(older, newer, guess, {});
+    const ClosureResult result = close_near(older, newer, guess, 3.0);
     ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict) << " " << result.score;
     const Pose off = T.inverse() * result.T_older_newer;
     EXPECT_LT(off.translation().norm(), 0.01);
@@ -122,8 +128,8 @@ TEST(Closure, RecoversRelativePoseToACentimeter) {
 
 TEST(Closure, RefusesAislesThatLookAlike) {
   const Pose T = make_pose({0.2, 0.3, 0.1}, rotation_by({0, 0, 0.02}));
-  const ClosureResult result = find_closure(aisles(1), seen_from(aisles(2), T), Pose::Identity(), {});
-  EXPECT_EQ(result.verdict, ClosureVerdict::kRival);
+  const ClosureResult result = close_near(aisles(1), seen_from(aisles(2), T), Pose::Identity(), 3.0);
+  EXPECT_EQ(result.verdict, ClosureVerdict::kAmbiguous);
 }
 
 /// An aisle between full racks, from x0 to x1: a rack every 3 m, and nothing at its ends.
@@ -148,8 +154,8 @@ Points bays(double x0, double x1, unsigned seed) {
 TEST(Closure, TakesNextBayForARival) {
   const Points older = bays(-15.0, 10.0, 1), newer = bays(-9.0, 16.0, 2);
   const Pose guess = make_pose({0.2, 0.1, 0}, Eigen::Quaterniond::Identity());
-  EXPECT_EQ(find_closure(older, newer, guess, ClosureConfig{}, 1e9).verdict, ClosureVerdict::kRival);
-  const ClosureResult result = find_closure(older, newer, guess, ClosureConfig{}, 0.5);
+  EXPECT_EQ(close_near(older, newer, guess, 1e9).verdict, ClosureVerdict::kAmbiguous);
+  const ClosureResult result = close_near(older, newer, guess, 0.5);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << "score " << result.score;
   EXPECT_LT(result.T_older_newer.translation().norm(), 0.02);
 }
@@ -166,19 +172,18 @@ Points floor_and_wall(unsigned seed) {
 // The position along the wall is unobservable. All else is as accurate as in a whole yard.
 TEST(Closure, LeavesDirectionAlongWallUnconstrained) {
   const Pose T = make_pose({0.0, 0.2, -0.15}, rotation_by({0, 0, 0.01}));
-  const ClosureResult result =
-      find_closure(floor_and_wall(1), seen_from(floor_and_wall(2), T), Pose::Identity(), ClosureConfig{}, 0.5);
+  const ClosureResult result = close_near(floor_and_wall(1), seen_from(floor_and_wall(2), T), Pose::Identity(), 0.5);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   const Pose off = T.inverse() * result.T_older_newer;
   EXPECT_LT(off.translation().tail<2>().norm(), 0.01);
   EXPECT_LT(std::abs(result.T_older_newer.translation().x()), 0.05) << "the guess is kept";
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.002);
-  EXPECT_LT((result.constrained * Vector6::Unit(0)).norm(), 0.05);
+  EXPECT_LT((result.observed * Vector6::Unit(0)).norm(), 0.05);
   for (const int axis : {1, 2, 3, 4, 5}) {
-    EXPECT_LT((result.constrained * Vector6::Unit(axis) - Vector6::Unit(axis)).head<3>().norm(), 0.5) << axis;
-    EXPECT_LT((result.constrained * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
+    EXPECT_LT((result.observed * Vector6::Unit(axis) - Vector6::Unit(axis)).head<3>().norm(), 0.5) << axis;
+    EXPECT_LT((result.observed * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
   }
-  EXPECT_LT((result.constrained * result.constrained - result.constrained).norm(), 1e-9) << "a projector";
+  EXPECT_LT((result.observed * result.observed - result.observed).norm(), 1e-9) << "a projector";
 }
 
 /// Floor and wall, and fins of 0.5 m across the wall.
@@ -193,11 +198,11 @@ Points wall_with_fins(unsigned seed, std::span<const double> fins_x_m) {
 TEST(Closure, SlidesOffsetGuessAlongWall) {
   const double fins_x_m[] = {-7.4, -4.1, -3.0, 1.2, 2.9, 6.6};
   const Pose T = make_pose({0.58, 0.1, -0.05}, rotation_by({0, 0, 0.005}));
-  const ClosureResult result = find_closure(wall_with_fins(1, fins_x_m), seen_from(wall_with_fins(2, fins_x_m), T),
-                                            Pose::Identity(), ClosureConfig{}, 0.6);
+  const ClosureResult result =
+      close_near(wall_with_fins(1, fins_x_m), seen_from(wall_with_fins(2, fins_x_m), T), Pose::Identity(), 0.6);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
-  EXPECT_TRUE(result.constrained.isIdentity());
+  EXPECT_TRUE(result.observed.isIdentity());
 }
 
 // A fin and ribs determine the position to a millimeter. But the ribs are regular, and one fin is small. So the cloud
@@ -211,21 +216,21 @@ TEST(Closure, RegularRibsLeaveWallDirectionUnconstrained) {
     return points;
   };
   const Pose T = make_pose({0.3, 0.1, -0.05}, rotation_by({0, 0, 0.005}));
-  const ClosureResult result = find_closure(ribbed(1), seen_from(ribbed(2), T), Pose::Identity(), ClosureConfig{}, 0.6);
+  const ClosureResult result = close_near(ribbed(1), seen_from(ribbed(2), T), Pose::Identity(), 0.6);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
-  EXPECT_LT((result.constrained * Vector6::Unit(0)).norm(), 0.05);
-  for (const int axis : {1, 2}) EXPECT_GT((result.constrained * Vector6::Unit(axis)).norm(), 0.9) << axis;
+  EXPECT_LT((result.observed * Vector6::Unit(0)).norm(), 0.05);
+  for (const int axis : {1, 2}) EXPECT_GT((result.observed * Vector6::Unit(axis)).norm(), 0.9) << axis;
 }
 
 TEST(Closure, ClosesNothingBeyondGuessError) {
   const Pose T = make_pose({0.9, 0.2, 0.1}, rotation_by({0, 0, 0.02}));
   const Points older = yard(1), newer = seen_from(yard(2), T);
-  EXPECT_EQ(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.7).verdict, ClosureVerdict::kMoved);
-  EXPECT_NE(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.4).verdict, ClosureVerdict::kClosed);
-  const ClosureResult result = find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 1.0);
+  EXPECT_EQ(close_near(older, newer, Pose::Identity(), 0.7).verdict, ClosureVerdict::kDiverged);
+  EXPECT_NE(close_near(older, newer, Pose::Identity(), 0.4).verdict, ClosureVerdict::kClosed);
+  const ClosureResult result = close_near(older, newer, Pose::Identity(), 1.0);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
-  EXPECT_TRUE(result.constrained.isIdentity());
+  EXPECT_TRUE(result.observed.isIdentity());
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
 }
 
@@ -257,7 +262,7 @@ TEST(Closure, KeepsShelfOfNearlyRightGuess) {
   };
   const Pose T = make_pose({0.05, -0.05, 0.1}, rotation_by({0, 0, 0.005}));
   const ClosureResult result =
-      find_closure(shelves(0.0, 4.2, 1), seen_from(shelves(0.6, 5.0, 2), T), Pose::Identity(), ClosureConfig{}, 0.4);
+      close_near(shelves(0.0, 4.2, 1), seen_from(shelves(0.6, 5.0, 2), T), Pose::Identity(), 0.4);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
   EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.02);
 }
@@ -269,51 +274,52 @@ TEST(Closure, RefusesAnotherPlace) {
   add_wall(other, -9, 7, 6, 9, 4.0, random);
   add_wall(other, -3, -6, -1, 2, 3.0, random);
   add_wall(other, 5, -9, 8, -4, 3.0, random);
-  EXPECT_NE(find_closure(yard(1), other, Pose::Identity(), {}).verdict, ClosureVerdict::kClosed);
+  EXPECT_NE(close_near(yard(1), other, Pose::Identity(), 3.0).verdict, ClosureVerdict::kClosed);
 }
 
 TEST(Closure, RefusesBareFloorAndSingleWall) {
   std::mt19937 random(6);
   Points floor;
   add_floor(floor, 12.0, random);
-  EXPECT_EQ(find_closure(floor, floor, Pose::Identity(), {}).verdict, ClosureVerdict::kTooFlat);
-  EXPECT_NE(find_closure(floor, floor, Pose::Identity(), ClosureConfig{}, 0.5).verdict, ClosureVerdict::kClosed);
+  EXPECT_EQ(close_near(floor, floor, Pose::Identity(), 3.0).verdict, ClosureVerdict::kTooFlat);
+  EXPECT_NE(close_near(floor, floor, Pose::Identity(), 0.5).verdict, ClosureVerdict::kClosed);
   Points wall = floor;
   add_wall(wall, -12, 4, 12, 4, 4.0, random);
-  const ClosureVerdict verdict = find_closure(wall, wall, Pose::Identity(), {}).verdict;
-  EXPECT_TRUE(verdict == ClosureVerdict::kRival || verdict == ClosureVerdict::kOpen) << static_cast<int>(verdict);
+  const ClosureVerdict verdict = close_near(wall, wall, Pose::Identity(), 3.0).verdict;
+  EXPECT_TRUE(verdict == ClosureVerdict::kAmbiguous || verdict == ClosureVerdict::kUnobserved)
+      << static_cast<int>(verdict);
 }
 
-TEST(FindInMap, FindsSubmapHeadingAndPlaceUnguided) {
+TEST(ClosureInMap, FindsSubmapHeadingAndPlaceUnguided) {
   const Points first = yard(1), second = seen_from(yard(2), make_pose({4, -3, 0.5}, rotation_by({0, 0, 0.7})));
   Points far(first.size(), Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < far.size(); ++i) far[i] = {first[i].y() * 0.6F, first[i].x() * 0.8F, first[i].z()};
-  const std::vector<MapPart> parts = {
+  const std::vector<ClosureCandidate> parts = {
       {make_pose({100, 0, 0}, Eigen::Quaterniond::Identity()), far},
       {make_pose({4, -3, 0.5}, rotation_by({0, 0, 0.7})), second},
   };
   const Pose T_map_cloud = make_pose({1.5, -1.0, 0.9}, rotation_by({0, 0, -2.2}));
-  const MapMatch match = find_in_map(parts, seen_from(yard(3), T_map_cloud), global_closure_config());
-  ASSERT_EQ(match.result.verdict, ClosureVerdict::kClosed);
-  EXPECT_EQ(match.part, 1U);
-  const Pose off = T_map_cloud.inverse() * parts[1].T_map_part * match.result.T_older_newer;
+  const ClosureResult result = find_closure(parts, seen_from(yard(3), T_map_cloud), {});
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
+  EXPECT_EQ(result.candidate, 1U);
+  const Pose off = T_map_cloud.inverse() * parts[1].T_map_older * result.T_older_newer;
   EXPECT_LT(off.translation().norm(), 0.02);
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.003);
 }
 
-TEST(FindInMap, RefusesTwoSimilarPlaces) {
+TEST(ClosureInMap, RefusesTwoSimilarPlaces) {
   const Points there = yard(1);
-  const std::vector<MapPart> twice = {
+  const std::vector<ClosureCandidate> twice = {
       {Pose::Identity(), there},
       {make_pose({100, 0, 0}, Eigen::Quaterniond::Identity()), there},
   };
-  EXPECT_EQ(find_in_map(twice, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kRival);
+  EXPECT_EQ(find_closure(twice, yard(3), {}).verdict, ClosureVerdict::kAmbiguous);
   // A duplicate of the submap at its place is no rival.
-  const std::vector<MapPart> same = {twice[0], twice[0]};
-  EXPECT_EQ(find_in_map(same, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kClosed);
+  const std::vector<ClosureCandidate> same = {twice[0], twice[0]};
+  EXPECT_EQ(find_closure(same, yard(3), {}).verdict, ClosureVerdict::kClosed);
 }
 
-TEST(FindInMap, RefusesRotationallySymmetricHall) {
+TEST(ClosureInMap, RefusesRotationallySymmetricHall) {
   std::mt19937 random(1);
   Points hall;
   add_floor(hall, 9.0, random);
@@ -322,8 +328,38 @@ TEST(FindInMap, RefusesRotationallySymmetricHall) {
     add_wall(hall, 8 * sign, -6 * sign, 8 * sign, 6 * sign, 4.0, random);
     add_wall(hall, 3 * sign, -2 * sign, 5 * sign, 1 * sign, 3.0, random);
   }
-  const std::vector<MapPart> parts = {{Pose::Identity(), hall}};
-  EXPECT_EQ(find_in_map(parts, hall, global_closure_config()).result.verdict, ClosureVerdict::kRival);
+  const std::vector<ClosureCandidate> parts = {{Pose::Identity(), hall}};
+  EXPECT_EQ(find_closure(parts, hall, {}).verdict, ClosureVerdict::kAmbiguous);
+}
+
+TEST(ClosureInMap, GivesUpBeyondItsBudget) {
+  const Points there = yard(1);
+  const std::vector<ClosureCandidate> parts = {{Pose::Identity(), there}};
+  ClosureConfig config;
+  config.budget = 1000;
+  const ClosureResult result = find_closure(parts, yard(3), config);
+  EXPECT_EQ(result.verdict, ClosureVerdict::kOverBudget);
+  EXPECT_LT(result.num_expanded, 100 * config.budget);
+}
+
+TEST(ClosureCounts, NameReasonShareAndSetting) {
+  ClosureCounts counts;
+  for (const auto verdict : {ClosureVerdict::kClosed, ClosureVerdict::kPoorFit, ClosureVerdict::kClosed,
+                             ClosureVerdict::kPoorFit, ClosureVerdict::kTooFlat}) {
+    counts.count(verdict);
+  }
+  std::vector<Counter> counters;
+  counts.append_counters("searches", counters);
+  EXPECT_EQ(counters.size(), static_cast<std::size_t>(ClosureVerdict::kClosed)) << "one for each reason";
+  std::uint64_t refused = 0;
+  for (const Counter& counter : counters) {
+    refused += counter.count;
+    EXPECT_EQ(counter.of, 5U) << counter.what;
+    EXPECT_EQ(counter.what.rfind("searches ", 0), 0U) << counter.what;
+  }
+  EXPECT_EQ(refused, 3U);
+  EXPECT_EQ(counters.back().count, 2U);
+  EXPECT_EQ(counters.back().setting, "global.closures.near_min");
 }
 
 TEST(Closure, ReportsOverlapAndSurfaceShare) {
@@ -331,19 +367,19 @@ TEST(Closure, ReportsOverlapAndSurfaceShare) {
   Points newer = yard(2);
   std::mt19937 random(32);
   add_wall(newer, -14, -20, -14, 20, 4.0, random);  // unknown in the older submap
-  const ClosureResult result = find_closure(older, newer, Pose::Identity(), {});
+  const ClosureResult result = close_near(older, newer, Pose::Identity(), 3.0);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
   EXPECT_LT(result.T_older_newer.translation().norm(), 0.01);
   EXPECT_LT(result.overlap, 0.95);
   ClosureConfig config;
-  const auto verdict = [&] { return find_closure(older, newer, Pose::Identity(), config).verdict; };
+  const auto verdict = [&] { return close_near(older, newer, Pose::Identity(), 3.0, config).verdict; };
   config.overlap_min = result.overlap - 1e-6;
   config.near_min = result.near_share - 1e-6;
   EXPECT_EQ(verdict(), ClosureVerdict::kClosed);
   config.near_min = result.near_share + 1e-6;
-  EXPECT_EQ(verdict(), ClosureVerdict::kDoesNotFit);
+  EXPECT_EQ(verdict(), ClosureVerdict::kPoorFit);
   config.overlap_min = result.overlap + 1e-6;
-  EXPECT_EQ(verdict(), ClosureVerdict::kNoOverlap);
+  EXPECT_EQ(verdict(), ClosureVerdict::kLowOverlap);
 }
 
 }  // namespace

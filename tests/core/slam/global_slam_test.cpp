@@ -126,6 +126,29 @@ TEST(GlobalSlam, ClosesLoopAndReportsDriftedFrame) {
   EXPECT_GT(sizes["slam.trajectory"], sizes["slam.submaps"]);
 }
 
+// On the second lap the surroundings are others: what is compared does not match.
+TEST(GlobalSlam, CountsRefusedClosuresByReason) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  Flight flight(GlobalSlam(config, true));
+  flight.fly(4.0 * kSide_m, Vector3::Zero());
+  flight.place_world_m = other_place_world_m();
+  flight.fly(7.0 * kSide_m, Vector3::Zero());
+  std::vector<Counter> counters;
+  flight.slam.append_counters(counters);
+  std::uint64_t refused = 0, compared = 0;
+  for (const Counter& counter : counters) {
+    refused += counter.count;
+    compared = std::max(compared, counter.of);
+  }
+  EXPECT_GT(refused, 0U);
+  EXPECT_EQ(compared, refused + static_cast<std::uint64_t>(flight.slam.num_closures()));
+  std::vector<Overlay> overlays;
+  flight.slam.append_overlays(overlays);
+  ASSERT_EQ(overlays.back().name, "slam.refused");
+  EXPECT_EQ(overlays.back().positions.size(), 2 * refused) << "lines between two";
+}
+
 // Present points stand still in the vehicle's local frame. Old submaps move to their places relative to them.
 TEST(GlobalSlam, ClosureMovesOldSubmapsNotNewest) {
   GlobalSlamConfig config;

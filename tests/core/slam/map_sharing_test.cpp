@@ -28,21 +28,25 @@ using testing::YardFlight;
 constexpr TimeNs kStep = 50'000'000;
 const Pose kT_local_world[] = {level_at(3, 4, 0, 0.5).inverse(), level_at(30, -2, 1, -2.0).inverse()};
 
-MapSharingConfig quick_config() {
-  MapSharingConfig config;
+struct TestConfig : MapSharingConfig {
+  ClosureConfig closures;
+};
+
+TestConfig quick_config() {
+  TestConfig config;
   config.enabled = true;
   config.latency_s = 0.1;
   config.report_interval_s = 2.0;
   config.retry_after_s = 0.5;
-  config.cloud.range_max_m = config.search.range_max_m = 14.0;
-  config.search.window_xy_m = 4.0;
-  config.search.window_z_m = 1.5;
+  config.cloud.range_max_m = config.closures.range_max_m = 14.0;
+  config.closures.search_radius_m = 4.0;
   return config;
 }
 
 /// Two vehicles and a radio with a delay of half a step; `drops` selects lost messages.
 struct Pair {
-  explicit Pair(const MapSharingConfig& config) : sharing{MapSharing(config, 0, 2), MapSharing(config, 1, 2)} {}
+  explicit Pair(const TestConfig& config)
+      : sharing{MapSharing(config, config.closures, 0, 2), MapSharing(config, config.closures, 1, 2)} {}
 
   MapSharing sharing[2];
   std::vector<YardFlight> flights;
@@ -79,7 +83,7 @@ struct Pair {
 };
 
 /// Both fly through the same yard, the second one in the opposite direction, slightly offset and rotated.
-Pair two_in_the_yard(const MapSharingConfig& config) {
+Pair two_in_the_yard(const TestConfig& config) {
   Pair pair(config);
   const std::vector<Vector3> world_m = testing::shared_yard_m();
   for (const Pose& T_local_world : kT_local_world) pair.flights.emplace_back(world_m, T_local_world);
@@ -165,7 +169,7 @@ TEST(MapSharing, RequestsOnlyLostChunks) {
 }
 
 TEST(MapSharing, KeepsItsBudget) {
-  MapSharingConfig config = quick_config();
+  TestConfig config = quick_config();
   for (const double kbps : {10.0, 40.0}) {
     config.budget_kbps = kbps;
     Pair pair = two_in_the_yard(config);
@@ -186,7 +190,7 @@ TEST(MapSharing, KeepsItsBudget) {
 }
 
 TEST(MapSharing, ReachesSameResultOverSlowLink) {
-  MapSharingConfig config = quick_config();
+  TestConfig config = quick_config();
   double joined_s[2] = {};
   int i = 0;
   for (const double kbps : {300.0, 12.0}) {
@@ -236,8 +240,8 @@ std::vector<Vector3> aisles_m() {
 }
 
 TEST(MapSharing, JoinsNothingInEqualAisles) {
-  MapSharingConfig config = quick_config();
-  config.search.window_xy_m = 8.0;
+  TestConfig config = quick_config();
+  config.closures.search_radius_m = 8.0;
   Pair pair(config);
   for (const Pose& T_local_world : kT_local_world) pair.flights.emplace_back(aisles_m(), T_local_world, 10.0);
   for (int i = 0; i < 4; ++i) {
@@ -266,7 +270,7 @@ TEST(MapSharing, GivesTheSameBitsTwice) {
 
 /// A vehicle that receives invalid messages.
 struct Receiver {
-  MapSharing sharing{quick_config(), 0, 3};
+  MapSharing sharing{quick_config(), ClosureConfig{}, 0, 3};
   YardFlight flight{testing::shared_yard_m(), Pose::Identity()};
   TimeNs t = 0;
 
@@ -351,7 +355,7 @@ TEST(MapSharing, RefusesImpossibleReports) {
 }
 
 TEST(MapSharing, RefusesImpossibleClosures) {
-  MapSharing sharing(quick_config(), 1, 2);
+  MapSharing sharing(quick_config(), ClosureConfig{}, 1, 2);
   YardFlight flight(testing::shared_yard_m(), Pose::Identity());
   for (int i = 0; i < 3; ++i) flight.begin_submap(level_at(8.0 * i, 0, 2, 0));
   TimeNs t = 0;

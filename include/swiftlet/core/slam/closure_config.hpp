@@ -5,29 +5,38 @@
 
 namespace swiftlet {
 
+/// Search for the pose of one submap in another, and its verification: for loop closures, relocalization in a saved
+/// map, and closures with other vehicles.
 struct ClosureConfig {
-  double window_xy_m = 3.0;     ///< [m] largest horizontal distance of a match from the estimate
-  double window_z_m = 1.0;      ///< [m] largest vertical distance of a match from the estimate
-  double window_yaw_deg = 8.0;  ///< [deg] largest heading difference of a match from the estimate
+  // Candidate: search of the grid.
+  /// [m] edge of a cell of the search grid. Larger cells are searched faster; alignment has to start within one cell.
   double cell_m = 0.5;
-  int levels = 4;
-  int points = 400;
-  double range_max_m = 25.0;
-  int budget = 200000;
-  double histogram_min = 0.6;     ///< [-] headings whose rotational histograms agree less are not searched
-  double score_min = 0.5;         ///< [-] share of the points that must lie in occupied cells
-  double rival_share = 0.9;       ///< [-] rejects a closure when another place reaches this share of the best score
-  double rival_distance_m = 1.5;  ///< [m] least distance at which a match counts as another place
-  double overlap_min = 0.4;       ///< [-] least share of the newer submap that the older one contains
-  double near_min = 0.7;          ///< [-] least share of the overlapping points that lie on the older submap's surfaces
+  double range_max_m = 25.0;  ///< [m] points farther from the submap's center are ignored; more points cost memory
+  int max_points = 400;       ///< [-] points of the newer submap in the search; its time is proportional to them
+  int levels = 4;             ///< [-] levels of the search grid; the coarsest cells have 2^(levels - 1) edges of cell_m
+  int budget = 3000000;       ///< [-] nodes of all searches for one submap, beyond which it is given up
+  double search_radius_m = 8.0;      ///< [m] largest horizontal displacement that is searched; a guess narrows it
+  double guess_yaw_error_deg = 8.0;  ///< [deg] largest heading error of a guess; without one all headings are searched
+  double heading_similarity_min = 0.6;  ///< [-] headings whose rotational histograms agree less are not searched
+  double score_min = 0.5;               ///< [-] share of the points that must lie in occupied cells
+
+  // Verification: fit to the surfaces of the older submap.
+  /// [-] share of the newer submap that the older one must contain. Lower values accept less overlap.
+  double overlap_min = 0.4;
+  /// [-] share of the overlapping points that must lie on surfaces. Lower values accept changed surroundings.
+  double near_min = 0.7;
+  /// [-] factor on the tolerated shares, 1 - overlap_min and 1 - near_min, without a guess: then more false poses
+  /// compete.
+  double unguided_tolerance = 2.0 / 3.0;
+
+  // Verification: rivals, that is other poses that match about as well.
+  double rival_score = 0.9;       ///< [-] a pose with this share of the best score is a rival; 1: none is
+  double rival_examined = 0.7;    ///< [-] poses with this share of the best score are aligned and compared by their fit
+  double rival_fit = 0.8;         ///< [-] such a pose is a rival if it reaches this share of the best fit
+  double rival_distance_m = 1.5;  ///< [m] distance from which two poses are different places
+  double rival_heading_deg = 20.0;  ///< [deg] heading difference from which poses at one place are different
 
   void visit(ConfigVisitor& v);
 };
-
-/// Defaults of find_in_map: any heading, and stricter checks than around an estimate.
-ClosureConfig global_closure_config();
-
-/// Defaults for relocalization from few scans: parts of the map may lack some of the observed surroundings.
-ClosureConfig locating_config();
 
 }  // namespace swiftlet

@@ -56,7 +56,6 @@ struct GlobalSlamConfig {
   std::shared_ptr<const SavedMap> loaded_map;  ///< content of the file `map`, read by the creator of the vehicle
   double locate_every_m = 4.0;
   double locate_every_s = 1.5;
-  ClosureConfig locate = locating_config();
   GnssFactorConfig gnss;
   ClosureConfig closures;
   GraphSolverConfig graph;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/core/slam/closure_config.hpp"
 #include "swiftlet/core/slam/graph_config.hpp"
 
 namespace swiftlet {
@@ -51,7 +50,6 @@ struct MapSharingConfig {
   double near_m = 12.0;
   int closures_enough = 8;  ///< [-] consistent closures with one vehicle after which no more clouds are requested
   CompactCloudConfig cloud;
-  ClosureConfig search = global_closure_config();
   MapJoinConfig join;
 
   void visit(ConfigVisitor& v);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/slam/graph/graph_ways.hpp"
+#include "core/slam/graph/graph_paths.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/graph/gnss_factors.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "core/slam/level_pose.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+
+namespace swiftlet {
+namespace {
+
+// Longest delay between a scan and a GNSS fix that arrives before it [s]. Scans that are later may lose their fix.
+constexpr double kScanLate_s = 2.0;
+// Most pairs of position and GNSS fix kept to fit an unknown start. Larger values average more fixes.
+constexpr std::size_t kMaxMatched = 2000;
+constexpr std::size_t kMinMatched = 5;  // fewest pairs to fit an unknown start
+
+}  // namespace
+
+void GnssFactors::add(const GnssSample& sample, const TrajectoryGraph& trajectory) {
+  if (!config_.use_gnss || !sample.p_world_m.allFinite() || !sample.sigma_p_m.allFinite()) return;
+  if (trajectory.nodes().empty() || sample.t < trajectory.nodes().back().t) return;
+  waiting_.push_back(sample);
+  // The next node uses the newest fix that is not newer than the node.
+  while (waiting_.size() > 1 && to_seconds(sample.t - waiting_[1].t) > kScanLate_s) waiting_.erase(waiting_.begin());
+}
+
+bool GnssFactors::place(TrajectoryGraph& trajectory) {
+  const std::vector<TrajectoryNode>& nodes = trajectory.nodes();
+  if (waiting_.empty() || nodes.size() < 2) return false;
+  const TrajectoryNode &before = nodes[nodes.size() - 2], &after = nodes.back();
+  const auto newer =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const GnssSample& fix) { return fix.t > after.t; });
+  if (newer == waiting_.begin()) return false;
+  const GnssSample fix = *std::prev(newer);
+  waiting_.erase(waiting_.begin(), newer);
+  const double beta = std::max(0.0, to_seconds(fix.t - before.t) / to_seconds(after.t - before.t));
+  trajectory.add(PositionFactor{before.pose, after.pose, beta, fix.p_world_m,
+                                gnss_weight_1_m(config_.gnss, fix.sigma_p_m), config_.gnss.huber});
+  const Vector3 p_local_m = (1.0 - beta) * before.T_local_body.translation() + beta * after.T_local_body.translation();
+  if (fits_start_) matched_.push_back({p_local_m, fix.p_world_m, 1.0});
+  if (matched_.size() > kMaxMatched) matched_.erase(matched_.begin());
+  return true;
+}
+
+void GnssFactors::fit_start(TrajectoryGraph& trajectory) {
+  if (!fits_start_ || matched_.size() < kMinMatched) return;
+  const TrajectoryNode& first = trajectory.nodes().front();
+  const Pose T_world_local = level_pose(trajectory.graph().pose(first.pose) * first.T_local_body.inverse());
+  const double yaw_rad = yaw_of(T_world_local.linear());
+  const Pose fitted = fit_to_world(matched_, yaw_rad, config_.fit_spread_m);
+  if (yaw_of(fitted.linear()) == yaw_of(level_alignment(yaw_rad, Vector3::Zero(), Vector3::Zero()).linear()))
+    return;  // fixes too near to each other
+  fits_start_ = false;
+  matched_ = {};
+  trajectory.move_flight(fitted * T_world_local.inverse());
+  trajectory.add_start_guess();
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/slam/sharing/shared_maps.hpp"
+#include "swiftlet/core/base/message.hpp"
+
+namespace swiftlet {
+
+/// Is it a topic of map sharing?
+bool is_map_topic(const std::string& topic);
+
+/// Takes the content of a message of map sharing, as of time t.
+/// @return false when the message is implausible; nothing is changed then
+bool receive_map_message(TimeNs t, const Message& message, OwnMap& own, PeerMap& from);
+
+}  // namespace swiftlet

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/slam/sharing/compact_cloud.hpp"
+#include "core/slam/sharing/map_join.hpp"
+#include "core/slam/sharing/submap_look.hpp"
+
+namespace swiftlet {
+
+/// Finished submap of the own vehicle, prepared for transmission.
+struct OwnSubmap {
+  SubmapLook look;
+  std::uint32_t num_points = 0;
+  std::vector<PackedPoints> chunks;
+  bool is_due = true;  ///< has its descriptor to be sent?
+};
+
+struct OwnMap {
+  std::vector<OwnSubmap> submaps;   ///< finished ones
+  std::vector<SubmapPlace> places;  ///< poses of all submaps
+  bool places_due = false;          ///< have the places to be sent?
+};
+
+/// Finished submap of another vehicle. Its points are in its own frame (T_local_submap).
+struct PeerSubmap {
+  std::optional<SubmapLook> look;
+  double similarity = 0.0;  ///< best similarity to an own submap
+  std::uint32_t num_points = 0;
+  std::vector<std::uint8_t> has_chunk;
+  std::vector<Eigen::Vector3f> points_submap_m;
+  bool complete = false;
+  bool closed = false;
+  int num_searched = 0;  ///< number of own submaps at the last search
+};
+
+/// Map of another vehicle, as far as it was received, and the exchange with that vehicle.
+struct PeerMap {
+  /// Does the own vehicle search for closures with it? Of two vehicles, the one with the lower number does.
+  bool is_searched_here = false;
+  std::vector<SubmapPlace> places;
+  std::vector<PeerSubmap> submaps;  ///< finished submaps that were reported
+  std::uint32_t num_finished = 0;
+  TimeNs last_report = 0;
+  bool has_reported = false;
+  // Requests to the peer.
+  int fetching = -1;
+  TimeNs requested = 0, descriptors_requested = 0;
+  std::size_t last_requested = 0;  ///< number of the chunk
+  bool is_requested = false;
+  // Requests from the peer.
+  int requested_submap = -1;
+  std::vector<std::uint8_t> requested_chunks;
+  // Shared results.
+  std::vector<MapClosure> closures;
+  bool closures_due = false;
+  TimeNs closures_sent = 0;
+  bool has_new_closures = false;  ///< since the last test of consistency
+  TimeNs tested = 0;              ///< time of the last test of consistency
+  std::vector<int> agreeing;
+  std::vector<Pose> T_local_other;
+
+  /// Has the vehicle reported within this time?
+  bool is_about(TimeNs t, double timeout_s) const { return has_reported && to_seconds(t - last_report) <= timeout_s; }
+};
+
+/// Reporting intervals without a message after which a vehicle counts as absent: nothing is requested from it.
+inline constexpr double kSilentReports = 3.0;
+/// Shortest interval between reports of places, and between tests of closures with one vehicle [s].
+inline constexpr double kMinUpdateInterval_s = 1.0;
+
+/// Limits on messages. Received messages beyond them are rejected.
+struct MapMessageLimits {
+  static constexpr std::uint32_t kSubmaps = 4096;
+  static constexpr std::size_t kChunks = 256;      ///< chunks of a submap
+  static constexpr std::uint32_t kPoints = 50000;  ///< points of a compact cloud
+  static constexpr std::size_t kPlaces = 32;       ///< places in a message
+  static constexpr std::size_t kClosures = 32;     ///< closures with one vehicle
+  static constexpr double kDistance_m = 1e5;       ///< distance of a submap from the start of the flight, per axis
+  static constexpr double kPathLength_m = 1e6;     ///< path length of a flight
+  static constexpr double kInSubmap_m = 200.0;     ///< displacement between submaps of a closure, per axis
+  static constexpr double kMinTiltCosine = 0.9;    ///< cosine of the tilt of a submap, at least
+};
+
+}  // namespace swiftlet
