@@ -20,7 +20,7 @@ struct BarometerConfig : sim::SensorConfigOf<BarometerConfig> {
   double drift_time_s = 60.0;
 
   void visit(ConfigVisitor& v) override {
-    visit_name(v);
+    visit_common(v);
     v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(0.1, 1000.0));
     v.field("sigma_m", sigma_m, "[m] standard deviation of the white noise", Range::non_negative());
     v.field("drift_m", drift_m, "[m] standard deviation of the drift", Range::non_negative());

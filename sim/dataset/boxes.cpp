@@ -106,8 +106,9 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
 
   const auto pose_of_lidar = [&](TimeNs t) {
     const VehicleState state = truth.at(carrier_, t);
-    return Pose(state.T_world_body() * scan.T_body_lidar);
+    return Pose(state.T_world_body() * labeled.truth.T_body_lidar);
   };
+  const TimeNs start = scan.stamp - labeled.truth.clock_error;
   std::vector<VehicleBox> boxes;
   for (VehicleId v = 0; v < static_cast<VehicleId>(n); ++v) {
     if (v == carrier_) continue;
@@ -116,10 +117,10 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
     box.vehicle = v;
     box.num_points = num_points[static_cast<std::size_t>(v)];
     if (box.num_points > 0) {
-      box.t = scan.stamp + sum_ns[static_cast<std::size_t>(v)] / box.num_points;
+      box.t = start + sum_ns[static_cast<std::size_t>(v)] / box.num_points;
     } else {
       // The beam whose direction is nearest to the vehicle.
-      const TimeNs middle = scan.stamp + scan.duration / 2;
+      const TimeNs middle = start + scan.duration / 2;
       const Vector3 p_lidar = pose_of_lidar(middle).inverse() * truth.at(v, middle).p_world_m;
       const Eigen::Vector3f direction = p_lidar.normalized().cast<float>();
       int nearest = 0;
@@ -132,7 +133,7 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
           nearest = i;
         }
       }
-      box.t = scan.time_of(nearest);
+      box.t = scan.time_of(nearest) - labeled.truth.clock_error;
     }
     const VehicleState state = truth.at(v, box.t);
     const Pose T_world_lidar = pose_of_lidar(box.t);

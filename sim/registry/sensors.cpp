@@ -2,6 +2,7 @@
 #include "swiftlet/sim/registry/sensors.hpp"
 
 #include "swiftlet/sim/sensors/altimeter.hpp"
+#include "swiftlet/sim/sensors/clocked_sensor.hpp"
 #include "swiftlet/sim/sensors/compass.hpp"
 #include "swiftlet/sim/sensors/gnss.hpp"
 #include "swiftlet/sim/sensors/imu.hpp"
@@ -42,7 +43,8 @@ Registry<SensorType>& sensor_registry() {
 }
 
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup) {
-  return sensor_registry().make(config, std::move(setup));
+  const auto& common = dynamic_cast<const SensorConfig&>(*config.config);
+  return with_clock(sensor_registry().make(config, setup), common, setup);
 }
 
 }  // namespace swiftlet::sim

@@ -7,7 +7,7 @@
 namespace swiftlet::sim {
 
 void AltimeterConfig::visit(ConfigVisitor& v) {
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("position_m", position_m, "[m] mounting position, body frame");
   v.choice("beam", beam, {"vertical", "body"}, "[-] direction of the beam: the world's vertical, or the body's");

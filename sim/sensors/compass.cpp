@@ -7,7 +7,7 @@
 namespace swiftlet::sim {
 
 void CompassConfig::visit(ConfigVisitor& v) {
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("sigma_deg", sigma_deg, "[deg] standard deviation of the white noise", Range::non_negative());
   v.field("bias_sigma_deg", bias_sigma_deg, "[deg] standard deviation of the constant error", Range::non_negative());

@@ -8,15 +8,9 @@
 
 namespace swiftlet::sim {
 
-void GnssOutage::visit(ConfigVisitor& v) {
-  v.field("start_s", start_s, "[s] first instant without a fix", Range::non_negative());
-  v.field("end_s", end_s, "[s] first instant with fixes again", Range::non_negative());
-  v.check(end_s >= start_s, "end_s", "not before start_s");
-}
-
 void GnssConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: gnss_m8p, gnss_rtk, gnss_mrs");
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] fixes per second", Range::between(1e-3, 1e5));
   v.field("position_m", position_m, "[m] position of the antenna, body frame");
   v.field("sigma_xy_m", sigma_xy_m, "[m] white noise of east and north", Range::non_negative());
@@ -140,10 +134,8 @@ class GnssSensor final : public Sensor {
   }
 
   bool in_outage(TimeNs t) {
-    const bool planned = std::any_of(config_.outages.begin(), config_.outages.end(), [t](const GnssOutage& outage) {
-      return t >= from_seconds(outage.start_s) && t < from_seconds(outage.end_s);
-    });
-    return random_outages_.active(t) || planned;
+    const bool is_random = random_outages_.active(t);
+    return is_random || std::ranges::any_of(config_.outages, [t](const OutageConfig& o) { return o.contains(t); });
   }
 
   int visible_satellites(const Vector3& p_world_antenna) const {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/sensors/imu.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include "sim/sensors/noise.hpp"
+#include "sim/sensors/rotor_vibration.hpp"
 
 namespace swiftlet::sim {
 
 void ImuConfig::visit(ConfigVisitor& v) {
-  v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs, imu_perfect");
-  visit_name(v);
+  v.model("model", model, "sensors", "preset: imu_adis16448, imu_icm42688, imu_icm40609, imu_mrs, imu_perfect");
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::between(1e-3, 1e6));
   v.field("position_m", position_m, "[m] mounting position, body frame");
   v.field("rotation_rpy_deg", rotation_rpy_deg, "[deg] mounting attitude in the body frame: roll, pitch, yaw");
@@ -31,6 +35,10 @@ void ImuConfig::visit(ConfigVisitor& v) {
   v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation by axis", Range::positive());
   v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravitational acceleration in the specific force",
           Range::non_negative());
+  v.object("mount_error", mount_error, "true mounting relative to that known to the agent");
+  v.object("vibration", vibration, "vibration by the rotors");
+  v.field("dropout_probability", dropout_probability, "[-] probability that a sample is lost", Range::probability());
+  v.list("outages", outages, "times without samples");
 }
 
 namespace {
@@ -66,18 +74,27 @@ class ImuSensor final : public Sensor {
       : Sensor(std::move(setup)),
         schedule_(config.rate_hz,
                   Schedule(config.rate_hz).period()),  // the first interval ends one period after the start
-        p_body_imu_(config.position_m),
+        p_body_imu_(config.position_m + config.mount_error.position_m),
         R_body_imu_(rotation_of_rpy(config.rotation_rpy_deg * kRadPerDeg)),
+        true_R_body_imu_(config.mount_error.applied_to(R_body_imu_)),
         gravity_world_(0.0, 0.0, -config.gravity_mps2),
         gyro_(setup_, "gyro", config.gyro_noise_density_radps_psqrthz, config.gyro_bias_walk_radps2_psqrthz,
               config.gyro_bias_time_s, config.gyro_turn_on_bias_radps, config.gyro_max_radps),
         accel_(setup_, "accel", config.accel_noise_density_mps2_psqrthz, config.accel_bias_walk_mps3_psqrthz,
-               config.accel_bias_time_s, config.accel_turn_on_bias_mps2, config.accel_max_mps2) {}
+               config.accel_bias_time_s, config.accel_turn_on_bias_mps2, config.accel_max_mps2),
+        dropout_probability_(config.dropout_probability),
+        dropout_(stream("imu.dropout")),
+        outages_(config.outages) {
+    if (!config.vibration.none()) vibration_.emplace(config.vibration, stream("imu.vibration"));
+  }
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
     TimeNs due = 0;
     std::uint32_t index = 0;
-    while (schedule_.next(now, due, index)) out.imu.push_back(sample(due, index, truth));
+    while (schedule_.next(now, due, index)) {
+      const ImuSample measured = sample(due, index, truth);
+      if (!is_lost(due, index)) out.imu.push_back(measured);
+    }
   }
 
   double look_back_s() const override { return to_seconds(schedule_.period()); }
@@ -89,6 +106,11 @@ class ImuSensor final : public Sensor {
     Eigen::Quaterniond q_world_body = Eigen::Quaterniond::Identity();
     Vector3 v_world_mps = Vector3::Zero();
   };
+
+  bool is_lost(TimeNs due, std::uint32_t index) const {
+    return (dropout_probability_ > 0.0 && dropout_.uniform(index, 0) < dropout_probability_) ||
+           std::ranges::any_of(outages_, [due](const OutageConfig& outage) { return outage.contains(due); });
+  }
 
   ImuSample sample(TimeNs due, std::uint32_t index, const StateHistory& truth) {
     const TimeNs begin = due - schedule_.period();
@@ -102,11 +124,16 @@ class ImuSensor final : public Sensor {
     const Vector3 acceleration_world = (end.v_world_mps - start.v_world_mps) / dt_s;
     const Vector3 force_body = q_world_body_mid.conjugate() * (acceleration_world - gravity_world_);
 
-    ImuSample sample;
-    sample.t = due;
-    sample.omega_body_radps = R_body_imu_ * gyro_.corrupt(R_body_imu_.conjugate() * (turn / dt_s), dt_s, index);
-    sample.specific_force_body_mps2 = R_body_imu_ * accel_.corrupt(R_body_imu_.conjugate() * force_body, dt_s, index);
-    return sample;
+    Vector3 rate_imu = true_R_body_imu_.conjugate() * (turn / dt_s);
+    Vector3 force_imu = true_R_body_imu_.conjugate() * force_body;
+    if (vibration_) {
+      const RotorVibration::Mean shaken =
+          vibration_->mean(truth.at(setup_.vehicle, begin), truth.at(setup_.vehicle, due), dt_s);
+      rate_imu += shaken.omega_sensor_radps;
+      force_imu += shaken.accel_sensor_mps2;
+    }
+    return {due, R_body_imu_ * gyro_.corrupt(rate_imu, dt_s, index),
+            R_body_imu_ * accel_.corrupt(force_imu, dt_s, index)};
   }
 
   MountState state_of_mount(const StateHistory& truth, TimeNs t) const {
@@ -116,9 +143,14 @@ class ImuSensor final : public Sensor {
 
   Schedule schedule_;
   Vector3 p_body_imu_;
-  Eigen::Quaterniond R_body_imu_;
+  Eigen::Quaterniond R_body_imu_;       // as calibrated
+  Eigen::Quaterniond true_R_body_imu_;  // with the mounting error
   Vector3 gravity_world_;
   NoisyTriad gyro_, accel_;
+  std::optional<RotorVibration> vibration_;
+  double dropout_probability_;
+  Random dropout_;
+  std::vector<OutageConfig> outages_;
   MountState last_;
 };
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "sim/sensors/lidar_echoes.hpp"
 #include "sim/sensors/lidar_external_pose.hpp"
+#include "sim/sensors/lidar_faults.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
-#include "sim/sensors/noise.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/parallel/first_exception.hpp"
@@ -19,8 +19,9 @@
 namespace swiftlet::sim {
 
 void LidarConfig::visit(ConfigVisitor& v) {
-  v.model("model", model, "sensors", "preset: os1_128, os0_128, mid360, puck_lite, os1_128_uniform, os0_128_uniform");
-  visit_name(v);
+  v.model("model", model, "sensors",
+          "preset: os1_128, os0_128, mid360, puck_lite, each also as NAME_sheet; os1_128_uniform, os0_128_uniform");
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] sweeps per second", Range::between(0.1, 1000));
   v.field("rolling", rolling, "[-] every beam at its own time; false: the whole sweep in one instant");
   v.field("ideal", ideal, "[-] no noise, no lost returns, thin beams, true poses");
@@ -28,79 +29,19 @@ void LidarConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] least measured range", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] greatest measured range", Range::positive());
   v.object("mount", mount, "mounting on the vehicle");
+  v.object("mount_error", mount_error, "true mounting relative to that known to the agent");
   v.module("pattern", pattern, lidar_pattern_types(), "where and when it fires");
   v.object("noise", noise, "noise of the range");
   v.object("detection", detection, "detection of returns by the receiver");
   v.object("beam", beam, "width of the beam");
+  v.object("faults", faults, "lost shots, outliers, resolution, near returns");
   v.object("external_pose", external_pose, "pose of an external localization, delivered with each scan");
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
 }
 
 namespace {
 
-constexpr float kIntensityRange_m = 10.0F;  // Scan::intensity is 1 for a white wall at this range
-constexpr int kMaxSubRays = 9;
 constexpr int kTilesAtATime = 32;  // per thread
-
-/// Properties of a surface for the measurement, besides its truth labels.
-struct SurfaceLookUp {
-  float reflectivity = 0.0F;
-  bool retroreflective = false;
-  std::uint8_t part = 0;
-  std::uint16_t surface_class = 0;
-  std::uint16_t instance = 0;
-};
-
-/// One echo per beam of a packet. The brightness is reflectivity * cos(incidence), summed over the beam's
-/// cross-section.
-struct alignas(64) Echoes {
-  std::array<float, kPacketSize> range_m;  // 0: none
-  std::array<float, kPacketSize> cos_incidence;
-  std::array<float, kPacketSize> brightness;
-  std::array<std::uint32_t, kPacketSize> surface;
-};
-
-/// A sample of the beam's cross-section, in standard deviations of its Gaussian profile.
-struct SubRay {
-  float across, up, weight;
-};
-
-// Cubature of a plane Gaussian: 5 points exact to degree 3 (and 4 on the axes), 9 points of the Gauss-Hermite product.
-std::vector<SubRay> sub_rays(int count) {
-  const float a = std::sqrt(3.0F);
-  std::vector<SubRay> rays = {{0, 0, 1}};
-  if (count == 5) rays = {{0, 0, 1.0F / 3}, {a, 0, 1.0F / 6}, {-a, 0, 1.0F / 6}, {0, a, 1.0F / 6}, {0, -a, 1.0F / 6}};
-  if (count == 9) {
-    rays.clear();
-    for (const int i : {0, 1, -1}) {
-      for (const int j : {0, 1, -1}) {
-        rays.push_back({i * a, j * a, (i == 0 ? 2.0F / 3 : 1.0F / 6) * (j == 0 ? 2.0F / 3 : 1.0F / 6)});
-      }
-    }
-  }
-  return rays;
-}
-
-// Beams rotated by small angles: `across` to the left, `up` upwards.
-BeamPacket turned(const BeamPacket& beams, float across_rad, float up_rad) {
-  BeamPacket out = beams;
-  for (int i = 0; i < kPacketSize; ++i) {
-    const float x = beams.direction_x[i], y = beams.direction_y[i], z = beams.direction_z[i];
-    const float level = std::sqrt(x * x + y * y);
-    // Left is horizontal; for vertical beams any horizontal direction serves.
-    const float left_x = level > 1e-6F ? -y / level : 0.0F;
-    const float left_y = level > 1e-6F ? x / level : 1.0F;
-    const float up_x = -z * left_y, up_y = z * left_x, up_z = x * left_y - y * left_x;
-    const float dx = x + across_rad * left_x + up_rad * up_x;
-    const float dy = y + across_rad * left_y + up_rad * up_y;
-    const float dz = z + up_rad * up_z;
-    const float scale = 1.0F / std::sqrt(dx * dx + dy * dy + dz * dz);
-    out.direction_x[i] = scale * dx;
-    out.direction_y[i] = scale * dy;
-    out.direction_z[i] = scale * dz;
-  }
-  return out;
-}
 
 // Arc cosine of 0..1, error below 2e-7 in single precision: Abramowitz and Stegun 4.4.46.
 float arc_cosine(float x) {
@@ -125,7 +66,7 @@ class Lidar final : public Sensor {
   Lidar(const LidarConfig& config, SensorSetup setup);
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override;
-  std::span<const std::shared_ptr<const LabeledScan>> scans() const override { return completed_; }
+  std::span<const std::shared_ptr<LabeledScan>> scans() const override { return completed_; }
   bool makes_scan_by(TimeNs now) const override { return schedule_.is_due(now); }
   int begin_sweep(TimeNs now, const StateHistory& truth) override;
   void trace_part(int part) override;
@@ -135,7 +76,6 @@ class Lidar final : public Sensor {
  private:
   std::shared_ptr<PooledScan> take_from_pool();
   void resize(LabeledScan& scan) const;
-  void look_up_surfaces();
   std::vector<Firing> firings_of(const BeamTable& beams) const;
   void make_tiles(BeamTable& beams);
   void make_tile(BeamTable& beams, LidarTile& tile) const;
@@ -143,28 +83,25 @@ class Lidar final : public Sensor {
   void prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out);
 
   void measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const;
-  void trace_thin(const LidarTile& tile, Echoes& echoes) const;
-  void trace_wide(const LidarTile& tile, Echoes& echoes) const;
-  float brightness(std::uint32_t surface, float cos_incidence) const;
 
   LidarConfig config_;
-  Pose T_body_lidar_;
+  Pose T_body_lidar_;       // as calibrated
+  Pose true_T_body_lidar_;  // with the mounting error
   Schedule schedule_;
   TimeNs duration_;  // duration of a sweep; 0: frozen
   std::unique_ptr<LidarPattern> pattern_;
   LidarMeasurement measurement_;
-  std::vector<SubRay> sub_rays_;
-  float sub_ray_sigma_rad_ = 0.0F;
   SweepScene scene_;
+  EchoTracer tracer_;
   ExternalPoses external_poses_;
   Random range_random_, detection_random_;
-  std::vector<SurfaceLookUp> surfaces_;  // indexed by surface number of SweepScene
-  std::shared_ptr<BeamTable> beams_;     // beams of a repeating pattern, otherwise of the first sweep
+  std::shared_ptr<BeamTable> beams_;  // beams of a repeating pattern, otherwise of the first sweep
+  LidarFaults faults_;
   LidarTiler tiler_;
   std::vector<LidarTile> tiles_;
   std::vector<float> range_normals_;  // (beams), of the current sweep
   std::vector<std::shared_ptr<PooledScan>> pool_;
-  std::vector<std::shared_ptr<const LabeledScan>> completed_;
+  std::vector<std::shared_ptr<LabeledScan>> completed_;
   std::shared_ptr<PooledScan> begun_;  // started by begin_sweep(), delivered by measure()
   int tiles_of_part_ = 1;
 };
@@ -173,24 +110,44 @@ std::shared_ptr<const StaticScene> world_or_nothing(const SensorSetup& setup) {
   return setup.world ? setup.world : std::make_shared<const StaticScene>(Scene{});
 }
 
+std::vector<SurfaceLookUp> surfaces_of(const SweepScene& scene, const SensorSetup& setup) {
+  std::vector<SurfaceLookUp> surfaces;
+  for (const SweepSurface& surface : scene.surfaces()) {
+    const bool is_static = surface.vehicle == kNoVehicle;
+    static const std::vector<Material> kNone;
+    const std::vector<Material>& materials = !is_static    ? setup.vehicle_shapes[surface.vehicle]->materials
+                                             : setup.scene ? setup.scene->materials
+                                                           : kNone;
+    const Material material = surface.material < materials.size() ? materials[surface.material] : Material{};
+    surfaces.push_back({material.reflectivity, material.retroreflective, static_cast<std::uint8_t>(surface.part),
+                        static_cast<std::uint16_t>(surface.surface_class), surface.instance});
+  }
+  if (surfaces.empty()) surfaces.emplace_back();  // lanes without a hit refer to number 0
+  return surfaces;
+}
+
+std::shared_ptr<BeamTable> first_sweep_of(const LidarPattern& pattern) {
+  auto beams = std::make_shared<BeamTable>();
+  pattern.fill(0, *beams);
+  return beams;
+}
+
 Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
     : Sensor(std::move(setup)),
       config_(config),
       T_body_lidar_(config.mount.place_on(*setup_.vehicle_shapes.at(setup_.vehicle), config.pattern)),
+      true_T_body_lidar_(config.mount_error.applied_to(T_body_lidar_)),
       schedule_(config.rate_hz, from_seconds(1.0 / config.rate_hz)),
       duration_(config.rolling ? schedule_.period() : 0),
       pattern_(make_lidar_pattern(config.pattern, 1.0 / config.rate_hz)),
       measurement_(config.noise, config.detection, config.range_max_m, config.ideal),
-      sub_rays_(sub_rays(config.ideal ? 1 : config.beam.sub_rays)),
-      // FWHM of a Gaussian = 2 sqrt(2 ln 2) sigma.
-      sub_ray_sigma_rad_(static_cast<float>(config.beam.divergence_deg * kRadPerDeg / 2.354820045)),
-      scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, T_body_lidar_, config.range_max_m),
+      scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, true_T_body_lidar_, config.range_max_m),
+      tracer_(config, scene_, surfaces_of(scene_, setup_)),
       external_poses_(config.external_pose, config.ideal, setup_.seed, setup_.entity),
       range_random_(stream("lidar.range")),
       detection_random_(stream("lidar.detection")),
-      beams_(std::make_shared<BeamTable>()) {
-  look_up_surfaces();
-  pattern_->fill(0, *beams_);
+      beams_(first_sweep_of(*pattern_)),
+      faults_(config.faults, config.ideal, setup_.seed, setup_.entity, beams_->size()) {
   const std::vector<Firing> firings = firings_of(*beams_);
   scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
@@ -199,20 +156,6 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   // better order.
   tiles_of_part_ = pattern_->is_image() ? kTilesAtATime : 1;
   range_normals_.resize(beams_->size());
-}
-
-void Lidar::look_up_surfaces() {
-  for (const SweepSurface& surface : scene_.surfaces()) {
-    const bool is_static = surface.vehicle == kNoVehicle;
-    static const std::vector<Material> kNone;
-    const std::vector<Material>& materials = !is_static     ? setup_.vehicle_shapes[surface.vehicle]->materials
-                                             : setup_.scene ? setup_.scene->materials
-                                                            : kNone;
-    const Material material = surface.material < materials.size() ? materials[surface.material] : Material{};
-    surfaces_.push_back({material.reflectivity, material.retroreflective, static_cast<std::uint8_t>(surface.part),
-                         static_cast<std::uint16_t>(surface.surface_class), surface.instance});
-  }
-  if (surfaces_.empty()) surfaces_.emplace_back();  // lanes without a hit refer to number 0
 }
 
 // One firing per column where all its beams share origin and time, otherwise one per beam.
@@ -237,12 +180,7 @@ void Lidar::make_tiles(BeamTable& beams) {
 
 void Lidar::make_tile(BeamTable& beams, LidarTile& tile) const {
   tiler_.load(beams, tile);
-  std::uint32_t reaches_self = 0;
-  for (const SubRay& ray : sub_rays_) {
-    const bool is_axis = ray.across == 0.0F && ray.up == 0.0F;
-    reaches_self |= scene_.reaches_self(
-        is_axis ? tile.beams : turned(tile.beams, ray.across * sub_ray_sigma_rad_, ray.up * sub_ray_sigma_rad_));
-  }
+  const std::uint32_t reaches_self = tracer_.reaches_self(tile.beams);
   tile.meets_self = reaches_self != 0;
   for (int i = 0; i < kPacketSize; ++i) {
     if (tile.beam[i] >= 0) beams.masked[tile.beam[i]] = (reaches_self >> i) & 1U;
@@ -256,6 +194,7 @@ void Lidar::measure(TimeNs now, const StateHistory& truth, Observation& out) {
   while (schedule_.next(now, due, index)) {
     std::shared_ptr<PooledScan> scan = begun_ ? std::move(begun_) : sweep(due - duration_, index, truth);
     begun_.reset();
+    faults_.add_near_returns(index, setup_.vehicle, static_cast<float>(config_.range_min_m), *scan);
     out.scans.push_back(std::shared_ptr<const Scan>(scan, &scan->scan));
     completed_.push_back(std::move(scan));
   }
@@ -297,6 +236,7 @@ void Lidar::resize(LabeledScan& labeled) const {
   scan.sensor = setup_.name;
   scan.duration = duration_;
   scan.T_body_lidar = T_body_lidar_;
+  labeled.truth.T_body_lidar = true_T_body_lidar_;
   scan.range_max_m = config_.range_max_m;
   scan.sigma_range_m = config_.ideal ? 0.0 : config_.noise.sigma_range_m;
   scan.range_m.resize(size);
@@ -329,7 +269,8 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
     out.scan.beams = out.own_beams;
   }
   scene_.begin(truth, stamp, duration_);
-  external_poses_.append_poses(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.external_poses);
+  external_poses_.append_poses(truth, setup_.vehicle, true_T_body_lidar_, stamp, duration_, index,
+                               out.scan.external_poses);
 
   // Each number is a function of (sweep, beam), so it does not depend on the distribution over threads.
   constexpr int kChunk = 4096;
@@ -337,7 +278,9 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   parallel_for((size + kChunk - 1) / kChunk, 1, [&](int chunk) {
     const int first = chunk * kChunk;
     const std::size_t count = std::min(kChunk, size - first);
-    range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
+    const std::span normals = std::span(range_normals_).subspan(first, count);
+    range_random_.fill_normal(index, first, normals);
+    faults_.draw(index, first, normals);
   });
   for (std::size_t c = 0; c < out.truth.T_world_lidar.size(); ++c) {
     out.truth.T_world_lidar[c] = scene_.T_world_lidar(static_cast<int>(c));
@@ -350,7 +293,10 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
   // Prefetches the noise values, which lie a row apart, for use after the tracing.
   for (const int beam : tile.beam) __builtin_prefetch(&range_normals_[std::max(beam, 0)]);
   Echoes echoes;
-  sub_rays_.size() == 1 ? trace_thin(tile, echoes) : trace_wide(tile, echoes);
+  tracer_.trace(tile, echoes);
+  if (const auto factors = faults_.reflectivity_factors(); !factors.empty()) {
+    for (int i = 0; i < kPacketSize; ++i) echoes.brightness[i] *= factors[std::max(tile.beam[i], 0)];
+  }
   std::array<float, kPacketSize> incidence_rad;
   for (int i = 0; i < kPacketSize; ++i) incidence_rad[i] = arc_cosine(echoes.cos_incidence[i]);
 
@@ -361,7 +307,7 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     if (beam < 0) continue;
     const float range = echoes.range_m[i];
     const bool met = range > 0.0F;
-    const SurfaceLookUp& surface = surfaces_[echoes.surface[i]];
+    const SurfaceLookUp& surface = tracer_.surface(echoes.surface[i]);
     out.truth.range_m[beam] = range;
     out.truth.incidence_rad[beam] = met ? incidence_rad[i] : 0.0F;
     out.truth.surface_class[beam] = met ? surface.surface_class : 0;
@@ -383,69 +329,16 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     out.scan.intensity[beam] = detected ? intensity : 0.0F;
     out.scan.reflectivity[beam] = detected ? intensity * corrected * corrected : 0.0F;
   }
+  if (faults_.has_range_step()) {
+    for (const int beam : tile.beam) {
+      if (beam >= 0) out.scan.range_m[beam] = faults_.rounded_m(out.scan.range_m[beam]);
+    }
+  }
   if (config_.self_mask && tile.meets_self) {
     const BeamTable& beams = *out.scan.beams;
     for (const int beam : tile.beam) {
       if (beam < 0 || beams.masked[beam] == 0) continue;
       out.scan.range_m[beam] = out.scan.intensity[beam] = out.scan.reflectivity[beam] = 0.0F;
-    }
-  }
-}
-
-float Lidar::brightness(std::uint32_t surface, float cos_incidence) const {
-  const SurfaceLookUp& s = surfaces_[surface];
-  return s.retroreflective ? s.reflectivity * static_cast<float>(config_.detection.retro_gain)
-                           : s.reflectivity * cos_incidence;
-}
-
-void Lidar::trace_thin(const LidarTile& tile, Echoes& echoes) const {
-  PacketHits hits;
-  scene_.trace(tile.beams, tile.meets_self, hits);
-  echoes.range_m = hits.range_m;
-  echoes.cos_incidence = hits.cos_incidence;
-  echoes.surface = hits.surface;
-  for (int i = 0; i < kPacketSize; ++i) echoes.brightness[i] = brightness(hits.surface[i], hits.cos_incidence[i]);
-}
-
-// Echoes of sub-rays within one pulse length merge into one; the strongest merged echo is returned.
-void Lidar::trace_wide(const LidarTile& tile, Echoes& echoes) const {
-  const int count = static_cast<int>(sub_rays_.size());
-  std::array<PacketHits, kMaxSubRays> hits;
-  for (int k = 0; k < count; ++k) {
-    const SubRay& ray = sub_rays_[k];
-    scene_.trace(turned(tile.beams, ray.across * sub_ray_sigma_rad_, ray.up * sub_ray_sigma_rad_), tile.meets_self,
-                 hits[k]);
-  }
-  const auto pulse_m = static_cast<float>(config_.beam.pulse_length_m);
-  for (int i = 0; i < kPacketSize; ++i) {
-    std::array<float, kMaxSubRays> bright{}, power{};
-    for (int k = 0; k < count; ++k) {
-      const float range = hits[k].range_m[i];
-      if (range <= 0.0F) continue;
-      bright[k] = sub_rays_[k].weight * brightness(hits[k].surface[i], hits[k].cos_incidence[i]);
-      power[k] = bright[k] / (range * range) + std::numeric_limits<float>::min();  // > 0: the sub-ray meets a surface
-    }
-    echoes.range_m[i] = echoes.cos_incidence[i] = echoes.brightness[i] = 0.0F;
-    echoes.surface[i] = 0;
-    float strongest = 0.0F;
-    for (int first = 0; first < count; ++first) {
-      if (power[first] == 0.0F) continue;
-      float sum_power = 0.0F, sum_range = 0.0F, sum_bright = 0.0F;
-      int brightest = first;
-      for (int k = 0; k < count; ++k) {
-        const float behind = hits[k].range_m[i] - hits[first].range_m[i];
-        if (power[k] == 0.0F || behind < 0.0F || behind > pulse_m) continue;
-        sum_power += power[k];
-        sum_range += power[k] * behind;
-        sum_bright += bright[k];
-        if (power[k] > power[brightest]) brightest = k;
-      }
-      if (sum_power <= strongest) continue;
-      strongest = sum_power;
-      echoes.range_m[i] = hits[first].range_m[i] + sum_range / sum_power;
-      echoes.brightness[i] = sum_bright;
-      echoes.cos_incidence[i] = hits[brightest].cos_incidence[i];
-      echoes.surface[i] = hits[brightest].surface[i];
     }
   }
 }

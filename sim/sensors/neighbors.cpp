@@ -19,7 +19,7 @@ void NeighborCamera::visit(ConfigVisitor& v) {
 
 void NeighborsConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: neighbors_uvdar, neighbors_ideal");
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("ideal", ideal, "[-] the truth of all other vehicles; ignores all following settings except the latency");
   v.field("range_max_m", range_max_m, "[m] greatest range of detection", Range::positive());
@@ -42,7 +42,6 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
           Range::probability());
   v.field("id_swap_probability", id_swap_probability,
           "[-] probability of confusing a vehicle with another one in the same sample", Range::probability());
-  v.field("latency_s", latency_s, "[s] from the time of validity to the delivery", Range::non_negative());
   v.check(elevation_max_deg >= elevation_min_deg, "elevation_max_deg", "at least elevation_min_deg");
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
 }
@@ -71,7 +70,6 @@ class NeighborsSensor final : public Sensor {
       : Sensor(std::move(setup)),
         config_(config),
         schedule_(config.rate_hz),
-        latency_(from_seconds(config.latency_s)),
         swap_(stream("neighbors.swap")),
         view_(config.view()),
         p_world_m_(setup_.vehicle_names.size(), Vector3::Zero()) {
@@ -82,12 +80,10 @@ class NeighborsSensor final : public Sensor {
     }
   }
 
-  double look_back_s() const override { return config_.latency_s; }
-
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
     TimeNs due = 0;
     std::uint32_t index = 0;
-    while (schedule_.next(now - latency_, due, index)) {
+    while (schedule_.next(now, due, index)) {
       const std::size_t first = out.neighbors.size();
       const VehicleState self = truth.at(setup_.vehicle, due);
       for (VehicleId i = 0; i < truth.num_vehicles(); ++i) p_world_m_[i] = truth.at(i, due).p_world_m;
@@ -149,7 +145,6 @@ class NeighborsSensor final : public Sensor {
 
   NeighborsConfig config_;
   Schedule schedule_;
-  TimeNs latency_;
   std::vector<Random> noise_, dropout_;  // indexed by VehicleId of the other vehicle
   Random swap_;
   NeighborView view_;

@@ -7,7 +7,7 @@ namespace swiftlet::sim {
 
 void OdometryConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: odometry_vio, odometry_lio, odometry_perfect");
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.choice("frame", frame, {"start", "world", "random"},
            "[-] the local frame at the start: the body's pose (without tilt), the world, or anything");

@@ -7,7 +7,7 @@ namespace swiftlet::sim {
 
 void PoseConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: pose_mocap, pose_rtk");
-  visit_name(v);
+  visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] poses per second; 0: one in every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("sigma_position_m", sigma_position_m, "[m] standard deviation by axis of the world", Range::non_negative());

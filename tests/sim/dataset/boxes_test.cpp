@@ -38,6 +38,7 @@ class BoxesTest : public ::testing::Test {
     scan.scan.duration = 100'000'000;
     scan.scan.range_max_m = 50.0;
     scan.scan.T_body_lidar.translation() = Vector3(0, 0, 0.3);
+    scan.truth.T_body_lidar = scan.scan.T_body_lidar;
     const auto size = static_cast<std::size_t>(beams->size());
     scan.scan.range_m.assign(size, 0.0F);
     scan.truth.surface_class.assign(size, 0);

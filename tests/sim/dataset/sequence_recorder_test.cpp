@@ -131,6 +131,7 @@ class Flight2 {
     scan.T_body_lidar = body_from_lidar();
     const auto size = static_cast<std::size_t>(scan.size());
     ScanTruth& truth = labeled->truth;
+    truth.T_body_lidar = body_from_lidar();
     for (std::size_t i = 0; i < size; ++i) {
       const int kind = static_cast<int>(i) % 7;
       // Both sides of every edge of a bin, and beyond the last.

@@ -37,7 +37,7 @@ struct GasConfig : SensorConfigOf<GasConfig> {
   double concentration_ppm = 3.5;
   double unseen = 0.0;
   void visit(ConfigVisitor& v) override {
-    visit_name(v);
+    visit_common(v);
     v.field("concentration_ppm", concentration_ppm, "[-] parts per million, everywhere");
   }
 };

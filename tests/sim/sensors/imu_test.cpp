@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <complex>
+
 #include "sim/sensors/noise.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
@@ -52,13 +54,18 @@ TEST(Imu, FeelsNothingInFreeFall) {
   }
 }
 
-TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
-  const auto sensor = make_imu_sensor(perfect_imu(), sensor_setup("imu"));
+/// Samples at this rate, integrated with the model of make_imu_sensor().
+void expect_motion_given_back(double rate_hz) {
+  ImuConfig config = perfect_imu();
+  config.rate_hz = rate_hz;
+  const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
   const double duration_s = 4.0;
-  const Observation seen = drive(*sensor, {weaving_imu}, {.duration_s = duration_s});
-  ASSERT_EQ(seen.imu.size(), 1000U);
+  // True states at the sensor's instants, because between states attitude and velocity are interpolated.
+  const Observation seen =
+      drive(*sensor, {weaving_imu}, {.duration_s = duration_s, .tick = 20'000'000, .step = 500'000});
+  ASSERT_EQ(seen.imu.size(), static_cast<std::size_t>(std::lround(duration_s * rate_hz)));
 
-  const double dt = 0.004;
+  const double dt = 1.0 / rate_hz;
   VehicleState state = weaving_imu(0.0);
   for (const ImuSample& sample : seen.imu) {
     const Eigen::Quaterniond q_mid = state.q_world_body * rotation_exp(0.5 * dt * sample.omega_body_radps);
@@ -72,6 +79,13 @@ TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
   EXPECT_LT(state.q_world_body.angularDistance(truth.q_world_body), 1e-9);
   // Second order: the error of the trapezoidal rule is dt^2 / 12 times the change of acceleration (about 6 m/s^2).
   EXPECT_LT((state.p_world_m - truth.p_world_m).norm(), dt * dt);
+}
+
+TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
+  for (const double rate_hz : {50.0, 100.0, 200.0, 250.0, 400.0}) {
+    SCOPED_TRACE(rate_hz);
+    expect_motion_given_back(rate_hz);
+  }
 }
 
 TEST(Imu, MeasuresCentripetalAccelerationAtLeverArm) {
@@ -201,6 +215,75 @@ TEST(Imu, SaturatesInItsOwnAxes) {
   config.rotation_rpy_deg.z() = 45.0;
   const auto turned = make_imu_sensor(config, sensor_setup("imu"));
   EXPECT_NEAR(drive(*turned, {spinning}, {}).imu.back().omega_body_radps.x(), 10.0, 1e-9);
+}
+
+TEST(Imu, MountErrorStaysInTheSample) {
+  ImuConfig config = perfect_imu();
+  config.rotation_rpy_deg.z() = 90.0;
+  config.mount_error.rotation_deg = {0.0, 2.0, 0.0};  // the true y axis of the sensor is the body's -x axis
+  const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
+  const Vector3 force = drive(*sensor, {resting(Vector3::Zero())}, {}).imu.back().specific_force_body_mps2;
+  EXPECT_NEAR((force - 9.81 * Vector3(0.0, -std::sin(2.0 * kRadPerDeg), std::cos(2.0 * kRadPerDeg))).norm(), 0.0, 1e-9);
+  // A lever arm of 0.1 m that the agent does not know of, in a turn of 3 rad/s.
+  config = perfect_imu();
+  config.mount_error.position_m = {0.1, 0.0, 0.0};
+  const Motion spinning = [](double t) {
+    VehicleState state = state_at(Vector3::Zero(), 3.0 * t);
+    state.omega_body_radps.z() = 3.0;
+    return state;
+  };
+  const auto displaced = make_imu_sensor(config, sensor_setup("imu"));
+  EXPECT_NEAR(drive(*displaced, {spinning}, {}).imu.back().specific_force_body_mps2.x(), -0.9, 1e-4);
+}
+
+TEST(Imu, LosesSamplesAtStatedRate) {
+  ImuConfig config = perfect_imu();
+  config.dropout_probability = 0.1;
+  config.outages = {{10.0, 12.0}};
+  const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
+  const auto samples = drive(*sensor, {resting(Vector3::Zero())}, {.duration_s = 40.0}).imu;
+  constexpr int kDue = 38 * 250;
+  EXPECT_NEAR(static_cast<double>(samples.size()) / kDue, 0.9, share_bound(0.9, kDue));
+  for (const ImuSample& sample : samples) EXPECT_TRUE(sample.t < 10 * kNsPerSecond || sample.t >= 12 * kNsPerSecond);
+}
+
+/// Amplitude of a tone in evenly spaced samples that last for many of its periods.
+double amplitude_of(const std::vector<double>& samples, double rad_per_sample) {
+  std::complex<double> sum = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    sum += samples[i] * std::polar(1.0, -rad_per_sample * static_cast<double>(i));
+  return 2.0 * std::abs(sum) / static_cast<double>(samples.size());
+}
+
+// A tone of amplitude A at rotor speed w is attenuated by sin(w h / 2) / (w h / 2) in means over h, and aliased.
+TEST(Imu, VibrationFollowsTheRotorSpeed) {
+  for (const double rate_hz : {100.0, 400.0}) {
+    for (const double rotor_radps : {300.0, 600.0}) {
+      ImuConfig config = perfect_imu();
+      config.rate_hz = rate_hz;
+      config.vibration = {.accel_mps2 = 2.0, .gyro_radps = 0.1, .rotor_speed_radps = 500.0};
+      const Motion hovering = [&](double t) {
+        VehicleState state = state_at({0, 0, 5});
+        state.rotor_speed_radps[1] = rotor_radps;
+        state.rotor_angle_rad[1] = -rotor_radps * t;
+        return state;
+      };
+      const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
+      std::vector<double> x, z, rate_y;
+      for (const ImuSample& sample : drive(*sensor, {hovering}, {.duration_s = 20.0, .tick = 20'000'000}).imu) {
+        x.push_back(sample.specific_force_body_mps2.x());
+        z.push_back(sample.specific_force_body_mps2.z() - 9.81);
+        rate_y.push_back(sample.omega_body_radps.y());
+      }
+      const double growth = std::pow(rotor_radps / 500.0, 2), turn_rad = rotor_radps / rate_hz;
+      const double attenuation = std::abs(std::sin(0.5 * turn_rad) / (0.5 * turn_rad));
+      EXPECT_NEAR(amplitude_of(x, turn_rad), 2.0 * growth * attenuation, 0.01 * growth)
+          << rate_hz << " " << rotor_radps;
+      EXPECT_NEAR(amplitude_of(rate_y, turn_rad), 0.1 * growth * attenuation, 0.0005 * growth);
+      EXPECT_NEAR(amplitude_of(z, 2.0 * turn_rad), 2.0 * growth * std::abs(std::sin(turn_rad) / turn_rad),
+                  0.01 * growth);
+    }
+  }
 }
 
 TEST(Imu, CanBeFasterThanTheTick) {

@@ -138,6 +138,23 @@ TEST(Lidar, RotatesAndShiftsByTheMount) {
   EXPECT_TRUE(scan.T_body_lidar.isApprox(rig.config.mount.T_body_lidar()));
 }
 
+TEST(Lidar, HidesMountErrorFromTheScan) {
+  Rig rig;
+  rig.world.add_wall({10, -40, -40}, {10, 40, -40}, {10, 40, 40}, {10, -40, 40});
+  rig.config = uniform(8, 64, 20.0, 60.0);
+  rig.config.ideal = true;
+  rig.config.mount_error = {.position_m = {0.2, 0, 0}, .rotation_deg = {0, 0, 3}};
+  const auto scans = rig.run();
+  const LabeledScan& s = *scans[0];
+  EXPECT_TRUE(s.scan.T_body_lidar.isApprox(Pose::Identity()));
+  EXPECT_TRUE(s.truth.T_world_lidar[0].isApprox(s.truth.T_body_lidar)) << "the vehicle rests at the origin";
+  for (int i = 0; i < s.scan.size(); ++i) {
+    const Vector3 p_lidar_m = s.scan.point_lidar(i).cast<double>();
+    ASSERT_NEAR((s.truth.T_body_lidar * p_lidar_m).x(), 10.0, 1e-4);
+    ASSERT_NEAR(p_lidar_m.x() * std::cos(3.0 / kDegPerRad) - p_lidar_m.y() * std::sin(3.0 / kDegPerRad), 9.8, 1e-4);
+  }
+}
+
 TEST(Lidar, ReturnsAllBeamsInClosedRooms) {
   Rig rig;
   rig.world.add_box({-8, -6, -3}, {9, 7, 4});
@@ -625,6 +642,12 @@ Rig busy_rig() {
   rig.motions = {straight({0, 0, 0}, {3, 1, 0}), straight({5, -3, 0}, {-4, 6, 0}), straight({-4, 3, 1}, {4, 0, 1})};
   rig.config.external_pose.enabled = true;
   rig.config.mount.position_m = {0, 0, 0.15};
+  rig.config.faults = {.dropout_probability = 0.05,
+                       .tail_probability = 0.05,
+                       .range_step_m = 0.001,
+                       .reflectivity_spread = 0.4,
+                       .near_per_sweep = 5.0,
+                       .rig = {{}}};
   return rig;
 }
 
@@ -684,7 +707,7 @@ class InParts final : public Sensor {
     }
     lidar_->measure(now, truth, out);
   }
-  std::span<const std::shared_ptr<const LabeledScan>> scans() const override { return lidar_->scans(); }
+  std::span<const std::shared_ptr<LabeledScan>> scans() const override { return lidar_->scans(); }
 
  private:
   std::unique_ptr<Sensor> lidar_;

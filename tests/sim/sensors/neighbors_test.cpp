@@ -131,23 +131,6 @@ TEST(Neighbors, AreMissedAtDropoutRate) {
   EXPECT_NEAR(static_cast<double>(seen.size()) / n, 0.7, share_bound(0.7, n));
 }
 
-TEST(Neighbors, ArriveAfterLatencyWithValidityStamp) {
-  NeighborsConfig config = exact_neighbors();
-  config.latency_s = 0.05;
-  const auto sensor = make_neighbors_sensor(config, sensor_setup("neighbors", 1, 2));
-  EXPECT_EQ(sensor->look_back_s(), 0.05);
-  std::vector<TimeNs> deliveries;
-  const Motion other = straight({5.0, 0.0, 0.0}, {0.0, 3.0, 0.0});
-  drive(*sensor, {resting(Vector3::Zero()), other}, {.duration_s = 0.3}, [&](TimeNs now, const Observation& delivered) {
-    for (const NeighborSample& sample : delivered.neighbors) {
-      EXPECT_EQ(sample.t, static_cast<TimeNs>(deliveries.size()) * 100'000'000);
-      EXPECT_NEAR(sample.p_body_m.y(), 3.0 * to_seconds(sample.t), 1e-9);
-      deliveries.push_back(now);
-    }
-  });
-  EXPECT_EQ(deliveries, (std::vector<TimeNs>{52'000'000, 152'000'000, 252'000'000}));
-}
-
 TEST(Neighbors, SwapIdsAtRateWithoutMoving) {
   NeighborsConfig config = exact_neighbors();
   config.id_swap_probability = 0.05;

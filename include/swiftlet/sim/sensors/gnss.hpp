@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "swiftlet/sim/sensors/outage_config.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
-
-/// No fixes in [start_s, end_s).
-struct GnssOutage {
-  double start_s = 0.0;
-  double end_s = 0.0;
-
-  void visit(ConfigVisitor& v);
-};
 
 /// Satellite navigation. The error of position is a sum:
 /// - white noise;
@@ -33,7 +26,7 @@ struct GnssConfig : SensorConfigOf<GnssConfig> {
   double altitude_walk_m_psqrts = 0.05;
   double sigma_velocity_xy_mps = 0.1;
   double sigma_velocity_z_mps = 0.2;
-  std::vector<GnssOutage> outages;
+  std::vector<OutageConfig> outages;
   double random_outages_per_min = 0.0;
   double random_outage_mean_s = 5.0;
   bool sky_view = false;

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include "swiftlet/sim/sensors/mount_error_config.hpp"
+#include "swiftlet/sim/sensors/outage_config.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/sensors/vibration_config.hpp"
 
 namespace swiftlet::sim {
 
@@ -23,6 +28,10 @@ struct ImuConfig : SensorConfigOf<ImuConfig> {
   double accel_turn_on_bias_mps2 = 0.196;
   double accel_max_mps2 = 176.6;
   double gravity_mps2 = 9.81;
+  MountErrorConfig mount_error;
+  VibrationConfig vibration;
+  double dropout_probability = 0.0;  ///< samples that are not delivered
+  std::vector<OutageConfig> outages;
 
   void visit(ConfigVisitor& v) override;
 };
@@ -31,7 +40,8 @@ struct ImuConfig : SensorConfigOf<ImuConfig> {
 ///   omega = log(R_0^T R_1) / h,   f = R_mid^T ((v_1 - v_0) / h - g),   R_mid = R_0 exp(h omega / 2).
 /// Integrating noise-free samples (R, then v with R_mid) therefore reproduces attitude and velocity exactly, and the
 /// position to second order. v is the velocity of the mounting point. Noise and saturation act in the sensor's axes.
-/// The sample is given in body axes, as by a flight controller with calibrated mounting.
+/// The sample is given in body axes, as by a flight controller with calibrated mounting; `mount_error` remains in it.
+/// Vibration is added before noise and saturation. Lost samples leave their interval without a measurement.
 std::unique_ptr<Sensor> make_imu_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

@@ -3,9 +3,11 @@
 
 #include <string>
 
+#include "swiftlet/sim/sensors/lidar_faults_config.hpp"
 #include "swiftlet/sim/sensors/lidar_measurement.hpp"
 #include "swiftlet/sim/sensors/lidar_mount.hpp"
 #include "swiftlet/sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/sim/sensors/mount_error_config.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
@@ -29,15 +31,17 @@ struct LidarConfig : SensorConfigOf<LidarConfig> {
   std::string model;
   double rate_hz = 10.0;
   bool rolling = true;     ///< false: all beams fire at the scan's stamp
-  bool ideal = false;      ///< no noise, no lost returns, infinitely thin beams, true poses
+  bool ideal = false;      ///< no noise, no lost returns, no faults, infinitely thin beams, true poses
   bool self_mask = false;  ///< removes the returns of beams that can intersect the own vehicle
   double range_min_m = 0.8;
   double range_max_m = 120.0;
   MountConfig mount;
+  MountErrorConfig mount_error;
   Module pattern{lidar_pattern_types(), "ouster"};
   RangeNoiseConfig noise;
   DetectionConfig detection;
   BeamWidthConfig beam;
+  LidarFaultsConfig faults;
   ExternalPoseConfig external_pose;
 
   void visit(ConfigVisitor& v) override;

@@ -9,6 +9,9 @@
 
 namespace swiftlet::sim {
 
+/// Range at which Scan::intensity equals the reflectivity of a Lambertian surface at normal incidence.
+inline constexpr float kIntensityRange_m = 10.0F;
+
 /// Noise of the measured range, by one of two laws.
 /// `constant`: sigma_range_m [Vrba 2025, eq. 66], or a table by range; linear between its points, constant outside.
 /// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig;

@@ -34,15 +34,14 @@ struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   double occluder_scale = 0.5;
   double dropout_probability = 0.05;
   double id_swap_probability = 0.0;
-  double latency_s = 0.0;
 
   void visit(ConfigVisitor& v) override;
   NeighborView view() const;
   void describe(AgentSetup& setup) const override;
 };
 
-/// `ideal` gives the exact state of every other vehicle, regardless of range and occlusion (the truth bypass; rate and
-/// latency still apply). Stamps are the times of validity; samples arrive `latency_s` later.
+/// `ideal` gives the exact state of every other vehicle, regardless of range and occlusion (the truth bypass; rate,
+/// clock and latency still apply).
 std::unique_ptr<Sensor> make_neighbors_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

@@ -11,6 +11,7 @@
 #include "swiftlet/core/base/observation.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/sensors/clock_config.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
@@ -21,11 +22,13 @@ struct AgentSetup;
 
 namespace swiftlet::sim {
 
-/// Configuration common to all sensors. A `visit` starts with `model` (if it has presets), then `visit_name`.
+/// Configuration common to all sensors. A `visit` starts with `model` (if it has presets), then `visit_common`.
 struct SensorConfig : ModuleConfig {
-  std::string name;  ///< unique on its vehicle; empty: the type's name
+  std::string name;        ///< unique on its vehicle; empty: the type's name
+  ClockConfig clock;       ///< error of the stamps; not known to the agent
+  double latency_s = 0.0;  ///< from the time of validity to the delivery; does not change stamps
 
-  void visit_name(ConfigVisitor& v) { v.field("name", name, "[-] unique on its vehicle; empty: named by its type"); }
+  void visit_common(ConfigVisitor& v);
   /// Adds the sensor's properties known to the vehicle's software before the start.
   virtual void describe(AgentSetup&) const {}
 };
@@ -60,7 +63,7 @@ class Sensor {
   /// Measures, on `truth`, everything due in (previous tick, now] and appends it to `out`.
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
   /// Scans of the last measure(), with truth, for recorders. Empty for sensors other than a LiDAR.
-  virtual std::span<const std::shared_ptr<const LabeledScan>> scans() const { return {}; }
+  virtual std::span<const std::shared_ptr<LabeledScan>> scans() const { return {}; }
   /// Does measure(now) produce a scan? If so, it may be traced in parts beforehand:
   virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
   /// Begins the due sweep and returns its number of parts. Each must be traced once before measure(now), by any thread

@@ -16,6 +16,8 @@ struct ScanTruth {
   std::vector<std::uint16_t> instance;  ///< VehicleId + 1 for vehicles
   std::vector<std::uint8_t> part;       ///< VehiclePart
   std::vector<Pose> T_world_lidar;      ///< true pose of the sensor for each column            (cols), or (1) if frozen
+  Pose T_body_lidar = Pose::Identity();  ///< true mounting; Scan::T_body_lidar is the calibrated one
+  TimeNs clock_error = 0;                ///< Scan::stamp minus the true start of the sweep
 };
 
 /// A scan with its truth. Made by the LiDAR from a pool, shared with agents (the scan only) and recorders (both).
