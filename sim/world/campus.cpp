@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/world/building.hpp"
+#include "sim/world/clutter.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/tree.hpp"
@@ -293,6 +294,7 @@ void CampusConfig::visit(ConfigVisitor& v) {
   v.field("num_cars", num_cars, "[-] largest number of parked cars, limited by space", Range::between(0, 10000));
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
   v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
+  v.object("clutter", clutter, "posts, people and signs on the ground");
   v.object("keep_clear", keep_clear, "zones kept free for flights");
   v.check((building_size_m.array() + 2.0 * (path_distance_m + path_width_m) < size_m.array()).all(), "size_m",
           "a ground larger than the building with its path");
@@ -318,6 +320,12 @@ Scene make_campus(const CampusConfig& config, std::uint64_t seed) {
   add_trees(scene, config, seed, spacing);
   add_lamps(scene, config, seed, spacing);
   add_cars(scene, config, seed, spacing);
+  add_clutter(scene, config.clutter, seed,
+              {[](const Vector2d&) { return 0.0; },
+               [&](const Vector2d& p) {
+                 return distance_to_building_m(config, p) > config.path_distance_m &&
+                        config.keep_clear.distance_m(p) > kClutterReach_m;
+               }});
   scene.move_foliage(config.foliage, seed);
   return scene.finish();
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/world/clutter.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/tree.hpp"
@@ -78,6 +79,7 @@ void FieldConfig::visit(ConfigVisitor& v) {
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
   v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
   v.object("keep_clear", keep_clear, "zones kept free for flights");
+  v.object("clutter", clutter, "posts, people and signs on the ground");
 }
 
 Scene make_field(const FieldConfig& config, std::uint64_t seed) {
@@ -89,6 +91,9 @@ Scene make_field(const FieldConfig& config, std::uint64_t seed) {
   Spacing spacing(config.min_distance_m);
   if (config.num_trees > 0) add_trees(scene, config, seed, relief, spacing);
   if (config.num_bushes > 0) add_bushes(scene, config, seed, relief);
+  add_clutter(scene, config.clutter, seed,
+              {[&](const Vector2d& p) { return relief.height_m(p.x(), p.y()); },
+               [&](const Vector2d& p) { return config.keep_clear.distance_m(p) > kClutterReach_m; }});
   scene.move_foliage(config.foliage, seed);
   return scene.finish();
 }

@@ -51,6 +51,8 @@ inline Material cardboard() { return {"cardboard", 0.60F, false, {0.73F, 0.56F, 
 inline Material wood_painted() { return {"wood_painted", 0.50F, false, {0.40F, 0.26F, 0.16F}}; }
 inline Material plastic_dark() { return {"plastic_dark", 0.10F, false, {0.12F, 0.12F, 0.13F}}; }  // carbon-black filled
 inline Material car_paint() { return {"car_paint", 0.30F, false, {0.55F, 0.12F, 0.12F}}; }
+inline Material clothing() { return {"clothing", 0.40F, false, {0.25F, 0.30F, 0.45F}}; }  // dyes are bright near 0.9 um
+inline Material skin() { return {"skin", 0.50F, false, {0.85F, 0.65F, 0.52F}}; }
 inline Material retro_tape() {
   return {"retro_tape", 0.90F, true, {0.95F, 0.93F, 0.35F}};
 }  // glass beads: retro-reflective

@@ -103,5 +103,45 @@ TEST(Campus, UnitesWallsWindowsAndRoof) {
   EXPECT_EQ(buildings.begin()->first, 1);
 }
 
+TEST(Clutter, StandsAtItsPlace) {
+  EmptyConfig config;
+  config.ground = true;
+  config.clutter.things = {{.kind = ClutterThingConfig::Kind::kPost, .position_m = {2.0, 0.0}},
+                           {.kind = ClutterThingConfig::Kind::kPerson, .position_m = {-3.0, 0.0}},
+                           {.kind = ClutterThingConfig::Kind::kSign, .position_m = {0.0, 4.0}, .yaw_deg = 90.0}};
+  const Scene scene = make_empty(config, 1);
+  const auto front_m = [&](const Vector3d& direction, double height_m) {
+    const auto hit = test::trace(scene, {0, 0, height_m}, direction);
+    return hit && hit->surface_class == SurfaceClass::kObject ? hit->range_m : 0.0;
+  };
+  EXPECT_NEAR(front_m(Vector3d::UnitX(), 0.9), 1.8, 1e-6);
+  EXPECT_EQ(front_m(Vector3d::UnitX(), 1.0), 0.0) << "a post ends at 0.95 m";
+  EXPECT_NEAR(front_m(-Vector3d::UnitX(), 1.2), 2.8, 0.05);
+  EXPECT_EQ(front_m(-Vector3d::UnitX(), 1.8), 0.0) << "a person ends at 1.75 m";
+  EXPECT_NEAR(front_m(Vector3d::UnitY(), 2.0), 3.99, 1e-6);
+  const auto people = objects_of(scene, SurfaceClass::kObject);
+  ASSERT_EQ(people.size(), 3U);
+  EXPECT_EQ(people[1].kind, "person");
+}
+
+TEST(Clutter, RandomThingsKeepTheirRing) {
+  FieldConfig config;
+  config.relief.amplitude_m = 2.0;
+  config.clutter = {
+      .num_posts = 20, .num_people = 20, .num_signs = 20, .center_m = {5, 5}, .radius_min_m = 4, .radius_max_m = 20};
+  config.keep_clear.clearings = {{.center_m = {5, -5}, .radius_m = 4}};
+  const Scene scene = make_field(config, 3);
+  const Relief relief(config.relief, 3);
+  const auto things = objects_of(scene, SurfaceClass::kObject);
+  EXPECT_EQ(things.size(), 60U);
+  for (const WorldObject& thing : things) {
+    const Vector2d p = thing.position_world_m.head<2>();
+    EXPECT_GE((p - Vector2d(5, 5)).norm(), 4.0);
+    EXPECT_LE((p - Vector2d(5, 5)).norm(), 20.0);
+    EXPECT_GE((p - Vector2d(5, -5)).norm(), 4.0) << "zones for flights stay free";
+    EXPECT_NEAR(thing.position_world_m.z(), relief.height_m(p.x(), p.y()), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/sim/world/clutter_config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
@@ -11,6 +12,7 @@ struct EmptyConfig : ModuleConfigOf<EmptyConfig> {
   bool ground = false;
   Eigen::Vector2d size_m = {100.0, 100.0};
   double reflectivity = 0.3;
+  ClutterConfig clutter;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/sim/world/clutter_config.hpp"
 #include "swiftlet/sim/world/placement.hpp"
 #include "swiftlet/sim/world/relief.hpp"
 #include "swiftlet/sim/world/scene.hpp"
@@ -20,6 +21,7 @@ struct FieldConfig : ModuleConfigOf<FieldConfig> {
   double detail = 1.0;
   FoliageConfig foliage;
   KeepClearConfig keep_clear;
+  ClutterConfig clutter;
 
   void visit(ConfigVisitor& v) override;
 };
