@@ -129,13 +129,11 @@ class Rbl : public Guidance {
 
   void cut_by_separation(const NeighborSafety::Situation& situation, bool certain) {
     safety_->update(situation, certain);
-    for (const HalfSpace& plane : safety_->cell_planes()) {
+    for (const HalfSpace& plane : safety_->planes()) {
       if (plane.offset_m >= config_.cells.sensing_radius_m) continue;
       planner_.cuts().push_back(plane);
       planner_.cell().cut(plane);
     }
-    if (!safety_->evades()) return;
-    for (const HalfSpace& plane : safety_->planes()) planner_.cell().cut(plane);
   }
 
   /// Flies only where the LiDAR looks; an evading vehicle takes the centroid at once.

@@ -25,16 +25,6 @@ struct Encounter {
     return distance_m > 0.0 ? std::sqrt(to_local_m.dot(covariance * to_local_m)) / distance_m : 0.0;
   }
   double speed_sigma_mps() const { return sigma(neighbor.velocity_covariance_local_m2ps2); }
-
-  /// Standard deviation of the neighbor's lateral position when it arrives.
-  double side_sigma_m() const {
-    const Vector3 across(v_local_mps.y(), -v_local_mps.x(), 0.0);
-    if (across.norm() < kClosing_mps) return 0.0;
-    const double time_s = distance_m / closing_mps;
-    const Vector3 side = across.normalized();
-    return std::sqrt(side.dot(neighbor.covariance_local_m2 * side) +
-                     time_s * time_s * side.dot(neighbor.velocity_covariance_local_m2ps2 * side));
-  }
 };
 
 }  // namespace swiftlet

@@ -87,9 +87,9 @@ class KeptApart : public Guidance {
                                               .now = now};
     Vector3 to_goal_m = wanted.goal.position_m - p_local_m;
     safety_.update(situation);
-    if (!move_within(safety_.cell_planes(), to_goal_m)) {
+    if (!move_within(safety_.planes(), to_goal_m)) {
       safety_.update(situation, true);
-      move_within(safety_.cell_planes(), to_goal_m);
+      move_within(safety_.planes(), to_goal_m);
     }
     const NeighborSafety::Goal admitted = safety_.admit(situation, {.last_local_m = goal_.position_m,
                                                                     .position_local_m = p_local_m + to_goal_m,

@@ -22,8 +22,6 @@ struct Rule {
   static constexpr double kClosing_sigmas = 0.5;
   /// Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
   static constexpr double kFaster_sigmas = 0.5;
-  /// Largest margin for the lateral uncertainty of an approaching neighbor. Larger values evade farther.
-  static constexpr double kMostBeside_m = 0.5;
   /// Time before the braking paths come too close at which evasion begins.
   static constexpr double kEvade_s = 0.5;
   /// An evading vehicle's goal lies this many times as far away as planned. Larger values accelerate harder.
@@ -147,10 +145,8 @@ void NeighborSafety::evade(const Encounter& met, TimeNs now) {
   std::erase_if(evasions_, [&](const Evasion& e) { return now - e.t > from_seconds(Rule::kOutOfPlane_s); });
   const auto known =
       std::find_if(evasions_.begin(), evasions_.end(), [&](const Evasion& e) { return e.key == met.neighbor.key; });
-  // Margin for the neighbor's lateral uncertainty.
-  const double aside_m = distance_m_ + std::min(Rule::kMostBeside_m, met.side_sigma_m());
-  const auto beside = evasion_plane(self_, met.p_local_m, met.v_local_mps, aside_m, vertical_m_ * aside_m / distance_m_,
-                                    vehicle_.limits, known != evasions_.end() ? &known->normal_local : nullptr);
+  const auto beside = evasion_plane(self_, met.p_local_m, met.v_local_mps, distance_m_, vertical_m_, vehicle_.limits,
+                                    known != evasions_.end() ? &known->normal_local : nullptr);
   if (!beside) return;
   evades_ = evades_ || beside->offset_m < -Rule::kViolation_m;
   add(*beside, beside->offset_m);

@@ -62,10 +62,8 @@ class NeighborSafety {
   /// @param certain  ignores the uncertainty of neighbors, for a vehicle that it leaves no room to evade
   void update(const Situation& situation, bool certain = false);
 
-  /// Half-spaces within which the vehicle comes to rest, relative to its position.
-  std::span<const HalfSpace> planes() const { return planes_; }
-  /// Same planes for the choice of a goal: neighbors unseen for long leave some room.
-  std::span<const HalfSpace> cell_planes() const { return cell_planes_; }
+  /// Half-spaces for the choice of a goal, relative to the vehicle. Neighbors unseen for long leave some room in them.
+  std::span<const HalfSpace> planes() const { return cell_planes_; }
   /// The vehicle is beyond a plane, and has to leave at once.
   bool evades() const { return evades_; }
 
@@ -126,9 +124,10 @@ class NeighborSafety {
   TimeNs started_ = 0;
 
   // Results of the last update.
-  Braking self_;         // horizontal for a planar vehicle
-  double sigmas_ = 0.0;  // standard deviations by which neighbors count as nearer
-  std::vector<HalfSpace> planes_, cell_planes_;
+  Braking self_;                              // horizontal for a planar vehicle
+  double sigmas_ = 0.0;                       // standard deviations by which neighbors count as nearer
+  std::vector<HalfSpace> planes_;             // the vehicle comes to rest within them
+  std::vector<HalfSpace> cell_planes_;        // for the choice of a goal
   std::vector<Vector3> approaching_local_m_;  // stay in view
   bool evades_ = false;
 
