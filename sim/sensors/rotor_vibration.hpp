@@ -22,7 +22,7 @@ class RotorVibration {
 
  private:
   VibrationConfig config_;
-  std::array<double, kMaxRotors> phase_rad_{};  // of the unbalance of each rotor
+  std::array<double, kMaxRotors> phase_rad_{};  // phase of each rotor's unbalance
 };
 
 }  // namespace swiftlet::sim

@@ -35,7 +35,7 @@ using Eigen::Vector3f;
 using ThingKind = ClutterThingConfig::Kind;
 
 constexpr int kPlacesPerThing = 50;
-constexpr int kLimbSides = 10;  // of round limbs and poles
+constexpr int kLimbSides = 10;  // sides of round limbs and poles
 constexpr const char* kThingNames[] = {"post", "person", "sign"};
 
 /// Things at unit scale, foot at the origin, looking along x.
