@@ -67,7 +67,7 @@ TEST(GuidedGapInFull, SmallVehiclePassesTwice) {
 }
 
 constexpr const char* kLidarAndImu =
-    "{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.15]}}, "
+    "{type: lidar, name: os0, model: os0_128_sheet, mount: {position_m: [0, 0, 0.15]}}, "
     "{type: imu, name: imu, model: imu_adis16448}";
 
 /// Outcome of a flight with another localization of the guide.

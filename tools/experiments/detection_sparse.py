@@ -12,7 +12,7 @@ from shared.detection import IGNORED_S, MID360_DEG, OS1_DEG, SAME_M, Sightings, 
 FIRST_SEED = 401
 NEAR_M, FAR_M = 25.0, 40.0  # range of the rows, and of the figure
 MID360 = {"vehicles[0].sensors[0]": {
-    "type": "lidar", "name": "mid360", "model": "mid360", "mount": {"position_m": [0, 0, 0.15]},
+    "type": "lidar", "name": "mid360", "model": "mid360_sheet", "mount": {"position_m": [0, 0, 0.15]},
     "external_pose": {"enabled": True, "sigma_position_m": 0.05, "sigma_rotation_rad": 0.005}}}
 SENSORS = {  # name: (scenario, changes, field of view)
     "Mid-360": ("detection_real", MID360, MID360_DEG), "OS1-128": ("detection_real", {}, OS1_DEG),

@@ -10,7 +10,7 @@ BORDERS_M = (31.6, 36.5, 35.1, 41.6, 35.0)  # distances of the five flights of T
 QUICK_BORDER_M = 12.0
 CHANGES = {
     "duration_s": 300,
-    "vehicles[0].sensors": [{"type": "lidar", "name": "os0", "model": "os0_128", "mount": {"position_m": [0, 0, 0.15]}},
+    "vehicles[0].sensors": [{"type": "lidar", "name": "os0", "model": "os0_128_sheet", "mount": {"position_m": [0, 0, 0.15]}},
                             {"type": "odometry", "name": "lio", "model": "odometry_lio"},
                             {"type": "imu", "name": "imu", "model": "imu_adis16448"}],
     "vehicles[0].agent.localization": {"type": "odometry"},

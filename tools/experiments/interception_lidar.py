@@ -27,7 +27,7 @@ END_EVENTS = {"mission_done", "mission_failed", "crash"}  # a flight ends with t
 SENSOR, AGENT = "vehicles[0].sensors[0].", "vehicles[0].agent."
 EYES = {  # the Mid-360 is upside down because the net hangs below; few of its beams hit a target, so its detector fuses scans
     "OS1-128": {},
-    "Mid-360": {SENSOR + "model": "mid360", SENSOR + "mount": {"position_m": [0, 0, -0.12], "rpy_deg": [180, 0, 0]},
+    "Mid-360": {SENSOR + "model": "mid360_sheet", SENSOR + "mount": {"position_m": [0, 0, -0.12], "rpy_deg": [180, 0, 0]},
                 AGENT + "detector": {"type": "track_before_detect"}, AGENT + "tracker": {"type": "detector"},
                 AGENT + "guidance.search": {"timeout_s": 60, "fov_bottom_deg": -52, "fov_top_deg": 7, "range_m": 25}}}
 DISTURBANCES = {

@@ -22,7 +22,7 @@ WORLDS = {
               {"world.num_trees": 60}),
 }
 QUICK_WORLDS = ("campus", "warehouse", "hall")  # without leaves, which cost time
-LIDARS = {"puck_lite": ("Puck LITE", 0.6), "os1_128": ("OS1-128", 0.3), "mid360": ("Mid-360", 0.3)}  # name, limit of the drift [%]
+LIDARS = {"puck_lite_sheet": ("Puck LITE", 0.6), "os1_128_sheet": ("OS1-128", 0.3), "mid360_sheet": ("Mid-360", 0.3)}  # name, limit of the drift [%]
 ERROR_MAX_M = 0.08  # limit of the median error after closures
 CALM_MPS = 2.0
 PATH_M, DRIFT_M = 300.0, 50.0  # length of a flight and of the sections that drift is measured over
