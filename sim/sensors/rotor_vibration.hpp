@@ -22,7 +22,7 @@ class RotorVibration {
 
  private:
   VibrationConfig config_;
-  std::array<double, kMaxRotors> phase_rad_{};  // phase of each rotor's unbalance
+  std::array<double, kMaxRotors> phase_rad_{};  // direction of each rotor's unbalance at angle 0
 };
 
 }  // namespace swiftlet::sim

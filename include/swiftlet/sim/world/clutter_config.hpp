@@ -13,7 +13,7 @@ struct ClutterThingConfig {
   Kind kind = Kind::kPost;
   Eigen::Vector2d position_m = {2.0, 0.0};  ///< world frame; its foot is on the ground
   double yaw_deg = 0.0;
-  double scale = 1.0;  ///< [-] a post is 0.4 m wide and 0.95 m high at 1, a person 1.75 m, a sign 2.4 m
+  double scale = 1.0;  ///< size factor; a post is 0.4 m wide and 0.95 m high, a person 1.75 m, a sign 2.4 m
 
   void visit(ConfigVisitor& v);
 };
