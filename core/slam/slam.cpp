@@ -2,7 +2,9 @@
 #include "swiftlet/core/slam/slam.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "core/slam/graph/correction_blend.hpp"
 #include "core/slam/graph/global_slam.hpp"
 #include "core/slam/matching/grid_matcher.hpp"
+#include "core/slam/matching/imu_check.hpp"
 #include "core/slam/sharing/map_sharing.hpp"
 #include "core/slam/slam_to_now.hpp"
 #include "swiftlet/core/base/finite.hpp"
@@ -18,9 +21,23 @@
 namespace swiftlet {
 namespace {
 
+// [-] share of a sweep that has passed when it arrives. Larger values refuse stamps that are only a little late.
+constexpr double kLeastElapsed = 0.5;
+// Least changes of the time offset that are reported, also in standard deviations, and for how long.
+constexpr double kReportedOffset_s = 0.002, kReportedSigmas = 3.0;
+constexpr TimeNs kReportDuration = 2 * kNsPerSecond;
+
 std::unique_ptr<ScanMatcher> make_matcher(const SlamConfig& config) {
   if (config.matching == SlamConfig::Matching::kGrid) return std::make_unique<GridMatcher>(config.grid);
   return std::make_unique<SurfaceMatcher>(config.local);
+}
+
+LocalSlamConfig local_config(const SlamConfig& config) {
+  LocalSlamConfig local = config.local;
+  local.with_imu = config.imu != SlamConfig::Imu::kNone;
+  // Only the surfaces' update estimates the offset, and only against an IMU.
+  if (config.matching == SlamConfig::Matching::kGrid || !local.with_imu) local.imu.time_offset_sigma_s = 0.0;
+  return local;
 }
 
 class SlamEstimator : public StateEstimator, public SavedMapProvider, public JoinedMapProvider {
@@ -28,7 +45,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
         latency_(from_seconds(config.latency_s)),
-        slam_(config.local, config.latency_s, setup.T_local_body_start, setup.airframe.circumscribed_radius_m(),
+        slam_(local_config(config), config.latency_s, setup.T_local_body_start, setup.airframe.circumscribed_radius_m(),
               make_matcher(config)),
         start_m_(setup.T_local_body_start.translation()),
         heading_known_(setup.start_known == StartKnown::kPose),
@@ -47,12 +64,13 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   const StateEstimate& update(const Observation& observation, Outbox& outbox) override {
     if (!started_) last_imu_ = last_used_ = last_sure_ = observation.t;
     started_ = true;
-    for (const ImuSample& sample : observation.imu) {
-      slam_.add(sample);
-      if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
+    if (config_.imu != SlamConfig::Imu::kNone) {
+      for (const ImuSample& sample : observation.imu) add(sample);
     }
     for (const auto& scan : observation.scans) {
-      if (uses(*scan)) slam_.add(observation.t, scan, others_);
+      if (!uses(*scan)) continue;
+      slam_.add(observation.t, scan, others_);
+      from_future_ = to_seconds(scan->stamp - observation.t) > -kLeastElapsed * to_seconds(scan->duration);
     }
     while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
     update_estimate(observation.t);
@@ -89,12 +107,19 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
            std::find(config_.lidars.begin(), config_.lidars.end(), scan.sensor) != config_.lidars.end();
   }
 
+  void add(const ImuSample& sample) {
+    slam_.add(sample);
+    imu_check_.add(sample);
+    if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
+  }
+
   bool is_placed() const { return heading_known_ && place_known_; }
 
   void take(const SlamToNow::Matched& matched) {
     const ScanOutcome& outcome = matched.outcome;
     ++num_scans_;
     num_mismatched_ += outcome.num_iterations > 0 && !outcome.used;
+    out_of_range_ = outcome.out_of_range;
     if (!outcome.used) return;
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
@@ -106,10 +131,13 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     if (outcome.fit.num_degenerate == 0) last_sure_ = matched.arrived;
   }
 
-  /// The filter's state, carried from its last IMU sample to now.
+  /// The filter's state, carried from its last IMU sample, or from the last scan without an IMU, to now.
   void update_estimate(TimeNs t) {
-    const NavState& nav = slam_.now().state().nav;
-    const double ahead_s = std::clamp(to_seconds(t - nav.t), 0.0, config_.imu_timeout_s);
+    const InertialFilter::State& state = slam_.now().state();
+    const NavState& nav = state.nav;
+    const double longest_s =
+        config_.imu == SlamConfig::Imu::kNone ? config_.latency_s + config_.warn_after_s : config_.imu_timeout_s;
+    const double ahead_s = std::clamp(to_seconds(t - nav.t) + state.time_offset_s, 0.0, longest_s);
     estimate_.t = t;
     estimate_.T_local_body =
         make_pose(nav.p_m + ahead_s * nav.v_mps, (nav.q * rotation_by(ahead_s * nav.omega_body_radps)).normalized());
@@ -157,21 +185,51 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   void check_validity(TimeNs t) {
     const TimeNs due = t - latency_;  // later scans cannot be matched yet
     const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
+    const InnovationMonitor& innovations = slam_.at_scan().innovations();
     fault_ = "";
     if (!slam_.now().is_sound())
       fault_ = "SLAM broke down";
-    else if (to_seconds(t - last_imu_) > config_.imu_timeout_s)
+    else if (imu_check_.fault()[0] != '\0')
+      fault_ = imu_check_.fault();
+    else if (from_future_)
+      fault_ = "LiDAR: sweeps end in the future; expected stamps of their start, not of their end";
+    else if (config_.imu != SlamConfig::Imu::kNone && to_seconds(t - last_imu_) > config_.imu_timeout_s)
       fault_ = "no IMU";
     else if (to_seconds(due - last_used_) > config_.lidar_timeout_s)
-      fault_ = "SLAM is lost: no scan fits";
+      fault_ =
+          out_of_range_ ? "LiDAR: returns beyond local.range_max_m; expected m, not mm" : "SLAM is lost: no scan fits";
+    else if (innovations.contradicts())
+      fault_ = config_.imu == SlamConfig::Imu::kNone
+                   ? "SLAM is lost: scans contradict each other"
+                   : "SLAM: scans contradict the IMU; check its axes, units and stamps, and the mounts of the LiDARs";
     else if (sigma_m > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
     estimate_.valid = fault_[0] == '\0';
+    report_offset(t);
     warning_ = "";
     if (to_seconds(due - last_used_) > config_.warn_after_s)
       warning_ = "SLAM: dead reckoning by the IMU alone";
+    else if (innovations.disagrees())
+      warning_ = "SLAM: scans disagree with the IMU; check its axes, units and stamps, and the mounts of the LiDARs";
     else if (to_seconds(due - last_sure_) > config_.warn_after_s)
       warning_ = "SLAM is degenerate: the scans do not constrain every direction";
+    else if (t < offset_report_until_)
+      warning_ = offset_report_.data();
+  }
+
+  /// Reports the time offset for a moment when it has become significant, or has changed.
+  void report_offset(TimeNs t) {
+    const double offset_s = slam_.at_scan().filter().state().time_offset_s;
+    const double sigma_s = slam_.at_scan().filter().time_offset_sigma_s();
+    const double changed_s = std::abs(offset_s - reported_offset_s_);
+    if (config_.local.imu.time_offset_sigma_s == 0.0 || changed_s < kReportedOffset_s ||
+        changed_s < kReportedSigmas * sigma_s)
+      return;
+    reported_offset_s_ = offset_s;
+    offset_report_until_ = t + kReportDuration;
+    std::snprintf(offset_report_.data(), offset_report_.size(), "SLAM: IMU stamps are %lld us %s (sigma %lld us)",
+                  std::llround(1e6 * std::abs(offset_s)), offset_s < 0.0 ? "early" : "late",
+                  std::llround(1e6 * sigma_s));
   }
 
   SlamConfig config_;
@@ -187,6 +245,12 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
   std::uint64_t num_scans_ = 0, num_mismatched_ = 0;
+  ImuCheck imu_check_;
+  bool from_future_ = false;   // the last scan ends long after it arrived
+  bool out_of_range_ = false;  // the last scan has its returns beyond the largest range
+  double reported_offset_s_ = 0.0;
+  TimeNs offset_report_until_ = 0;
+  std::array<char, 80> offset_report_{};
   StateEstimate estimate_;
   const char* fault_ = "";
   const char* warning_ = "";
@@ -196,6 +260,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
 
 void SlamConfig::visit(ConfigVisitor& v) {
   v.field("lidars", lidars, "[-] names of the LiDARs that SLAM uses; none: all");
+  v.choice("imu", imu, {"required", "none"}, "[-] prediction between scans: by the IMU; with constant velocity");
   v.field("latency_s", latency_s, "[s] time from a scan to its effect on the estimate", Range::between(0.0, 0.5));
   v.choice("matching", matching, {"surfaces", "grid"},
            "[-] matching of scans: to planes; to probability grids, as in [Orsulic 2021]");

@@ -4,6 +4,13 @@
 #include <utility>
 
 namespace swiftlet {
+namespace {
+
+// Interval that the last IMU sample bridges up to the end of a scan. Longer ones wait for further samples while the
+// latency of the scan allows it.
+constexpr TimeNs kBridged = 5'000'000;
+
+}  // namespace
 
 SlamToNow::SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start,
                      double own_radius_m, std::unique_ptr<ScanMatcher> matcher)
@@ -33,6 +40,8 @@ std::optional<SlamToNow::Matched> SlamToNow::match_next(TimeNs t) {
   Arrival arrival = std::move(waiting_.front());
   waiting_.erase(waiting_.begin());
   add_until(arrival.samples_before);
+  const TimeNs end = slam_.imu_time_of_end(*arrival.scan);
+  while (num_ahead() > 0 && slam_.filter().state().nav.t < end - kBridged) add_until(num_added_ + 1);
   Matched matched{arrival.t, slam_.add(std::move(arrival.scan), std::move(arrival.others))};
   if (!is_due(t)) catch_up();
   return matched;

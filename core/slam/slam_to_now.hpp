@@ -12,8 +12,8 @@
 
 namespace swiftlet {
 
-/// Local SLAM with processing latency. Each scan is matched as of its arrival, with the data available then. The IMU
-/// samples since then are kept, and propagate the corrected state to the present.
+/// Local SLAM with processing latency. Each scan is matched as of its arrival or, if its end on the IMU's clock is
+/// later, as of then. The IMU samples since then are kept, and propagate the corrected state to the present.
 ///
 /// At most kMostSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
 class SlamToNow {

@@ -15,8 +15,10 @@ void need_odometry(const ModuleConfig&, AgentNeeds& needs) {
 }
 void need_imu(const ModuleConfig&, AgentNeeds& needs) { needs.sensors.push_back({"imu", "localization.type: ins"}); }
 void need_lidar_and_imu(const ModuleConfig& config, AgentNeeds& needs) {
-  for (const char* type : {"lidar", "imu"}) needs.sensors.push_back({type, "localization.type: slam"});
-  for (const std::string& name : dynamic_cast<const SlamConfig&>(config).lidars) {
+  const SlamConfig& slam = dynamic_cast<const SlamConfig&>(config);
+  needs.sensors.push_back({"lidar", "localization.type: slam"});
+  if (slam.imu != SlamConfig::Imu::kNone) needs.sensors.push_back({"imu", "localization.type: slam"});
+  for (const std::string& name : slam.lidars) {
     needs.sensors.push_back({"lidar", "localization.lidars", name});
   }
 }

@@ -76,6 +76,7 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Uncertainty&
   pose.gain = whole.inverse();
   pose.moved = found.moved;
   pose.contribution = whole * pose.moved;
+  filter.set_scan_motion(Eigen::Matrix<double, 6, 1>::Zero());  // these weights do not cover the time offset
   filter.take(pose);
   fit.evidence.information = pose.slope * pose.scatter.partialPivLu().solve(pose.slope);
   return match;

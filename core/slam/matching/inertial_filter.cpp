@@ -13,6 +13,13 @@ namespace swiftlet {
 namespace {
 
 constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that one sample bridges
+// White noise of the accelerations while no samples arrive: within 0.1 s the speed changes by 0.6 m/s and the body rate
+// by 0.6 rad/s (one sigma). Smaller values make the estimate smoother and late in turns.
+constexpr double kCoastAccel_mps2_sqrt_hz = 2.0, kCoastAngularAccel_radps2_sqrt_hz = 2.0;
+// Standard deviation of the body rate at a start without IMU.
+constexpr double kStartRate_radps = 0.5;
+// Random walk of the time offset: clocks that drift by some 20 ppm against each other.
+constexpr double kTimeOffsetWalk_s_sqrt_hz = 5e-5;
 
 // factor of the variances (twice the standard deviations): the same scans are used again
 constexpr double kTwice = 4.0;
@@ -21,23 +28,6 @@ double squared(double x) { return x * x; }
 
 }  // namespace
 
-Vector3 InertialFilter::State::gravity_local_mps2() const {
-  return kStandardGravity_mps2 * Vector3(tilt_local.x(), tilt_local.y(), -std::sqrt(1.0 - tilt_local.squaredNorm()));
-}
-
-InertialFilter::State InertialFilter::State::changed_by(const Error& d) const {
-  State out = *this;
-  out.nav.p_m += d.segment<3>(kP);
-  out.nav.v_mps += d.segment<3>(kV);
-  out.nav.q = (nav.q * rotation_by(d.segment<3>(kTheta))).normalized();
-  out.nav.omega_body_radps -= d.segment<3>(kGyroBias);
-  out.accel_bias_body_mps2 += d.segment<3>(kAccelBias);
-  out.gyro_bias_body_radps += d.segment<3>(kGyroBias);
-  out.tilt_local += d.segment<2>(kTilt);
-  if (out.tilt_local.squaredNorm() > 0.9) out.tilt_local *= std::sqrt(0.9) / out.tilt_local.norm();
-  return out;
-}
-
 InertialFilter::InertialFilter(const InertialConfig& config, const Pose& T_local_body_start) : config_(config) {
   state_.nav.p_m = T_local_body_start.translation();
   state_.nav.q = Eigen::Quaterniond(T_local_body_start.linear()).normalized();
@@ -45,6 +35,8 @@ InertialFilter::InertialFilter(const InertialConfig& config, const Pose& T_local
   P_.diagonal().segment<3>(kAccelBias).setConstant(squared(config.start_accel_bias_sigma_mps2));
   P_.diagonal().segment<3>(kGyroBias).setConstant(squared(config.start_gyro_bias_sigma_radps));
   P_.diagonal().segment<2>(kTilt).setConstant(squared(config.start_tilt_sigma_deg * kRadPerDeg));
+  state_.time_offset_s = config.time_offset_s;
+  P_(kTimeOffset, kTimeOffset) = squared(config.time_offset_sigma_s);
 }
 
 bool InertialFilter::is_sound() const {
@@ -54,19 +46,70 @@ bool InertialFilter::is_sound() const {
 
 void InertialFilter::predict(const ImuSample& sample) {
   if (!sample.omega_body_radps.allFinite() || !sample.specific_force_body_mps2.allFinite()) return;
-  if (started_ && sample.t <= state_.nav.t) return;
+  const bool late = started_ && sample.t <= state_.nav.t;
+  if (late && (!has_sample_ || sample.t <= last_.t)) return;
   last_ = sample;
-  if (!started_) state_.nav.t = sample.t;
-  started_ = true;
+  has_sample_ = true;
+  if (coasting_) set_gyro_bias(gyro_bias_aside_radps_, gyro_bias_aside_covariance_);
+  coasting_ = false;
+  if (!started_) begin_at(sample.t);
   predict_to(sample.t);
+}
+
+void InertialFilter::begin_at(TimeNs t) {
+  state_.nav.t = t;
+  started_ = true;
 }
 
 void InertialFilter::predict_to(TimeNs t) {
   const double dt_s = to_seconds(t - state_.nav.t);
   if (dt_s <= 0.0 || !started_) return;
-  step(last_.omega_body_radps - state_.gyro_bias_body_radps,
-       last_.specific_force_body_mps2 - state_.accel_bias_body_mps2, dt_s);
+  if (has_sample_ && to_seconds(t - last_.t) <= kLongestStep_s) {
+    step(last_.omega_body_radps - state_.gyro_bias_body_radps,
+         last_.specific_force_body_mps2 - state_.accel_bias_body_mps2, dt_s);
+  } else {
+    coast(dt_s);
+  }
+  P_(kTimeOffset, kTimeOffset) += config_.time_offset_sigma_s > 0.0 ? squared(kTimeOffsetWalk_s_sqrt_hz) * dt_s : 0.0;
   state_.nav.t = t;
+}
+
+/// Constant velocity and body rate.
+void InertialFilter::coast(double dt_s) {
+  if (!coasting_) {
+    coasting_ = true;
+    gyro_bias_aside_radps_ = state_.gyro_bias_body_radps;
+    gyro_bias_aside_covariance_ = P_.block<3, 3>(kGyroBias, kGyroBias);
+    const Matrix3 rate_covariance =
+        has_sample_ ? gyro_bias_aside_covariance_ : Matrix3(squared(kStartRate_radps) * Matrix3::Identity());
+    set_gyro_bias(-state_.nav.omega_body_radps, rate_covariance);
+  }
+  const Vector3 turn_rad = -dt_s * state_.gyro_bias_body_radps;
+  Covariance F = Covariance::Identity();
+  F.block<3, 3>(kP, kV) = dt_s * Matrix3::Identity();
+  F.block<3, 3>(kTheta, kTheta) = rotation_by(-turn_rad).toRotationMatrix();
+  F.block<3, 3>(kTheta, kGyroBias) = -dt_s * Matrix3::Identity();
+  P_ = propagated(F, P_);
+  state_.nav.p_m += dt_s * state_.nav.v_mps;
+  state_.nav.q = (state_.nav.q * rotation_by(turn_rad)).normalized();
+  state_.nav.omega_body_radps = -state_.gyro_bias_body_radps;
+  const auto add_walk = [&](int integral, int walk, double sign, double density) {
+    const double q = noise_factor_ * squared(density) * dt_s;
+    P_.block<3, 3>(integral, integral).diagonal().array() += q * dt_s * dt_s / 3.0;
+    P_.block<3, 3>(integral, walk).diagonal().array() += sign * q * dt_s / 2.0;
+    P_.block<3, 3>(walk, integral).diagonal().array() += sign * q * dt_s / 2.0;
+    P_.block<3, 3>(walk, walk).diagonal().array() += q;
+  };
+  add_walk(kP, kV, 1.0, kCoastAccel_mps2_sqrt_hz);
+  add_walk(kTheta, kGyroBias, -1.0, kCoastAngularAccel_radps2_sqrt_hz);
+}
+
+/// Replaces the estimated bias by an independent one.
+void InertialFilter::set_gyro_bias(const Vector3& bias_body_radps, const Matrix3& covariance) {
+  state_.gyro_bias_body_radps = bias_body_radps;
+  P_.middleRows<3>(kGyroBias).setZero();
+  P_.middleCols<3>(kGyroBias).setZero();
+  P_.block<3, 3>(kGyroBias, kGyroBias) = covariance;
 }
 
 void InertialFilter::begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps) {
@@ -74,51 +117,30 @@ void InertialFilter::begin_with(const InertialFilter& learned, const Vector3& v_
   state_.accel_bias_body_mps2 = learned.state_.accel_bias_body_mps2;
   state_.gyro_bias_body_radps = learned.state_.gyro_bias_body_radps;
   state_.tilt_local = learned.state_.tilt_local;
+  state_.time_offset_s = learned.state_.time_offset_s;
   constexpr int kNum = kStates - kAccelBias;
   P_.block<3, 3>(kV, kV) = kTwice * learned.P_.block<3, 3>(kV, kV);
   P_.bottomRightCorner<kNum, kNum>() = kTwice * learned.P_.bottomRightCorner<kNum, kNum>();
 }
 
-InertialFilter::State InertialFilter::advanced(const State& state, const Vector3& omega_body_radps,
-                                               const Vector3& force_body_mps2, double dt_s) {
-  State out = state;
-  const Eigen::Quaterniond half = rotation_by(0.5 * dt_s * omega_body_radps);
-  const Eigen::Quaterniond q_middle = state.nav.q * half;
-  const Vector3 a = q_middle * force_body_mps2 + state.gravity_local_mps2();
-  out.nav.p_m += dt_s * (state.nav.v_mps + 0.5 * dt_s * a);
-  out.nav.v_mps += dt_s * a;
-  out.nav.q = (q_middle * half).normalized();
-  out.nav.omega_body_radps = omega_body_radps;
-  return out;
+Matrix3 InertialFilter::level() {
+  const Matrix3 R =
+      Eigen::Quaterniond::FromTwoVectors(state_.gravity_local_mps2(), -Vector3::UnitZ()).toRotationMatrix();
+  state_.nav.q = (Eigen::Quaterniond(R) * state_.nav.q).normalized();
+  state_.nav.v_mps = R * state_.nav.v_mps;
+  state_.tilt_local.setZero();
+  return R;
 }
 
-/// Sola, eqs. 270 and 271: first order in dt, second where position depends on acceleration.
-InertialFilter::Covariance InertialFilter::transition(const State& state, const Vector3& omega_body_radps,
-                                                      const Vector3& force_body_mps2, double dt_s) {
-  const Matrix3 R = (state.nav.q * rotation_by(0.5 * dt_s * omega_body_radps)).toRotationMatrix();
-  const Matrix3 a_by_theta = -R * skew_of(force_body_mps2);
-  Eigen::Matrix<double, 3, 2> a_by_tilt = Eigen::Matrix<double, 3, 2>::Zero();
-  a_by_tilt.topRows<2>().diagonal().setConstant(kStandardGravity_mps2);
-  a_by_tilt.row(2) =
-      kStandardGravity_mps2 / std::sqrt(1.0 - state.tilt_local.squaredNorm()) * state.tilt_local.transpose();
-  Covariance F = Covariance::Identity();
-  F.block<3, 3>(kP, kV) = Matrix3::Identity() * dt_s;
-  F.block<3, 3>(kP, kTheta) = 0.5 * dt_s * dt_s * a_by_theta;
-  F.block<3, 3>(kP, kAccelBias) = -0.5 * dt_s * dt_s * R;
-  F.block<3, 2>(kP, kTilt) = 0.5 * dt_s * dt_s * a_by_tilt;
-  F.block<3, 3>(kV, kTheta) = dt_s * a_by_theta;
-  F.block<3, 3>(kV, kAccelBias) = -dt_s * R;
-  F.block<3, 2>(kV, kTilt) = dt_s * a_by_tilt;
-  F.block<3, 3>(kTheta, kTheta) = rotation_by(-dt_s * omega_body_radps).toRotationMatrix();
-  F.block<3, 3>(kTheta, kGyroBias) = -dt_s * Matrix3::Identity();
-  return F;
-}
-
+/// The scan's pose is the state's plus the motion during the time offset. An exact one leaves the state's pose the
+/// error of that motion.
 void InertialFilter::anchor_pose() {
-  for (const int first : {static_cast<int>(kP), static_cast<int>(kTheta)}) {
-    P_.middleRows<3>(first).setZero();
-    P_.middleCols<3>(first).setZero();
-  }
+  Covariance A = Covariance::Identity();
+  A.middleRows<3>(kP).setZero();
+  A.middleRows<3>(kTheta).setZero();
+  A.block<3, 1>(kP, kTimeOffset) = -twist_.head<3>();
+  A.block<3, 1>(kTheta, kTimeOffset) = -twist_.tail<3>();
+  P_ = propagated(A, P_);
 }
 
 void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_body_mps2, double dt) {
@@ -126,14 +148,15 @@ void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_
   state_ = advanced(state_, omega_body_radps, force_body_mps2, dt);
   P_ = propagated(F, P_);
 
-  const double accel_q = squared(config_.accel_noise_mps2_sqrt_hz) * dt;
+  const double noise_dt = noise_factor_ * dt;
+  const double accel_q = squared(config_.accel_noise_mps2_sqrt_hz) * noise_dt;
   P_.block<3, 3>(kP, kP).diagonal().array() += accel_q * dt * dt / 4.0;
   P_.block<3, 3>(kP, kV).diagonal().array() += accel_q * dt / 2.0;
   P_.block<3, 3>(kV, kP).diagonal().array() += accel_q * dt / 2.0;
   P_.block<3, 3>(kV, kV).diagonal().array() += accel_q;
-  P_.block<3, 3>(kTheta, kTheta).diagonal().array() += squared(config_.gyro_noise_radps_sqrt_hz) * dt;
-  P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += squared(config_.accel_walk_mps3_sqrt_hz) * dt;
-  P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += squared(config_.gyro_walk_radps2_sqrt_hz) * dt;
+  P_.block<3, 3>(kTheta, kTheta).diagonal().array() += squared(config_.gyro_noise_radps_sqrt_hz) * noise_dt;
+  P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += squared(config_.accel_walk_mps3_sqrt_hz) * noise_dt;
+  P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += squared(config_.gyro_walk_radps2_sqrt_hz) * noise_dt;
   if (dt > kLongestStep_s) {  // the motion in the gap is unknown
     P_.block<3, 3>(kP, kP).diagonal().array() += squared(dt * dt);
     P_.block<3, 3>(kV, kV).diagonal().array() += squared(2.0 * dt);
@@ -141,35 +164,53 @@ void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_
   }
 }
 
+InertialFilter::Vector6 InertialFilter::pose_part(const Error& d) const {
+  Vector6 part;
+  part << d.segment<3>(kP), d.segment<3>(kTheta);
+  return part + d(kTimeOffset) * twist_;
+}
+
 Matrix6 InertialFilter::pose_covariance() const {
   const PoseColumns columns = pose_columns();
   Matrix6 out;
   out.topRows<3>() = columns.middleRows<3>(kP);
   out.bottomRows<3>() = columns.middleRows<3>(kTheta);
-  return out;
+  return out + twist_ * columns.row(kTimeOffset);
 }
 
+/// P H^T, with the derivative H of the measured pose by the state.
 InertialFilter::PoseColumns InertialFilter::pose_columns() const {
   PoseColumns columns;
   columns.leftCols<3>() = P_.middleCols<3>(kP);
   columns.rightCols<3>() = P_.middleCols<3>(kTheta);
-  return columns;
+  return columns + P_.col(kTimeOffset) * twist_.transpose();
 }
 
-/// With the prior N(0, P), the pose's rows of an error d called H d and the evidence (Omega, b) at H d = H at:
+/// Pose of the scan's points at an iterate of the update.
+Pose InertialFilter::measured_pose(const Error& at) const {
+  const Vector6 motion = at(kTimeOffset) * twist_;
+  return make_pose(state_.nav.p_m + motion.head<3>(), (state_.nav.q * rotation_by(motion.tail<3>())).normalized());
+}
+
+/// With the prior N(0, P), the measured pose's change H d by an error d, and the evidence (Omega, b) at H d = H at:
 /// d = P H^T (I + Omega H P H^T)^-1 (Omega H at - b). No inverse of P is needed, which may be singular.
 InertialFilter::Error InertialFilter::most_likely(const PoseEvidence& evidence, const Error& at) const {
-  Eigen::Matrix<double, 6, 1> pose_at;
-  pose_at << at.segment<3>(kP), at.segment<3>(kTheta);
   const Matrix6 A = Matrix6::Identity() + evidence.information * pose_covariance();
-  const Eigen::Matrix<double, 6, 1> y = A.partialPivLu().solve(evidence.information * pose_at - evidence.gradient);
+  const Vector6 y = A.partialPivLu().solve(evidence.information * pose_part(at) - evidence.gradient);
   return pose_columns() * y;
 }
 
-void InertialFilter::settle(const PoseEvidence& evidence) {
+/// The innovation z, whose information is Omega, has the covariance S = Omega^-1 + H P H^T. With y = S^-1 z as above,
+/// z^T S^-1 z = y^T Omega^-1 y + y^T H P H^T y, where y lies in the range of Omega.
+void InertialFilter::settle(const PoseEvidence& evidence, const Error& at) {
+  constexpr double kLeastInformation = 1e-3;  // far below that of a scan: makes Omega regular
   const PoseColumns columns = pose_columns();
-  const Matrix6 A = Matrix6::Identity() + evidence.information * pose_covariance();
-  const Matrix6 M = A.partialPivLu().solve(evidence.information);
+  const Matrix6 prior = pose_covariance();
+  const auto A = Matrix6(Matrix6::Identity() + evidence.information * prior).partialPivLu();
+  const Vector6 y = A.solve(evidence.information * pose_part(at) - evidence.gradient);
+  const Matrix6 regular = evidence.information + kLeastInformation * Matrix6::Identity();
+  innovation_sq_ = y.dot(prior * y) + y.dot(regular.partialPivLu().solve(y));
+  const Matrix6 M = A.solve(evidence.information);
   settle(P_ - columns * M * columns.transpose());
 }
 
@@ -202,7 +243,13 @@ void InertialConfig::visit(ConfigVisitor& v) {
   v.field("start_velocity_sigma_mps", start_velocity_sigma_mps,
           "[m/s] standard deviation of the velocity at the start; at least the speed of a vehicle turned on in flight",
           positive);
-  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] standard deviation of the start pose's tilt", positive);
+  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg,
+          "[deg] standard deviation of the start pose's tilt; above about 1, the first scans level the local frame",
+          positive);
+  v.field("time_offset_s", time_offset_s, "[s] stamp of the IMU minus stamp of the LiDAR at the same instant",
+          Range::between(-1.0, 1.0));
+  v.field("time_offset_sigma_s", time_offset_sigma_s,
+          "[s] standard deviation of time_offset_s, which is estimated; 0: taken as given", Range::between(0.0, 1.0));
 }
 
 }  // namespace swiftlet

@@ -12,6 +12,12 @@ namespace swiftlet {
 namespace {
 
 constexpr double kUnknownVelocity_mps = 0.3;  // velocity sigma above which a scan counts as smeared
+// Change of the time offset above which a scan is undistorted again: 0.3 mm at 3 m/s.
+constexpr double kTimeShift_s = 1e-4;
+// Least speed and body rate of a sweep that depend on the time offset. Smaller values learn it from noise.
+constexpr double kClear_mps = 0.5, kClear_radps = 0.1;
+// Shortest interval over which the motion of a scan without duration is measured.
+constexpr TimeNs kMotionInterval = 20'000'000;
 // most IMU samples kept for a second start; with later scans there is none
 constexpr std::size_t kMostStartSamples = 4096;
 // longest age of a sighting of another vehicle at which its position is extrapolated
@@ -19,6 +25,13 @@ constexpr double kVehicleKnown_s = 1.0;
 constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
+
+/// Motion without the parts that may be noise, from which no time offset can be learned.
+Eigen::Matrix<double, 6, 1> clear_part(Eigen::Matrix<double, 6, 1> motion) {
+  if (motion.head<3>().norm() < kClear_mps) motion.head<3>().setZero();
+  if (motion.tail<3>().norm() < kClear_radps) motion.tail<3>().setZero();
+  return motion;
+}
 
 double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return rotation_vector_rad(a.conjugate() * b).norm();
@@ -59,19 +72,29 @@ ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVeh
 /// gyroscope of unknown bias.
 void LocalSlam::begin_again() {
   start_.over = true;
-  if (start_.imu.size() < kMostStartSamples) {
-    const InertialFilter learned = filter_;
+  if (!start_.imu.empty() && start_.imu.size() < kMostStartSamples) {
+    InertialFilter learned = filter_;
+    Vector3 v_start_local_mps = learned.state().nav.v_mps - velocity_gained(learned);
+    if (config_.imu.start_tilt_sigma_deg * kRadPerDeg >
+        config_.imu.start_accel_bias_sigma_mps2 / kStandardGravity_mps2) {
+      const Matrix3 R = learned.level();
+      v_start_local_mps = R * v_start_local_mps;
+      T_local_body_start_.linear() = R * T_local_body_start_.linear();
+    }
     filter_ = InertialFilter(config_.imu, T_local_body_start_);
-    filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
+    filter_.begin_with(learned, v_start_local_mps);
     motion_ = {};
     matcher_->clear();
+    innovations_ = {};
     drift_ = MapDrift(T_local_body_start_.translation());
     shared_covariance_.setZero();
     inserted_ = {};
     num_inserted_ = 0;
+    motion_known_ = false;
     std::size_t next = 0;
     for (const Start::Swept& swept : start_.scans) {
-      for (; next < swept.after_sample; ++next) add(start_.imu[next]);
+      const auto is_ahead = [&] { return filter_.state().nav.t < imu_time_of_end(*swept.scan); };
+      for (; next < start_.imu.size() && (next < swept.after_sample || is_ahead()); ++next) add(start_.imu[next]);
       match(*swept.scan, swept.others);
     }
   }
@@ -93,36 +116,36 @@ Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
   return state.nav.v_mps;
 }
 
+/// Propagates the state to the end of the scan.
+void LocalSlam::reach_end(const Scan& scan) {
+  const TimeNs end = imu_time_of_end(scan);
+  if (!config_.with_imu && motion_.empty()) filter_.begin_at(end);
+  filter_.predict_to(end);
+  const NavState& nav = filter_.state().nav;
+  if (!config_.with_imu || !motion_.empty()) motion_.push(nav.t, nav.p_m, nav.q);
+}
+
 ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> others) {
   ScanOutcome outcome;
+  reach_end(scan);
   if (motion_.empty()) return outcome;
   gather(scan, others);
   if (matcher_->num_points() < kLeastReturns) {
     outcome.fit.num_points = matcher_->num_points();
     outcome.fit.num_degenerate = 6;
+    const auto beyond = std::ranges::count_if(scan.range_m, [&](float r) { return r > config_.range_max_m; });
+    outcome.out_of_range = beyond >= kLeastReturns;
     return outcome;
   }
   const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
   const bool smeared = sigma_mps > kUnknownVelocity_mps;
-  const double smear_m = smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0;
   const bool first = matcher_->is_empty();
-  if (!first) {
-    const Pose T_before = filter_.T_local_body();
-    const Vector3 v_before_mps = filter_.state().nav.v_mps;
-    const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
-    outcome.fit = found.fit;
-    outcome.num_iterations = found.num_iterations;
-    motion_.move(filter_.T_local_body() * T_before.inverse());
-    if (smeared) {
-      motion_.change_velocity(filter_.state().nav.t, filter_.state().nav.v_mps - v_before_mps);
-      gather(scan, others);
-    }
-  }
+  if (!first) update(scan, others, smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0, outcome);
   outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
   drift_.move_to(filter_.state().nav.p_m);
   if (outcome.num_iterations > 0 && outcome.used) learn_shared_covariance(outcome.fit);
   if (first || due_for_map()) {
-    if (smeared) matcher_->clear();  // the map holds a scan of unknown motion
+    if (smeared && !motion_known_) matcher_->clear();  // the map holds a scan of unknown motion
     const Matrix3 R_local_body = filter_.T_local_body().linear();
     if (matcher_->is_empty()) {
       drift_.inherit(filter_.pose_covariance(), R_local_body);
@@ -130,12 +153,37 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
     } else {
       // Errors persist: those of the map while it is in view, the filter's own for several scans. So the renewed share
       // adds up like one error that lasts until the whole map is renewed.
-      drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_), R_local_body);
+      drift_.inherit(
+          innovations_.covariance_factor() * outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_),
+          R_local_body);
     }
     insert();
     outcome.inserted = true;
   }
+  // Without an IMU two scans give the velocity.
+  motion_known_ = motion_known_ || (!first && (!smeared || filter_.is_coasting()));
   return outcome;
+}
+
+/// Corrects the state by the scan, and the scan's points by what that changed of the motion during the sweep.
+void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, double smear_m, ScanOutcome& outcome) {
+  const NavState before = filter_.state().nav;
+  const double offset_before_s = filter_.state().time_offset_s;
+  const TimeNs end = imu_time_of_end(scan);
+  filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
+  const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
+  outcome.fit = found.fit;
+  outcome.num_iterations = found.num_iterations;
+  if (!found.fit.evidence.information.isZero(0.0)) {
+    innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
+  }
+  filter_.set_noise_factor(innovations_.noise_factor());
+  const NavState& nav = filter_.state().nav;
+  motion_.move(filter_.T_local_body() * make_pose(before.p_m, before.q).inverse());
+  const bool shifted = std::abs(filter_.state().time_offset_s - offset_before_s) > kTimeShift_s;
+  if (smear_m > 0.0 || filter_.is_coasting())
+    motion_.change_velocity(nav.t, nav.v_mps - before.v_mps, nav.omega_body_radps - before.omega_body_radps);
+  if (smear_m > 0.0 || filter_.is_coasting() || shifted) gather(scan, others);
 }
 
 /// Covariance shared by scans that meet the same part of the map; the filter treats scans as independent.
@@ -148,7 +196,7 @@ void LocalSlam::learn_shared_covariance(const ScanFit& fit) {
 }
 
 void LocalSlam::gather(const Scan& scan, std::span<const SeenVehicle> others) {
-  undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_);
+  undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_, time_offset());
   if (!others.empty() && config_.vehicle_radius_m > 0.0) leave_out(others);
   matcher_->take(returns_body_m_, num_inserted_ < admission_.first_scans);
 }
@@ -184,7 +232,8 @@ void LocalSlam::insert() {
 }
 
 Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
-  return filter.pose_covariance() + shared_covariance_ + drift_.covariance(filter.state().nav.q.toRotationMatrix());
+  return innovations_.covariance_factor() * (filter.pose_covariance() + shared_covariance_) +
+         drift_.covariance(filter.state().nav.q.toRotationMatrix());
 }
 
 void MapDrift::move_to(const Vector3& p_local_m) {

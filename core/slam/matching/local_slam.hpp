@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/slam/matching/inertial_filter.hpp"
+#include "core/slam/matching/innovation_monitor.hpp"
 #include "core/slam/matching/scan_matcher.hpp"
 #include "core/slam/matching/surface_matcher.hpp"
 #include "core/slam/matching/sweep.hpp"
@@ -40,6 +41,7 @@ struct ScanOutcome {
   ScanFit fit;        ///< fit at the last iterate
   int num_iterations = 0;
   bool inserted = false;
+  bool out_of_range = false;  ///< more returns lie beyond range_max_m than within
 };
 
 /// Scan-to-scan motion and the local map. Scans are motion-compensated by the IMU and matched to the map, fused with
@@ -51,7 +53,7 @@ class LocalSlam {
             std::unique_ptr<ScanMatcher> matcher = nullptr);
 
   void add(const ImuSample& sample);
-  /// Adds a scan that ended not after the last IMU sample.
+  /// Adds a scan. The state is propagated to its end if the last IMU sample is older.
   /// @param others  nearby flying vehicles, whose returns are removed
   ScanOutcome add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others = {});
 
@@ -59,6 +61,10 @@ class LocalSlam {
   const ScanMatcher& matcher() const { return *matcher_; }
   /// True when the initialization is over, so that the map is no longer rebuilt.
   bool started() const { return start_.over; }
+  const InnovationMonitor& innovations() const { return innovations_; }
+  /// Time of the end of a scan on the IMU's clock.
+  TimeNs imu_time_of_end(const Scan& scan) const { return scan.stamp + scan.duration + time_offset(); }
+  TimeNs time_offset() const { return from_seconds(filter_.state().time_offset_s); }
   /// Time and pose of the last insertion into the map.
   const TimedPose& inserted_at() const { return inserted_; }
   /// Points of the last scan, thinned for the map.
@@ -82,6 +88,8 @@ class LocalSlam {
   void begin_again();
   Vector3 velocity_gained(const InertialFilter& learned) const;
   ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
+  void reach_end(const Scan& scan);
+  void update(const Scan& scan, std::span<const SeenVehicle> others, double smear_m, ScanOutcome& outcome);
   void gather(const Scan& scan, std::span<const SeenVehicle> others);
   void leave_out(std::span<const SeenVehicle> others);
   void learn_shared_covariance(const ScanFit& fit);
@@ -96,11 +104,13 @@ class LocalSlam {
   MotionHistory motion_;
   std::unique_ptr<ScanMatcher> matcher_;
   ScanMatcher::Admission admission_;
+  InnovationMonitor innovations_;
   MapDrift drift_;
   Matrix6 shared_covariance_ = Matrix6::Zero();  // covariance of the pose due to map errors common to successive scans
 
   TimedPose inserted_;  // last insertion
   int num_inserted_ = 0;
+  bool motion_known_ = false;                    // the map holds scans of known motion
   std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
 };
 

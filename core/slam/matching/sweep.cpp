@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
 
 namespace swiftlet {
 namespace {
@@ -40,11 +41,22 @@ void MotionHistory::move(const Pose& T_new_old) {
   }
 }
 
-void MotionHistory::change_velocity(TimeNs t, const Vector3& by_local_mps) {
+void MotionHistory::change_velocity(TimeNs t, const Vector3& by_local_mps, const Vector3& by_body_radps) {
   for (int i = 0; i < count_; ++i) {
     Entry& e = ring_[(first_ + i) % kCapacity];
-    e.p_local_m += to_seconds(e.t - t) * by_local_mps;
+    const double since_s = to_seconds(e.t - t);
+    e.p_local_m += since_s * by_local_mps;
+    if (!by_body_radps.isZero(0.0)) e.q = (e.q * rotation_by(since_s * by_body_radps)).normalized();
   }
+}
+
+Eigen::Matrix<double, 6, 1> MotionHistory::mean_motion(TimeNs from, TimeNs to) const {
+  const double duration_s = to_seconds(to - from);
+  const Pose T_from = at(from), T_to = at(to);
+  Eigen::Matrix<double, 6, 1> mean;
+  mean << T_to.translation() - T_from.translation(),
+      rotation_vector_rad(Eigen::Quaterniond(T_from.linear().transpose() * T_to.linear()));
+  return mean / duration_s;
 }
 
 Pose MotionHistory::at(TimeNs t) const {
@@ -95,7 +107,7 @@ void VoxelThinner::thin_into(std::span<const Eigen::Vector3f> points_m, float ed
 }
 
 void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double own_radius_m, double range_max_m,
-               std::vector<Eigen::Vector3f>& points_body_m) {
+               std::vector<Eigen::Vector3f>& points_body_m, TimeNs time_offset) {
   const BeamTable& beams = *scan.beams;
   const std::size_t size = beams.size();
   ENSURE(scan.range_m.size() == size && beams.directions_lidar.size() == size && beams.origins_lidar.size() == size &&
@@ -109,7 +121,8 @@ void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double o
   const float own_sq = static_cast<float>(own_radius_m * own_radius_m);
   const float range_max = static_cast<float>(range_max_m);
   const auto carried = [&](int i) {
-    return Eigen::Isometry3f((T_now_local * motion.at(scan.time_of(i)) * scan.T_body_lidar).cast<float>());
+    return Eigen::Isometry3f(
+        (T_now_local * motion.at(scan.time_of(i) + time_offset) * scan.T_body_lidar).cast<float>());
   };
   const auto add = [&](int i, const Eigen::Isometry3f& T_now_lidar) {
     const Eigen::Vector3f p = T_now_lidar * scan.point_lidar(i);

@@ -18,8 +18,10 @@ class MotionHistory {
   void push(TimeNs t, const Vector3& p_local_m, const Eigen::Quaterniond& q_local_body);
   /// Transforms the whole history by a correction in the local frame.
   void move(const Pose& T_new_old);
-  /// Changes the velocity of the history; the pose at t stays fixed.
-  void change_velocity(TimeNs t, const Vector3& by_local_mps);
+  /// Changes velocity and body rate of the history; the pose at t stays fixed.
+  void change_velocity(TimeNs t, const Vector3& by_local_mps, const Vector3& by_body_radps = Vector3::Zero());
+  /// Mean velocity (local frame) and body rate between two instants.
+  Eigen::Matrix<double, 6, 1> mean_motion(TimeNs from, TimeNs to) const;
   /// Pose interpolated between samples; outside, the nearest one.
   Pose at(TimeNs t) const;
   bool covers(TimeNs t) const { return count_ > 0 && entry(0).t <= t; }
@@ -60,7 +62,8 @@ class VoxelThinner {
 /// Returns of a scan in the body frame at time t: each point is compensated for the motion since its firing.
 ///
 /// @param own_radius_m  returns within this radius of the body's origin are from the vehicle itself
+/// @param time_offset  time of the motion minus time of the scan at the same instant
 void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double own_radius_m, double range_max_m,
-               std::vector<Eigen::Vector3f>& points_body_m);
+               std::vector<Eigen::Vector3f>& points_body_m, TimeNs time_offset = 0);
 
 }  // namespace swiftlet

@@ -21,6 +21,7 @@ Filter::State some_state() {
   state.accel_bias_body_mps2 = {0.1, -0.2, 0.05};
   state.gyro_bias_body_radps = {0.01, -0.02, 0.005};
   state.tilt_local = {0.05, -0.08};
+  state.time_offset_s = 0.01;
   return state;
 }
 
@@ -33,6 +34,7 @@ Filter::Error between(const Filter::State& from, const Filter::State& to) {
   d.segment<3>(Filter::kAccelBias) = to.accel_bias_body_mps2 - from.accel_bias_body_mps2;
   d.segment<3>(Filter::kGyroBias) = to.gyro_bias_body_radps - from.gyro_bias_body_radps;
   d.segment<2>(Filter::kTilt) = to.tilt_local - from.tilt_local;
+  d(Filter::kTimeOffset) = to.time_offset_s - from.time_offset_s;
   return d;
 }
 
@@ -102,6 +104,56 @@ TEST(InertialFilter, UpdatesAsKalmanFilter) {
   EXPECT_LT((between(prior, filter.state()) - expected).norm(), 1e-6);
   const Filter::Covariance P_expected = (Filter::Covariance::Identity() - K * H) * P;
   EXPECT_LT((filter.covariance() - P_expected).norm(), 1e-9);
+}
+
+// A scan that lies ahead along the motion is explained by the time offset, if its pose is certain.
+TEST(InertialFilter, LearnsTimeOffsetFromMotion) {
+  Filter filter({}, Pose::Identity());
+  filter.predict({4'000'000, Vector3::Zero(), {0, 0, 9.81}});
+  Eigen::Matrix<double, 6, 1> twist, moved;
+  twist << 3.0, 0.0, 0.0, 0.0, 0.0, 0.5;
+  moved = 0.02 * twist;
+  filter.set_scan_motion(twist);
+  const Matrix6 information = 1e8 * Matrix6::Identity();
+  filter.update(
+      [&](const Pose& T) {
+        Eigen::Matrix<double, 6, 1> off;
+        off << T.translation(), rotation_vector_rad(Eigen::Quaterniond(T.linear()));
+        return PoseEvidence{information, information * (off - moved)};
+      },
+      5);
+  EXPECT_NEAR(filter.state().time_offset_s, 0.02, 1e-4);
+  EXPECT_LT(filter.state().nav.p_m.norm(), 1e-3);
+  EXPECT_LT(filter.time_offset_sigma_s(), 1e-3);
+  EXPECT_NEAR(filter.innovation_sq(), 1.0, 0.1) << "one sigma of the prior's 20 ms";
+}
+
+TEST(InertialFilter, CoastsWithoutSamplesAndRestoresBias) {
+  Filter filter = flown_filter();
+  Filter::State before = filter.state();
+  const Matrix3 bias_covariance = filter.covariance().block<3, 3>(Filter::kGyroBias, Filter::kGyroBias);
+  filter.predict_to(1'400'000'000);
+  EXPECT_TRUE(filter.is_coasting());
+  EXPECT_LT((filter.state().nav.v_mps - before.nav.v_mps).norm(), 1e-12);
+  EXPECT_LT((filter.state().nav.p_m - before.nav.p_m - before.nav.v_mps).norm(), 1e-9);
+  EXPECT_LT((filter.state().nav.omega_body_radps - before.nav.omega_body_radps).norm(), 1e-12);
+  EXPECT_GT(std::sqrt(filter.covariance()(Filter::kV, Filter::kV)), 1.0);
+  filter.predict({1'404'000'000, {0.1, 0.3, -0.2}, {0, 0, 9.81}});
+  EXPECT_FALSE(filter.is_coasting());
+  EXPECT_EQ(filter.state().gyro_bias_body_radps, before.gyro_bias_body_radps);
+  const Matrix3 after = filter.covariance().block<3, 3>(Filter::kGyroBias, Filter::kGyroBias);
+  EXPECT_LT((after - bias_covariance).norm(), 1e-8);
+}
+
+TEST(InertialFilter, LevelingMakesGravityVertical) {
+  Filter filter = flown_filter();
+  Filter::State state = filter.state();
+  filter.level();
+  EXPECT_LT(filter.state().gravity_local_mps2().head<2>().norm(), 1e-12);
+  const auto force_body_mps2 = [](const Filter::State& s) {
+    return Vector3(s.nav.q.conjugate() * s.gravity_local_mps2());
+  };
+  EXPECT_LT((force_body_mps2(filter.state()) - force_body_mps2(state)).norm(), 1e-9) << "the same in body axes";
 }
 
 TEST(InertialFilter, EvidenceThatIsEmptyChangesNothing) {

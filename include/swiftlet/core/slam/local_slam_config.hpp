@@ -6,10 +6,20 @@
 
 namespace swiftlet {
 
-/// Noise of the IMU and uncertainty at the start.
+/// Noise of the IMU, and uncertainty at the start.
+///
+/// The densities of white noise are ten times those of an ADIS16448: on a vehicle they also stand for vibration, jitter
+/// of the stamps and errors of scale and alignment.
 struct InertialConfig : ImuNoise {
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 0.5;
+  double time_offset_s = 0.0;
+  double time_offset_sigma_s = 0.02;
+
+  InertialConfig() {
+    gyro_noise_radps_sqrt_hz = 3.39e-3;
+    accel_noise_mps2_sqrt_hz = 4e-2;
+  }
 
   void visit(ConfigVisitor& v);
 };
@@ -57,6 +67,7 @@ struct LocalSlamConfig : SurfaceMatchingConfig {
   int start_scans = 10;
   double known_share_min = 0.3;
   double vehicle_radius_m = 1.0;
+  bool with_imu = true;  ///< set by SlamConfig::imu
 
   void visit(ConfigVisitor& v);
 };

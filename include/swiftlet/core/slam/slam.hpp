@@ -20,8 +20,11 @@ namespace swiftlet {
 struct SlamConfig : ModuleConfigOf<SlamConfig> {
   /// Map for scan matching: planes, or the document's probability grids.
   enum class Matching { kSurfaces, kGrid };
+  /// Prediction between scans: by the IMU, or with constant velocity.
+  enum class Imu { kRequired, kNone };
 
   std::vector<std::string> lidars;
+  Imu imu = Imu::kRequired;
   double latency_s = 0.03;
   Matching matching = Matching::kSurfaces;
   LocalSlamConfig local;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/matching/innovation_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/base/elementary.hpp"
+
+namespace swiftlet {
+namespace {
+
+// [-] mean of the normalized squares that still counts as agreement; 1 for exact noise models. Smaller values react to
+// the errors of the map's own model.
+constexpr double kAgreement = 4.0;
+// [-] limit of the normalized square of one scan. Larger values let a single wrong scan scale the noise.
+constexpr double kMostSquare = 100.0;
+// [-] share of the excess by which a scan scales the noise. Larger values adapt faster and overshoot.
+constexpr double kAdaptation = 0.1;
+// [-] largest share by which a scan lowers the noise again: by half in 35 scans. Larger values forget a disagreement
+// that shows in maneuvers only.
+constexpr double kRecovery = 0.02;
+// [-] limits of the noise factor: of a warning, of a contradiction, and of the factor itself. The standard deviation of
+// the noise grows by its square root.
+constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMostNoise = 1e6;
+
+}  // namespace
+
+void InnovationMonitor::add(double innovation_sq, int num_directions) {
+  if (num_directions <= 0 || !(innovation_sq >= 0.0)) return;
+  last_[next_] = std::min(innovation_sq / num_directions, kMostSquare);
+  next_ = (next_ + 1) % kScans;
+  mean_ = 0.0;
+  for (const double square : last_) mean_ += square / kScans;
+  const double excess = elementary::log(std::max(mean_, 1e-3) / kAgreement);
+  noise_factor_ *= elementary::exp(std::max(kAdaptation * excess, -kRecovery));
+  noise_factor_ = std::clamp(noise_factor_, 1.0, kMostNoise);
+}
+
+double InnovationMonitor::covariance_factor() const { return std::max(1.0, mean_ / kAgreement); }
+bool InnovationMonitor::disagrees() const { return noise_factor_ > kDisagreement; }
+bool InnovationMonitor::contradicts() const { return noise_factor_ > kContradiction; }
+
+}  // namespace swiftlet

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace swiftlet {
+
+/// Agreement of the scans with the filter's predictions [Mehra 1970]: the innovations of the last scans, normalized by
+/// their covariance. The IMU's noise is scaled until they agree.
+class InnovationMonitor {
+ public:
+  /// @param innovation_sq  normalized square of an innovation in `num_directions` directions
+  void add(double innovation_sq, int num_directions);
+
+  /// Factor of the reported covariance, at least 1.
+  double covariance_factor() const;
+  /// Factor of the variances of the IMU's noise, at least 1.
+  double noise_factor() const { return noise_factor_; }
+  /// The scans disagree with the IMU by more than its noise explains.
+  bool disagrees() const;
+  /// The IMU does not measure the motion that the scans show.
+  bool contradicts() const;
+
+ private:
+  static constexpr int kScans = 10;
+  std::array<double, kScans> last_{};  // normalized squares per direction
+  int next_ = 0;
+  double mean_ = 0.0;
+  double noise_factor_ = 1.0;
+};
+
+}  // namespace swiftlet
