@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "tests/core/guidance/guide_support.hpp"
@@ -20,8 +21,6 @@ using testing::CellListMap;
 using testing::guides_uav2;
 using testing::place_at_viewpoint;
 using Team = testing::GuideAndGuided;
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(Guide, PassesThroughItsStatesToGoal) {
   Team team(guides_uav2({{4, 0, 0.7}}));
