@@ -2,11 +2,10 @@
 #include "swiftlet/core/slam/slam.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/slam/graph/correction_blend.hpp"
@@ -214,7 +213,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     else if (to_seconds(due - last_sure_) > config_.warn_after_s)
       warning_ = "SLAM is degenerate: the scans do not constrain every direction";
     else if (t < offset_report_until_)
-      warning_ = offset_report_.data();
+      warning_ = offset_report_.c_str();
   }
 
   /// Reports the time offset for a moment when it has become significant, or has changed.
@@ -227,9 +226,9 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
       return;
     reported_offset_s_ = offset_s;
     offset_report_until_ = t + kReportDuration;
-    std::snprintf(offset_report_.data(), offset_report_.size(), "SLAM: IMU stamps are %lld us %s (sigma %lld us)",
-                  std::llround(1e6 * std::abs(offset_s)), offset_s < 0.0 ? "early" : "late",
-                  std::llround(1e6 * sigma_s));
+    offset_report_ = "SLAM: IMU stamps are " + std::to_string(std::llround(1e6 * std::abs(offset_s))) + " us " +
+                     (offset_s < 0.0 ? "early" : "late") + " (sigma " + std::to_string(std::llround(1e6 * sigma_s)) +
+                     " us)";
   }
 
   SlamConfig config_;
@@ -250,7 +249,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   bool out_of_range_ = false;  // the last scan has its returns beyond the largest range
   double reported_offset_s_ = 0.0;
   TimeNs offset_report_until_ = 0;
-  std::array<char, 80> offset_report_{};
+  std::string offset_report_;
   StateEstimate estimate_;
   const char* fault_ = "";
   const char* warning_ = "";

@@ -39,7 +39,7 @@ struct FaultyFlight {
   SyntheticFlight flight{kFaultHall, weaving_at};
   SlamConfig config;
   double duration_s = 15.0, from_s = 3.0;  // errors count from from_s on
-  TimeNs imu_delay = 0;                    // of stamps, and of deliveries if positive
+  TimeNs imu_delay = 0;                    // stamps are late by it; deliveries too if positive
   double imu_pause_from_s = 1e9, imu_pause_to_s = 1e9;
   bool with_imu = true;
   Pose T_start = Pose::Identity();  // reported start, if not the true one
@@ -134,7 +134,7 @@ TEST(SlamFaults, ContinuesByScansWhileImuPauses) {
   EXPECT_LT(faulty.worst_m, 0.4);
 }
 
-TEST(SlamFaults, LevelsItselfAfterAStartInATurn) {
+TEST(SlamFaults, LevelsItselfAfterStartInTurn) {
   FaultyFlight faulty;
   // Around a circle of 4 m at 2.5 m/s, tilted inward by 9 degrees.
   faulty.flight = SyntheticFlight(kFaultHall, [](double t_s) {
