@@ -43,6 +43,20 @@ Eigen::AlignedBox3d box_of(const VehicleShape& shape) {
   return box;
 }
 
+/// Beam whose direction is nearest to the unit vector.
+int nearest_beam(const BeamTable& beams, const Eigen::Vector3f& direction_lidar) {
+  int nearest = 0;
+  float best = -2.0F;
+  for (int i = 0; i < beams.size(); ++i) {
+    const float cosine = beams.directions_lidar[static_cast<std::size_t>(i)].dot(direction_lidar);
+    if (cosine > best) {
+      best = cosine;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
 }  // namespace
 
 struct BoxMaker::Body {
@@ -119,20 +133,9 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateH
     if (box.num_points > 0) {
       box.t = start + sum_ns[static_cast<std::size_t>(v)] / box.num_points;
     } else {
-      // The beam whose direction is nearest to the vehicle.
       const TimeNs middle = start + scan.duration / 2;
       const Vector3 p_lidar = pose_of_lidar(middle).inverse() * truth.at(v, middle).p_world_m;
-      const Eigen::Vector3f direction = p_lidar.normalized().cast<float>();
-      int nearest = 0;
-      float best = -2.0F;
-      const Eigen::Vector3f* const beams = scan.beams->directions_lidar.data();
-      for (int i = 0; i < size; ++i) {
-        const float cosine = beams[i].dot(direction);
-        if (cosine > best) {
-          best = cosine;
-          nearest = i;
-        }
-      }
+      const int nearest = nearest_beam(*scan.beams, p_lidar.normalized().cast<float>());
       box.t = scan.time_of(nearest) - labeled.truth.clock_error;
     }
     const VehicleState state = truth.at(v, box.t);
