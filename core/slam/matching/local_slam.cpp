@@ -26,6 +26,9 @@ constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
+// Scans at the start whose motion is still unsure. Fewer let the time offset take the blame for it.
+constexpr int kSettlingScans = 10;
+
 /// Motion without the parts that may be noise, from which no time offset can be learned.
 Eigen::Matrix<double, 6, 1> clear_part(Eigen::Matrix<double, 6, 1> motion) {
   if (motion.head<3>().norm() < kClear_mps) motion.head<3>().setZero();
@@ -170,7 +173,8 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   const NavState before = filter_.state().nav;
   const double offset_before_s = filter_.state().time_offset_s;
   const TimeNs end = imu_time_of_end(scan);
-  filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
+  if (num_updates_++ >= kSettlingScans)
+    filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
   const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
   outcome.fit = found.fit;
   outcome.num_iterations = found.num_iterations;

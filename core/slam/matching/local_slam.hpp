@@ -110,6 +110,7 @@ class LocalSlam {
 
   TimedPose inserted_;  // last insertion
   int num_inserted_ = 0;
+  int num_updates_ = 0;                          // scans matched since the start
   bool motion_known_ = false;                    // the map holds scans of known motion
   std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
 };
