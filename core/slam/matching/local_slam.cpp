@@ -26,7 +26,8 @@ constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
-// Scans at the start whose motion is still unsure. Fewer let the time offset take the blame for it.
+// Scans at the start without an estimate of the time offset. With fewer, errors of the first velocities count as an
+// offset.
 constexpr int kSettlingScans = 10;
 
 /// Motion without the parts that may be noise, from which no time offset can be learned.
