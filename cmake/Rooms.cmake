@@ -27,6 +27,15 @@ function(swiftlet_compile_together target)
   endif()
 endfunction()
 
+# Rooms whose time is not that of a flight (files, tables, commands) are optimized less: -O1 takes a fifth of clang's time from them.
+# GCC's precompiled headers fit one level only.
+function(swiftlet_optimize_less)
+  foreach(room ${ARGN})
+    string(REPLACE "/" "_" name ${room})
+    target_compile_options(swiftlet_${name} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-O1>)
+  endforeach()
+endfunction()
+
 # The law of the house stands in the lines swiftlet_room(...) of CMakeLists.txt, and nowhere else:
 #   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [LISTED_BY core/z] [PARTS a b] [COMPONENT pcl])
 # A room is the folder core/math with what is its own, the folder include/swiftlet/core/math with what others may use, and
@@ -159,8 +168,8 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/rooms/tests/t
 
 # swiftlet_tests(core/math USES core/x LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in
 # one GoogleTest program test_core_math, with the named files of tests/support. It sees all of its room, and the public
-# headers of the rooms that it uses. Tests that match SLOW run only when the label slow is asked for. SWIFTLET_PLAIN_TESTS lists the
-# folders whose tests compute little.
+# headers of the rooms that it uses. Tests that match SLOW run only when the label slow is asked for. SWIFTLET_COMPUTING_TESTS lists the
+# folders whose tests compute much: the others are compiled without optimization.
 function(swiftlet_tests folder)
   cmake_parse_arguments(ARG "" "SLOW" "USES;LIBS;LABELS;SUPPORT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp)
@@ -172,9 +181,9 @@ function(swiftlet_tests folder)
     swiftlet_uses(test_${name} PRIVATE INSIDE ${folder})
   endif()
   swiftlet_uses(test_${name} PRIVATE ${ARG_USES})
-  set(kind test)
-  if(folder IN_LIST SWIFTLET_PLAIN_TESTS)
-    set(kind plain_test)
+  set(kind plain_test)
+  if(folder IN_LIST SWIFTLET_COMPUTING_TESTS)
+    set(kind test)
   endif()
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_${kind}_options GTest::gtest GTest::gmock GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${PROJECT_BINARY_DIR}/rooms/tests)

@@ -90,7 +90,7 @@ double centered_probability(const Matrix3& Sigma, double voxel_m) {
 double voxel_for(const Matrix3& Sigma, double confidence) {
   const double sigma = std::sqrt(Sigma.trace());
   double low = 0.0, high = std::max(20.0 * sigma, 1e-6);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 24; ++i) {  // to 1e-6 sigma
     const double middle = 0.5 * (low + high);
     (centered_probability(Sigma, middle) < confidence ? low : high) = middle;
   }

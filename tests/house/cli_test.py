@@ -116,11 +116,9 @@ class Cli(unittest.TestCase):
         self.assertEqual(self.run_swiftlet(*again, "second").returncode, 0)
 
     def test_check_is_silent_about_valid_files(self):
-        unseen = () if DRAWS else ("--set", "snapshots=[]")
-        for scenario, changes in [(self.scenario, ()), *((p, unseen) for p in sorted((SOURCE / "scenarios").glob("*.yaml"))),
-                                  *((p, ()) for p in sorted((SOURCE / "scenarios/batch").glob("*.yaml")))]:
-            result = self.run_swiftlet("check", scenario, *changes)
-            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
+        for valid in (self.scenario, *sorted((SOURCE / "scenarios/batch").glob("*.yaml"))):  # scenario_test.py checks the scenarios
+            result = self.run_swiftlet("check", valid)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), valid)
 
     def test_check_and_run_report_the_parts_of_a_file_that_do_not_fit(self):
         room = "".join(f"v {x} {y} {z}\n" for z in (0, 3) for y in (-4, 4) for x in (894, 906))
