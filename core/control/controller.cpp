@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kGravity_mps2 = 9.81;
 constexpr double kAirDensity_kgpm3 = 1.225;
 
 /// Gains derived from the airframe's motors; numbers in the configuration override them.
@@ -102,10 +102,9 @@ MultirotorController::MultirotorController(const Airframe& airframe, const Contr
   tan_tilt_max_ = elementary::tan(config.tilt_max_deg * kRadPerDeg);
   max_acceleration_mps2_ = airframe.max_thrust_N() / airframe.mass_kg;
   // Initial rotor speeds are those of hovering.
-  const double hover_speed =
-      std::sqrt(airframe.mass_kg * kGravity_mps2 / (airframe.num_rotors() * airframe.thrust_constant_N_per_radps2));
-  rotor_speed_radps_.fill(hover_speed);
-  commanded_speed_radps_.fill(hover_speed);
+  const double hover_speed_radps = airframe.hover_rotor_speed_radps(kGravity_mps2);
+  rotor_speed_radps_.fill(hover_speed_radps);
+  commanded_speed_radps_.fill(hover_speed_radps);
 }
 
 const MultirotorController::Commands& MultirotorController::idle(double dt_s) {

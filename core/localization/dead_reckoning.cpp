@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 
 namespace swiftlet {
 
@@ -21,7 +22,7 @@ Eigen::Quaterniond rotation_by(const Vector3& angle_rad) {
 
 void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_body_mps2, double dt_s) {
   const Eigen::Quaterniond q_middle = state.q * rotation_by(0.5 * dt_s * omega_body_radps);
-  const Vector3 a = q_middle * specific_force_body_mps2 - kStandardGravity_mps2 * Vector3::UnitZ();
+  const Vector3 a = q_middle * specific_force_body_mps2 - kGravity_mps2 * Vector3::UnitZ();
   state.p_m += dt_s * (state.v_mps + 0.5 * dt_s * a);
   state.v_mps += dt_s * a;
   state.q = (q_middle * rotation_by(0.5 * dt_s * omega_body_radps)).normalized();

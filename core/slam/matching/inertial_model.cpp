@@ -3,12 +3,13 @@
 
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 
 namespace swiftlet {
 
 Vector3 InertialModel::State::gravity_local_mps2() const {
-  return kStandardGravity_mps2 * Vector3(tilt_local.x(), tilt_local.y(), -std::sqrt(1.0 - tilt_local.squaredNorm()));
+  return kGravity_mps2 * Vector3(tilt_local.x(), tilt_local.y(), -std::sqrt(1.0 - tilt_local.squaredNorm()));
 }
 
 InertialModel::State InertialModel::State::changed_by(const Error& d) const {
@@ -44,9 +45,8 @@ InertialModel::Covariance InertialModel::transition(const State& state, const Ve
   const Matrix3 R = (state.nav.q * rotation_by(0.5 * dt_s * omega_body_radps)).toRotationMatrix();
   const Matrix3 a_by_theta = -R * skew_of(force_body_mps2);
   Eigen::Matrix<double, 3, 2> a_by_tilt = Eigen::Matrix<double, 3, 2>::Zero();
-  a_by_tilt.topRows<2>().diagonal().setConstant(kStandardGravity_mps2);
-  a_by_tilt.row(2) =
-      kStandardGravity_mps2 / std::sqrt(1.0 - state.tilt_local.squaredNorm()) * state.tilt_local.transpose();
+  a_by_tilt.topRows<2>().diagonal().setConstant(kGravity_mps2);
+  a_by_tilt.row(2) = kGravity_mps2 / std::sqrt(1.0 - state.tilt_local.squaredNorm()) * state.tilt_local.transpose();
   Covariance F = Covariance::Identity();
   F.block<3, 3>(kP, kV) = Matrix3::Identity() * dt_s;
   F.block<3, 3>(kP, kTheta) = 0.5 * dt_s * dt_s * a_by_theta;

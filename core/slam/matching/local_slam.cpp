@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
@@ -79,8 +80,7 @@ void LocalSlam::begin_again() {
   if (!start_.imu.empty() && start_.imu.size() < kMostStartSamples) {
     InertialFilter learned = filter_;
     Vector3 v_start_local_mps = learned.state().nav.v_mps - velocity_gained(learned);
-    if (config_.imu.start_tilt_sigma_deg * kRadPerDeg >
-        config_.imu.start_accel_bias_sigma_mps2 / kStandardGravity_mps2) {
+    if (config_.imu.start_tilt_sigma_deg * kRadPerDeg > config_.imu.start_accel_bias_sigma_mps2 / kGravity_mps2) {
       const Matrix3 R = learned.level();
       v_start_local_mps = R * v_start_local_mps;
       T_local_body_start_.linear() = R * T_local_body_start_.linear();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -32,7 +33,7 @@ TEST(CarriedOn, RotatesForceHalfwayAndBodyFully) {
   constexpr double kDt_s = 0.2;
   const Matrix3 R = state.q.toRotationMatrix(),
                 half = Matrix3(Eigen::AngleAxisd(0.5 * kDt_s * omega.norm(), omega.normalized()));
-  const Vector3 a = R * half * force - Vector3(0, 0, kStandardGravity_mps2);
+  const Vector3 a = R * half * force - Vector3(0, 0, kGravity_mps2);
   const Vector3 p = state.p_m + kDt_s * state.v_mps + 0.5 * kDt_s * kDt_s * a, v = state.v_mps + kDt_s * a;
   strapdown(state, omega, force, kDt_s);
   EXPECT_LT((state.p_m - p).norm() + (state.v_mps - v).norm(), 1e-12);
@@ -43,7 +44,7 @@ TEST(CarriedOn, RotatesForceHalfwayAndBodyFully) {
 constexpr TimeNs kReckonTick = 10'000'000;
 
 ImuSample pushed(int i, double a_mps2 = 0.0, double omega_radps = 0.0) {
-  return {i * kReckonTick, {0, 0, omega_radps}, {a_mps2, 0, kStandardGravity_mps2}};
+  return {i * kReckonTick, {0, 0, omega_radps}, {a_mps2, 0, kGravity_mps2}};
 }
 
 TEST(CarriedOn, ExtrapolatesFromTheLastSample) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "swiftlet/core/base/gravity.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -14,7 +16,7 @@ TEST(DeadReckoning, ReplaysLaterSamplesAfterARestart) {
   start.t = 0;
   reckoning.restart(start);
   const auto sample = [&](int i) {
-    return ImuSample{i * kStep, Vector3::Zero(), Vector3(0.3 * i, 0.0, kStandardGravity_mps2)};
+    return ImuSample{i * kStep, Vector3::Zero(), Vector3(0.3 * i, 0.0, kGravity_mps2)};
   };
   for (int i = 1; i <= 10; ++i) reckoning.push(sample(i));
   for (const int from : {0, 4, 9, 10}) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/stage_tables/estimators.hpp"
@@ -28,7 +29,7 @@ struct Circling {
     return s;
   }
   /// Body x along the velocity, y to the center.
-  ImuSample imu(TimeNs t) const { return {t, {0.0, 0.0, rate}, {0.0, radius * rate * rate, kStandardGravity_mps2}}; }
+  ImuSample imu(TimeNs t) const { return {t, {0.0, 0.0, rate}, {0.0, radius * rate * rate, kGravity_mps2}}; }
   AgentSetup setup() const {
     AgentSetup s;
     s.T_local_body_start = pose(0).T_world_body;
@@ -151,7 +152,7 @@ TEST(InsEstimator, FindsStartHeadingFromLateCompass) {
   for (TimeNs t = kTick; t <= kNsPerSecond; t += kTick) {
     observation.clear();
     observation.t = t;
-    observation.imu = {{t, kTurnRate_radps * Vector3::UnitZ(), kStandardGravity_mps2 * Vector3::UnitZ()}};
+    observation.imu = {{t, kTurnRate_radps * Vector3::UnitZ(), kGravity_mps2 * Vector3::UnitZ()}};
     if (t == kNsPerSecond) observation.compass = {{t, kCompass_rad, 0.02}};
     e = &estimator->update(observation, outbox);
   }
@@ -170,7 +171,7 @@ TEST(InsEstimator, FindsStartFromCompassAndGnss) {
   for (TimeNs t = kTick; t < 4 * kNsPerSecond; t += kTick) {
     observation.clear();
     observation.t = t;
-    observation.imu = {{t, Vector3::Zero(), kStandardGravity_mps2 * Vector3::UnitZ()}};
+    observation.imu = {{t, Vector3::Zero(), kGravity_mps2 * Vector3::UnitZ()}};
     if (t % (25 * kTick) == 0) {
       observation.gnss = {
           {t, start.T_world_body.translation(), Vector3::Zero(), Vector3::Constant(0.1), Vector3::Constant(0.05)}};

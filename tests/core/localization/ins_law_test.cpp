@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/ins.hpp"
 
 namespace swiftlet {
@@ -10,7 +11,7 @@ namespace {
 
 using Index = InsFilter;
 constexpr double kRadPerDegree = M_PI / 180.0;
-const Vector3 kHover(0.0, 0.0, kStandardGravity_mps2);
+const Vector3 kHover(0.0, 0.0, kGravity_mps2);
 
 double variance(const InsFilter& filter, int i) { return filter.covariance()(i, i); }
 
@@ -32,7 +33,7 @@ InsConfig only_start() {
 // Without noise the uncertainty of the start propagates by the laws of motion: a tilt accelerates by g sideways.
 TEST(InsLaw, PropagatesInitialUncertaintyByMotionLaws) {
   const InsConfig config = only_start();
-  const double dt = 0.05, g = kStandardGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDegree;
+  const double dt = 0.05, g = kGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDegree;
   const InsFilter first = hovering_at(config, 1), next = hovering_at(config, 1 + from_seconds(dt));
   const double v0 = variance(first, Index::kV), a0 = variance(first, Index::kAccelBias),
                p0 = variance(first, Index::kP);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/ins.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/stage_tables/estimators.hpp"
@@ -18,11 +19,10 @@ TEST(InsPast, ComparesWithTheNearestPastState) {
     InsConfig config;
     config.start_velocity_sigma_mps = 10.0;
     InsFilter filter(config, Pose::Identity());
-    filter.predict({1, Vector3::Zero(), {0, 0, kStandardGravity_mps2}});
+    filter.predict({1, Vector3::Zero(), {0, 0, kGravity_mps2}});
     GnssSample speed{1, Vector3::Constant(std::nan("")), {2, 0, 0}, Vector3::Ones(), Vector3::Constant(1e-4)};
     filter.update(speed);
-    for (int i = 1; i <= 300; ++i)
-      filter.predict({1 + i * 10'000'000LL, Vector3::Zero(), {0, 0, kStandardGravity_mps2}});
+    for (int i = 1; i <= 300; ++i) filter.predict({1 + i * 10'000'000LL, Vector3::Zero(), {0, 0, kGravity_mps2}});
     return filter;
   };
   const auto moved_m = [&](TimeNs t, double x_m) {
@@ -53,7 +53,7 @@ TEST(InsPast, ComparesWithTheNearestPastState) {
 TEST(InsHeading, IsIgnoredWithNoseUp) {
   for (const double pitch_deg : {60.0, 89.0}) {
     InsFilter filter({}, make_pose(Vector3::Zero(), rotation_by({0, -pitch_deg * kRadPerDeg, 0})));
-    filter.predict({1, Vector3::Zero(), {0, 0, kStandardGravity_mps2}});
+    filter.predict({1, Vector3::Zero(), {0, 0, kGravity_mps2}});
     const InsFilter::Covariance before = filter.covariance();
     filter.update(CompassSample{1, 0.02, 0.02});
     EXPECT_EQ(filter.covariance() == before, pitch_deg > 80.0) << pitch_deg;
@@ -67,7 +67,7 @@ struct ScriptedIns {
   Outbox outbox;
   TimeNs t = 0;
   const StateEstimate& tick(const std::function<void(Observation&)>& change = {}, bool imu = true,
-                            const Vector3& force = {0, 0, kStandardGravity_mps2}) {
+                            const Vector3& force = {0, 0, kGravity_mps2}) {
     if (!estimator) estimator = make_ins_estimator(config, setup);
     t += 4'000'000;
     Observation observation;
@@ -80,7 +80,7 @@ struct ScriptedIns {
 
 TEST(InsLimits, IsInvalidAfterAnImuGap) {
   ScriptedIns ins;
-  for (int i = 0; i < 50; ++i) ins.tick({}, true, {5, 0, kStandardGravity_mps2});
+  for (int i = 0; i < 50; ++i) ins.tick({}, true, {5, 0, kGravity_mps2});
   const StateEstimate last = ins.tick();
   for (int i = 1; i <= 26; ++i) {
     const StateEstimate& e = ins.tick({}, false);

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
@@ -46,7 +47,7 @@ class SimulatedFlight {
     const Vector3 omega(0.5 * std::sin(1.1 * t), 0.4 * std::cos(0.7 * t), 0.3 * std::sin(0.3 * t));
     const Vector3 a_world(1.5 * std::sin(0.6 * t), 1.2 * std::cos(0.5 * t), 0.5 * std::sin(0.9 * t));
     const Eigen::Quaterniond q_middle = truth_.q * rotation_by(0.5 * kDt * omega);
-    const Vector3 force = q_middle.conjugate() * (a_world + kStandardGravity_mps2 * Vector3::UnitZ());
+    const Vector3 force = q_middle.conjugate() * (a_world + kGravity_mps2 * Vector3::UnitZ());
     strapdown(truth_, omega, force, kDt);
     truth_.t = tick_ * kImuPeriod;
 

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 
 namespace swiftlet {
@@ -61,7 +62,7 @@ TEST(InertialFilter, StaysAtRestUnderTiltedGravity) {
   Filter::State state;
   state.tilt_local = {0.1, -0.05};
   const Vector3 force = -state.gravity_local_mps2();
-  EXPECT_NEAR(force.norm(), kStandardGravity_mps2, 1e-12);
+  EXPECT_NEAR(force.norm(), kGravity_mps2, 1e-12);
   for (int i = 0; i < 250; ++i) state = Filter::advanced(state, Vector3::Zero(), force, 0.004);
   EXPECT_LT(state.nav.p_m.norm() + state.nav.v_mps.norm(), 1e-12);
 }
@@ -237,7 +238,7 @@ TEST(InertialFilter, LimitsTheTiltOfGravity) {
   d.segment<2>(Filter::kTilt) << 30.0, 40.0;
   const Filter::State steep = Filter::State().changed_by(d);
   EXPECT_LT(steep.tilt_local.norm(), 1.0);
-  EXPECT_NEAR(steep.gravity_local_mps2().norm(), kStandardGravity_mps2, 1e-12);
+  EXPECT_NEAR(steep.gravity_local_mps2().norm(), kGravity_mps2, 1e-12);
   EXPECT_LT(steep.gravity_local_mps2().z(), 0.0);
 }
 

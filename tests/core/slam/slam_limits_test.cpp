@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/slam/slam_to_now.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/slam.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
@@ -16,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 constexpr TimeNs kSlamTick = 4'000'000;
-const Vector3 kAtRest(0, 0, kStandardGravity_mps2);
+const Vector3 kAtRest(0, 0, kGravity_mps2);
 
 /// An estimator with prescribed input, tick by tick.
 struct ScriptedSlam {
@@ -74,7 +75,7 @@ TEST(SlamLimits, TooUncertainIsNotValid) {
   ScriptedSlam slam;
   slam.config.position_sigma_max_m = 0.12;
   const double s = slam.until_s("position too uncertain", true, 3.0);
-  const double a_mps2 = std::hypot(0.196, kStandardGravity_mps2 * 0.5 * M_PI / 180.0);
+  const double a_mps2 = std::hypot(0.196, kGravity_mps2 * 0.5 * M_PI / 180.0);
   const double expected_m = std::hypot(0.1 * s, 0.5 * a_mps2 * s * s);
   EXPECT_NEAR(expected_m, 0.12, 0.01) << s;
 }
@@ -83,7 +84,7 @@ TEST(SlamLimits, ExtrapolatesBrieflyPastTheLastSample) {
   ScriptedSlam slam;
   slam.setup.T_local_body_start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
   slam.tick();
-  for (int i = 0; i < 50; ++i) slam.tick({}, true, {5.0, 0, kStandardGravity_mps2}, {0, 0, 0.2});
+  for (int i = 0; i < 50; ++i) slam.tick({}, true, {5.0, 0, kGravity_mps2}, {0, 0, 0.2});
   const StateEstimate last = slam.tick();
   const Vector3 v = last.v_local_mps;
   EXPECT_GT(v.norm(), 0.9);

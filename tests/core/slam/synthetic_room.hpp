@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/base/samples.hpp"
 #include "swiftlet/core/base/scan.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
@@ -107,7 +108,7 @@ class SyntheticFlight {
     sample.t = t;
     sample.omega_body_radps = turn.axis() * turn.angle() / to_seconds(kPeriod) + gyro_bias_radps + noise(5e-3);
     sample.specific_force_body_mps2 =
-        q_middle.conjugate() * (a_world + kStandardGravity_mps2 * Vector3::UnitZ()) + accel_bias_mps2 + noise(6e-2);
+        q_middle.conjugate() * (a_world + kGravity_mps2 * Vector3::UnitZ()) + accel_bias_mps2 + noise(6e-2);
     return sample;
   }
 

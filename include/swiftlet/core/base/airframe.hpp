@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 
 namespace swiftlet {
 
@@ -50,7 +51,7 @@ struct Airframe {
   /// Radius of the sphere around the center of mass that encloses the whole vehicle with its propellers [m].
   double circumscribed_radius_m() const;
   /// Rotor speed at hover: the thrusts of all rotors equal the weight [rad/s].
-  double hover_rotor_speed_radps(double gravity_mps2 = 9.81) const;
+  double hover_rotor_speed_radps(double gravity_mps2 = kGravity_mps2) const;
   double max_thrust_N() const {
     return num_rotors() * thrust_constant_N_per_radps2 * rotor_speed_max_radps * rotor_speed_max_radps;
   }

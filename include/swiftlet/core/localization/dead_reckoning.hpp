@@ -7,8 +7,6 @@
 
 namespace swiftlet {
 
-inline constexpr double kStandardGravity_mps2 = 9.81;
-
 /// Rotation by the vector `angle` (axis times angle) [rad]. Any frame, the same for all arguments.
 Eigen::Quaterniond rotation_by(const Vector3& angle_rad);
 

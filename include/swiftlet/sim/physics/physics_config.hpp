@@ -2,13 +2,14 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 
 namespace swiftlet::sim {
 
 /// Simulated physical effects. Each can be switched off alone.
 struct PhysicsConfig {
   double step_s = 0.001;
-  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
+  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -kGravity_mps2};
   double air_density_kgpm3 = 1.225;
   bool motor_lag = true;
   bool gyroscopic_torque = true;
