@@ -11,11 +11,11 @@
 #include "core/slam/graph/correction_blend.hpp"
 #include "core/slam/graph/global_slam.hpp"
 #include "core/slam/matching/grid_matcher.hpp"
-#include "core/slam/matching/imu_check.hpp"
 #include "core/slam/sharing/map_sharing.hpp"
 #include "core/slam/slam_to_now.hpp"
 #include "swiftlet/core/base/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/imu_check.hpp"
 
 namespace swiftlet {
 namespace {
@@ -188,8 +188,8 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     fault_ = "";
     if (!slam_.now().is_sound())
       fault_ = "SLAM broke down";
-    else if (imu_check_.fault()[0] != '\0')
-      fault_ = imu_check_.fault();
+    else if (!imu_check_.fault().empty())
+      fault_ = imu_check_.fault().c_str();
     else if (from_future_)
       fault_ = "LiDAR: sweeps end in the future; expected stamps of their start, not of their end";
     else if (config_.imu != SlamConfig::Imu::kNone && to_seconds(t - last_imu_) > config_.imu_timeout_s)

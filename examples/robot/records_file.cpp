@@ -76,6 +76,7 @@ std::vector<ImuSample> read_imu(const std::filesystem::path& file) {
   std::string header;
   lines.next(header);
   std::vector<ImuSample> samples;
+  ImuCheck check;
   for (auto row = lines.next_row(7); !row.empty(); row = lines.next_row(7)) {
     const auto vector = [&](std::size_t i) {
       return Vector3(lines.number(row[i]), lines.number(row[i + 1]), lines.number(row[i + 2]));
@@ -83,9 +84,8 @@ std::vector<ImuSample> read_imu(const std::filesystem::path& file) {
     const TimeNs t = from_seconds(lines.number(row[0]));
     if (!samples.empty()) lines.require_order(samples.back().t, t);
     samples.push_back({t, vector(1), vector(4)});
-    if (samples.size() != kImuCheckSamples) continue;
-    const std::string problem = check_imu(samples);
-    if (!problem.empty()) lines.reject(problem);
+    check.add(samples.back());
+    if (!check.fault().empty()) lines.reject(check.fault());
   }
   return samples;
 }

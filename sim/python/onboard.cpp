@@ -177,14 +177,10 @@ class Onboard {
  private:
   Use call() const { return {in_use_, "Onboard"}; }
 
-  /// Throws ValueError when the first samples are in other units or axes.
+  /// Throws ValueError when the samples are in other units or axes.
   void check_units(const ImuSample& sample) {
-    if (first_imu_.size() >= kImuCheckSamples) return;
-    first_imu_.push_back(sample);
-    const std::string problem = check_imu(first_imu_);
-    if (problem.empty()) return;
-    first_imu_.clear();
-    throw py::value_error("imu: " + problem);
+    imu_check_.add(sample);
+    if (!imu_check_.fault().empty()) throw py::value_error(imu_check_.fault());
   }
 
   std::unique_ptr<Agent> agent_;
@@ -194,7 +190,7 @@ class Onboard {
   const Action* action_ = nullptr;
   int num_vehicles_ = 0;
   TimeOrder times_;
-  std::vector<ImuSample> first_imu_;
+  ImuCheck imu_check_;
   sim::AgentEvents events_of_;
   std::vector<sim::Event> events_;
   mutable std::atomic<bool> in_use_ = false;
@@ -272,7 +268,7 @@ void bind_onboard(py::module_& module) {
           py::arg("kind"),
           "A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with "
           "all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one "
-          "kind, times do not go back. ValueError when the first IMU samples are in g or deg/s, or upside down.")
+          "kind, times do not go back. ValueError when IMU samples are in g or deg/s, or in other axes.")
       .def("add_scan", &Onboard::add_scan, py::arg("scan"),
            "A scan that is new since the last step. Without T_body_lidar of its own it has the mount that the scenario "
            "gives its sensor.")

@@ -76,7 +76,7 @@ refuses() {  # expected text, arguments of recorded_slam
 rewrite_records "$work/microseconds" binary "x y z t microseconds" "f f f I I" "1 1 1 1 1"
 refuses 'whole numbers in nanoseconds' "$work/microseconds" "$records/csv/uav1/imu.csv" "$examples/robot/mount.txt"
 awk -F, -v OFS=, 'NR > 1 { for (i = 5; i < 8; ++i) $i = -$i } 1' "$records/csv/uav1/imu.csv" >negated.csv
-refuses 'negated.csv:11: .*along z at rest, found -' "$records/scans/uav1_puck" negated.csv "$examples/robot/mount.txt"
+refuses 'negated.csv:51: .*z up, found .*; negate it' "$records/scans/uav1_puck" negated.csv "$examples/robot/mount.txt"
 echo '1 0 0 0  0 1 0 0  0 0 2 0' >stretched.txt
 refuses 'stretched.txt:.*expected a rotation' "$records/scans/uav1_puck" "$records/csv/uav1/imu.csv" stretched.txt
 # A program refuses module types that are not registered in it.

@@ -236,11 +236,11 @@ class Samples(support.InFolder):
         self.alone.step(8_000_000)
 
     def test_imu_in_other_units_or_upside_down_is_refused(self):
-        for wrong, message in ((dict(f_mps2=(0, 0, 1.0)), "m/s\\^2, 9.81 at rest, found 1"), (dict(f_mps2=(0, 0, -9.81)), "along z at rest, found -9.8"),
-                               (dict(omega_radps=(0, 0, 90.0)), "rad/s, found 90")):
+        for wrong, message in ((dict(f_mps2=(0, 0, 1.0)), "at rest, found .* if it is in g"), (dict(f_mps2=(0, 0, -9.81)), "z up, found .*; negate it"),
+                               (dict(omega_radps=(0, 0, 90.0)), "rad/s, found .0, 0, 90")):
             alone = swiftlet.Onboard(swiftlet.load(SLAM))
-            with self.assertRaisesRegex(ValueError, f"^imu: expected .*{message}"):
-                for i in range(20):
+            with self.assertRaisesRegex(ValueError, f"^IMU: expected .*{message}"):
+                for i in range(100):
                     alone.add("imu", **{**SAMPLES["imu"], **wrong, "t_ns": i})
 
     def test_a_scan_needs_a_mount(self):

@@ -50,7 +50,7 @@ class Onboard:
     def __init__(self, scenario: Scenario, vehicle: int = 0) -> None:
         """scenario: its vehicle's agent, sensors and start define the software. One thread at a time may use it."""
     def add(self, kind: str, **kwargs) -> None:
-        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back. ValueError when the first IMU samples are in g or deg/s, or upside down."""
+        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back. ValueError when IMU samples are in g or deg/s, or in other axes."""
     def add_scan(self, scan: Scan) -> None:
         """A scan that is new since the last step. Without T_body_lidar of its own it has the mount that the scenario gives its sensor."""
     @property

@@ -3,28 +3,48 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
+#include <limits>
+
+#include "swiftlet/core/base/gravity.hpp"
 
 namespace swiftlet {
 namespace {
 
-std::string check(const Vector3& specific_force, const Vector3& omega, std::size_t count = kImuCheckSamples) {
-  return check_imu(std::vector<ImuSample>(count, ImuSample{0, omega, specific_force}));
+/// Fault after one second of equal samples.
+std::string fault_of(const Vector3& specific_force_body_mps2, const Vector3& omega_body_radps = Vector3::Zero()) {
+  ImuCheck check;
+  for (int i = 0; i < 200; ++i) check.add({i * 5'000'000, omega_body_radps, specific_force_body_mps2});
+  return check.fault();
 }
 
 TEST(ImuCheck, AcceptsRestAndFlight) {
-  EXPECT_EQ(check({0.1, -0.2, 9.8}, {0.0, 0.0, 0.01}), "");
-  EXPECT_EQ(check({6.0, 0.0, 25.0}, {5.0, 0.0, 3.0}), "");
-  EXPECT_EQ(check(Vector3::Zero(), Vector3::Zero()), "") << "free fall";
+  EXPECT_EQ(fault_of({0.1, -0.2, 9.8}, {0.0, 0.0, 0.01}), "");
+  EXPECT_EQ(fault_of({6.0, 0.0, 20.0}, {5.0, 0.0, 3.0}), "") << "climb";
+  EXPECT_EQ(fault_of({0.0, 8.6, 8.4}), "") << "tilted by 45 degrees";
 }
 
-TEST(ImuCheck, NamesUnitsAndSign) {
-  EXPECT_NE(check({0.02, 0.0, 1.0}, Vector3::Zero()).find("if it is in g"), std::string::npos);
-  EXPECT_NE(check({0.0, 0.0, 9.8}, {0.0, 60.0, 0.0}).find("deg/s"), std::string::npos);
-  EXPECT_NE(check({0.0, 0.3, -9.8}, Vector3::Zero()).find("negate"), std::string::npos);
+TEST(ImuCheck, NamesUnitsAndAxes) {
+  EXPECT_NE(fault_of({0.02, 0.0, 1.0}).find("found (0.02, 0, 1); multiply it by 9.80665"), std::string::npos);
+  EXPECT_NE(fault_of({0.0, 0.0, 9.8}, {0.0, 60.0, 0.0}).find("found (0, 60, 0)"), std::string::npos);
+  for (const Vector3& turned : {Vector3(0.0, 0.3, -9.8), Vector3(9.8, 0.0, 0.0), Vector3(0.0, -9.8, 0.0)})
+    EXPECT_NE(fault_of(turned).find("negate it"), std::string::npos) << turned;
 }
 
-TEST(ImuCheck, WaitsForEnoughSamples) { EXPECT_EQ(check({0.0, 0.0, -9.8}, Vector3::Zero(), kImuCheckSamples - 1), ""); }
+TEST(ImuCheck, AcceptsSingleErrors) {
+  ImuCheck check;
+  for (int i = 0; i < 200; ++i) {
+    const bool wrong = i % 10 == 0;
+    check.add({i * 5'000'000, {0.0, 0.0, wrong ? 100.0 : 1.0}, {0.0, 0.0, wrong ? -kGravity_mps2 : kGravity_mps2}});
+    check.add({i * 5'000'000, Vector3::Zero(), {0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}});
+  }
+  EXPECT_EQ(check.fault(), "");
+}
+
+TEST(ImuCheck, KeepsItsFirstFault) {
+  ImuCheck check;
+  for (int i = 0; i < 200; ++i) check.add({i * 5'000'000, Vector3::Zero(), {0.0, 0.0, i < 100 ? 1.0 : kGravity_mps2}});
+  EXPECT_NE(check.fault().find("if it is in g"), std::string::npos);
+}
 
 }  // namespace
 }  // namespace swiftlet
