@@ -10,6 +10,7 @@
 #include "sim/scenario/changes.hpp"
 #include "sim/scenario/config_errors.hpp"
 #include "sim/scenario/node_values.hpp"
+#include "sim/scenario/retired_keys.hpp"
 #include "swiftlet/sim/scenario/document.hpp"
 #include "swiftlet/sim/scenario/loader.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
@@ -96,9 +97,11 @@ void add_unknown_keys(const Node& map, const std::vector<std::string>& known, co
                       ConfigErrors& errors) {
   for (const Entry& entry : map.entries) {
     if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-    const std::string hint = did_you_mean(entry.key, known);
+    const std::string full_path = join_path(path, entry.key);
+    std::string hint = replacement_hint(full_path);
+    if (hint.empty()) hint = did_you_mean(entry.key, known);
     const std::string expected = hint.empty() ? one_of(known) : "a known key";
-    errors.add(entry.place, join_path(path, entry.key), "expected " + expected + ", found " + quote(entry.key) + hint);
+    errors.add(entry.place, full_path, "expected " + expected + ", found " + quote(entry.key) + hint);
   }
 }
 

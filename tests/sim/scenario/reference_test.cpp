@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/scenario/retired_keys.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/recording/recorder.hpp"
@@ -59,6 +60,28 @@ TEST(Reference, AcceptsNumericKeysOnlyWithinBounds) {
 TEST(Reference, EveryDefaultCanBeRead) {
   const std::string text = write_reference();
   for (const char* unreadable : {".inf`", ".nan`"}) EXPECT_THAT(text, Not(HasSubstr(unreadable)));
+}
+
+TEST(Reference, RetiredKeysNameTheirReplacement) {
+  const std::string reference = write_reference();
+  const auto is_key = [&](std::string_view key) {
+    const std::string cell = "| `" + std::string(key);
+    return reference.find(cell + "`") != std::string::npos || reference.find(cell + ".") != std::string::npos;
+  };
+  for (const RetiredKey& retired : kRetiredKeys) {
+    EXPECT_TRUE(is_key(retired.replacement)) << retired.replacement;
+    EXPECT_FALSE(is_key(retired.key)) << retired.key;
+    Scenario scenario;
+    const Overrides old = {{"vehicles[0].agent.localization." + std::string(retired.key), "{}"}};
+    try {
+      read_config_text(
+          "vehicles: [{agent: {localization: {type: slam}}}]", "old.yaml", [&](ConfigVisitor& v) { scenario.visit(v); },
+          old);
+      ADD_FAILURE() << retired.key << " is accepted";
+    } catch (const InputError& problem) {
+      EXPECT_THAT(problem.what(), HasSubstr("replaced by \"" + std::string(retired.replacement) + "\""));
+    }
+  }
 }
 
 TEST(Reference, TheDocumentIsUpToDate) {
