@@ -234,7 +234,7 @@ TEST(Csv, NamesColumnsByFieldAndUnit) {
        "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
        "latency_s"},
       {"message_odometry", "t_s," + pose + "," + velocity + ",yaw_rate_radps,path,num_visited,sender,received_s"},
-      {"message_guiding_path", "path,word,radius_m,has_instant,t_s,num_waypoints,sender,received_s"},
+      {"message_guiding_path", "path,command,radius_m,has_instant,t_s,num_waypoints,sender,received_s"},
       {"message_neighbor", "t_s,x_m,y_m,z_m,sender,received_s"}};
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());

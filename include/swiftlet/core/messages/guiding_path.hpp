@@ -40,7 +40,7 @@ struct GuidingPath {
 
   static void visit(auto& m, auto& v) {
     v.field("path", m.path, "[-] number of the path; grows with every message");
-    v.choice("word", m.command, kCommands,
+    v.choice("command", m.command, kCommands,
              "[-] guide: follow the path; move: fly a pattern to be detected; else the mission is over");
     v.field("radius_m", m.radius_m, "[m] radius of the clear space around the receiver, for move");
     v.field("has_instant", m.has_instant, "[-] 1: the body frame is that of an instant, 0: that of reception");

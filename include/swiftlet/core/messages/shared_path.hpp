@@ -29,7 +29,7 @@ struct SharedPath {
   std::vector<Place> places;
 
   static void visit(auto& m, auto& v) {
-    v.choice("word", m.kind, kKinds, "[-] plan: flown unless a conflicting path is received; flown: is being flown");
+    v.choice("kind", m.kind, kKinds, "[-] plan: flown unless a conflicting path is received; flown: is being flown");
     v.time("t_s", m.t, "[s] time of the first place");
     v.field("interval_s", m.interval_s, "[s] time between places");
     v.list("num_places", m.places, "[-] places [m] in the sender's world frame");

@@ -22,7 +22,7 @@ struct SubmapRequest {
   std::vector<std::uint8_t> missing;
 
   static void visit(auto& m, auto& v) {
-    v.choice("word", m.content, kContents, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
+    v.choice("content", m.content, kContents, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
     v.field("submap", m.submap, "[-] the submap, or the first of them");
     v.field("missing", m.missing, "[-] a bit for each chunk, or for each submap from that one on, lowest bit first");
   }
