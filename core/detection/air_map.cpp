@@ -9,9 +9,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kBeam = 16;             // counts per beam
-constexpr double kMostCells = 1e9;    // most cells of a map
-constexpr double kMostAxis = 4096.0;  // most cells along an axis
+/// [counts] One beam in the integer counts of a voxel; its inverse is the resolution of the weight of a hit.
+constexpr int kBeam = 16;
+/// [voxels] Largest map, and largest number along an axis; larger sizes in the configuration are refused. A voxel takes
+/// 4 bytes.
+constexpr double kMostCells = 1e9, kMostAxis = 4096.0;
 
 int bits_of_axis(double size_m, double edge_m) {
   const auto cells = static_cast<unsigned>(std::clamp(std::ceil(size_m / edge_m), 1.0, kMostAxis));
@@ -21,10 +23,10 @@ int bits_of_axis(double size_m, double edge_m) {
 }  // namespace
 
 void AirMapConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] edges of the box around the sensor; rounded up to a power of two of voxels",
+  v.field("size_m", size_m, "[m] edges of the box around the sensor; rounded up to a power of two in voxels",
           Range::positive());
-  v.check((size_m / voxel_m).maxCoeff() <= kMostAxis, "size_m", "at most 4096 edges of voxel_m by axis");
-  v.check(bytes() <= kMostCells * 4.0, "size_m", "at most 1e9 voxels of voxel_m");
+  v.check((size_m / voxel_m).maxCoeff() <= kMostAxis, "size_m", "at most 4096 voxels along each axis");
+  v.check(bytes() <= kMostCells * 4.0, "size_m", "at most 1e9 voxels in total");
 }
 
 double AirMapConfig::bytes() const {
@@ -39,7 +41,7 @@ AirMap::AirMap(const AirMapConfig& config)
       prior_hits_(kBeam * config.prior_hits),
       prior_sum_(kBeam * (config.prior_hits + config.prior_passes)),
       prior_share_(prior_hits_ / prior_sum_),
-      most_(kBeam * config.memory_beams) {
+      max_count_(kBeam * config.memory_beams) {
   std::array<int, 3> bits{}, used{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -47,8 +49,8 @@ AirMap::AirMap(const AirMapConfig& config)
     mask_[axis] = (1 << bits[a]) - 1;
     fields_[a].assign(std::size_t{1} << bits[a], 0);
   }
-  const int all = bits[0] + bits[1] + bits[2];
-  for (int bit = 0; bit < all;) {
+  const int num_bits = bits[0] + bits[1] + bits[2];
+  for (int bit = 0; bit < num_bits;) {
     for (std::size_t a = 0; a < 3; ++a) {
       if (used[a] == bits[a]) continue;
       field_mask_[a] |= std::size_t{1} << bit;
@@ -59,7 +61,7 @@ AirMap::AirMap(const AirMapConfig& config)
       ++bit;
     }
   }
-  counts_.resize(std::size_t{1} << all);
+  counts_.resize(std::size_t{1} << num_bits);
 }
 
 void AirMap::follow(const Vector3& center_m) {
@@ -92,7 +94,7 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   const Eigen::Array3d from = from_m.array() * cells_per_m_, displacement = to_m.array() * cells_per_m_ - from;
   const Eigen::Array3d low = min_cell_.array().cast<double>(), high = low + mask_.array().cast<double>() + 1.0;
   if (!from.allFinite() || !displacement.allFinite()) return;
-  constexpr double kInside = 1e-6;  // margin in voxels: rounding never steps out of the box
+  constexpr double kInside = 1e-6;  // [voxels] margin at the border, so that rounding cannot step out of the box
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double low_at = low[axis] + kInside - from[axis], high_at = high[axis] - kInside - from[axis];
@@ -106,7 +108,7 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   }
   if (!(enter < leave)) return;
 
-  // Each axis has its own bits in the index. A step carries within them and wraps.
+  // The bits of the axes are interleaved in an index. A step along an axis adds within its bits and wraps around.
   std::size_t field[3], field_step[3];
   const std::size_t field_mask[3] = {field_mask_[0], field_mask_[1], field_mask_[2]};
   double next[3], per_cell[3];

@@ -11,25 +11,25 @@
 
 namespace swiftlet {
 
-/// Share of beams that the background returns, by voxel. Each voxel counts the beams that passed it and those that
-/// ended in it. The share of the arriving beams that are returned has a beta distribution; its mean is the clutter
-/// share. A voxel remembers a bounded number of beams: older ones fade. The box scrolls with the sensor; voxels that
-/// enter it are unknown. Any frame, the same for all arguments.
+/// Clutter share of each voxel: share of its beams that the background returns. Each voxel counts the beams that passed
+/// it and those that ended in it. The share of the arriving beams that are returned has a beta distribution; its mean
+/// is the clutter share. A voxel remembers a bounded number of beams: older ones fade. The box scrolls with the sensor;
+/// voxels that enter it are unknown. Any frame, the same for all arguments.
 class AirMap {
  public:
   explicit AirMap(const AirMapConfig& config);
 
   /// Centers the box. Nothing is copied: storage of voxels that leave is reused for those that enter.
   void follow(const Vector3& center_m);
-  /// Adds a beam that passed all voxels of a segment, including that of its end.
+  /// Adds a beam that passed all voxels of a segment, including the last one.
   void pass(const Vector3& from_m, const Vector3& to_m);
-  /// Adds a beam that ended here in the background. @param weight  probability that it did, 0 to 1
+  /// Adds a beam that ended here. @param weight  probability that the beam ended in the background, 0 to 1
   void hit(const Vector3& p_m, double weight);
 
-  /// Mean of the clutter share of the voxel; outside the box, the prior's.
+  /// Mean of the clutter share of the voxel at a position; outside the box, that of the prior.
   double clutter_share(const Vector3& p_m) const;
-  /// True when the clutter share of each voxel around is at most `share`. Requires passes: the prior's share is
-  /// greater.
+  /// True when the clutter share of each voxel around is at most `share`. For a `share` below that of the prior, beams
+  /// must have passed each voxel.
   bool is_free_around(const Vector3& p_m, int reach_voxels, double share) const;
   /// True when the clutter share of any voxel around exceeds `share`. False for unknown voxels.
   bool is_hit_around(const Vector3& p_m, int reach_voxels, double share) const;
@@ -39,7 +39,7 @@ class AirMap {
 
  private:
   struct Counts {
-    std::uint16_t passes = 0, hits = 0;  // in 1/16 of a beam
+    std::uint16_t passes = 0, hits = 0;  // number of beams, in units of 1/16
   };
 
   std::size_t index(const Cell& cell) const {
@@ -57,7 +57,7 @@ class AirMap {
   // Counts beyond the memory are halved, so that older beams fade.
   void add(Counts& counts, int passes, int hits) const {
     const int all_passes = counts.passes + passes, all_hits = counts.hits + hits;
-    const int halved = all_passes + all_hits > most_ ? 1 : 0;
+    const int halved = all_passes + all_hits > max_count_ ? 1 : 0;
     counts.passes = static_cast<std::uint16_t>(all_passes >> halved);
     counts.hits = static_cast<std::uint16_t>(all_hits >> halved);
   }
@@ -65,7 +65,7 @@ class AirMap {
 
   double edge_m_, cells_per_m_;
   double prior_hits_, prior_sum_, prior_share_;
-  int most_;  // limit of the sum of a voxel's counts
+  int max_count_;  // limit of the sum of a voxel's counts
   Cell mask_, min_cell_ = Cell::Zero();
   // An index interleaves the bits of the three axes, so that voxels near in space are near in memory.
   std::array<std::size_t, 3> field_mask_{};           // bits of each axis

@@ -12,13 +12,19 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kBeamReach_sigma = 2.5;  // beams farther from a target than this do not hit it
-constexpr double kAround_rad = 0.1;       // radius within which the density of beams is measured
-constexpr double kEnoughShots = 1000.0;   // more shots do not refine the probability
-constexpr double kNearest_m = 0.2;        // least range of a target
-constexpr double kLogistic = 1.702;       // slope of the logistic curve within 0.01 of the normal distribution
+/// [-] Distance of a beam from a target's center, in widths of the hit probability, beyond which the beam is taken to
+/// miss. Larger values cost time; the probability of a hit is below 0.2 % there.
+constexpr double kBeamReach_sigma = 2.5;
+/// [rad] Least radius of the cone in which the density of beams is counted. Larger values smooth the density.
+constexpr double kAround_rad = 0.1;
+/// [beams] Expected hits after which the count stops: a sweep without returns is then as good as impossible.
+constexpr double kEnoughShots = 1000.0;
+/// [m] Least range of a target; nearer ones have no exposure.
+constexpr double kNearest_m = 0.2;
+/// [-] Slope of the logistic curve that deviates by less than 0.01 from the normal distribution.
+constexpr double kLogistic = 1.702;
 
-// Probability that a beam did not end before a surface of uncertain range.
+// Probability that a beam did not end before a surface of uncertain range. A range of 0 is a beam without return.
 double share_beyond(double range_m, double surface_m, double sigma_m) {
   if (range_m <= 0.0) return 1.0;
   const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, 1e-6);
@@ -38,20 +44,20 @@ void BeamIndex::assign(const LocalCloud& cloud, std::span<const Eigen::Vector3f>
   R_local_lidar_ = T_middle.linear();
   origins_local_m_.clear();
   offset_s_.clear();
-  moved_m_ = 0.0;
+  sensor_moved_m_ = 0.0;
   for (int column = 0; column < scan.cols(); ++column) {
     const auto at = static_cast<std::size_t>(column);
     origins_local_m_.push_back(cloud.T_local_lidar[at].translation());
     offset_s_.push_back(scan.duration == 0 ? 0.0 : table.column_offset_s[at] - half_sweep_s_);
-    moved_m_ = std::max(moved_m_, (origins_local_m_.back() - p_local_lidar_m_).norm());
+    sensor_moved_m_ = std::max(sensor_moved_m_, (origins_local_m_.back() - p_local_lidar_m_).norm());
   }
 
   rotations_.clear();
   for (const Pose& T : cloud.T_local_lidar) rotations_.push_back(T.linear().cast<float>());
   unsorted_.clear();
   bin_of_.clear();
-  starts_.assign(kTurn * kRows + 1, 0);
-  nearest_return_m_.assign(kTurn * kRows, std::numeric_limits<float>::infinity());
+  starts_.assign(kAzimuths * kRows + 1, 0);
+  nearest_return_m_.assign(kAzimuths * kRows, std::numeric_limits<float>::infinity());
   const bool masks = !table.masked.empty();
   for (int row = 0; row < scan.rows(); ++row) {
     for (int column = 0; column < scan.cols(); ++column) {
@@ -64,7 +70,7 @@ void BeamIndex::assign(const LocalCloud& cloud, std::span<const Eigen::Vector3f>
   for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
   beams_.resize(unsorted_.size());
   for (std::size_t i = 0; i < unsorted_.size(); ++i) beams_[starts_[bin_of_[i]]++] = unsorted_[i];
-  for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // restores the begin of each bin
+  for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // restores the start of each bin
   starts_[0] = 0;
 }
 
@@ -80,15 +86,15 @@ void BeamIndex::add(const Eigen::Vector3f& direction_lidar, float range_m, int c
 }
 
 int BeamIndex::bin_of(const Vector3& d) {
-  return bin_in(d.z() + 1.0, 2.0, kRows) * kTurn + bin_in(turn_of(d.x(), d.y()), 4.0, kTurn);
+  return bin_in(d.z() + 1.0, 2.0, kRows) * kAzimuths + bin_in(turn_of(d.x(), d.y()), 4.0, kAzimuths);
 }
 
 double BeamIndex::nearest_return_m(const Vector3& direction_local) const {
-  const int bin = bin_of(direction_local), row = bin / kTurn, turn = bin % kTurn;
+  const int bin = bin_of(direction_local), row = bin / kAzimuths, turn = bin % kAzimuths;
   float nearest_m = std::numeric_limits<float>::infinity();
   for (int r = std::max(row - 1, 0); r <= std::min(row + 1, kRows - 1); ++r) {
-    for (int t = turn + kTurn - 1; t <= turn + kTurn + 1; ++t) {
-      nearest_m = std::min(nearest_m, nearest_return_m_[static_cast<std::size_t>(r * kTurn + t % kTurn)]);
+    for (int t = turn + kAzimuths - 1; t <= turn + kAzimuths + 1; ++t) {
+      nearest_m = std::min(nearest_m, nearest_return_m_[static_cast<std::size_t>(r * kAzimuths + t % kAzimuths)]);
     }
   }
   return nearest_m;
@@ -102,29 +108,29 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
   if (!(range_m > kNearest_m) || beams_.empty()) return result;
   const Vector3 d = from_lidar_m / range_m;
   const double width_sq = target.radius_m * target.radius_m + 2.0 * target.sigma_m * target.sigma_m;
-  const double moves_m = moved_m_ + half_sweep_s_ * target.v_local_mps.norm();
+  const double moves_m = sensor_moved_m_ + half_sweep_s_ * target.v_local_mps.norm();
   const double reach =
       std::min(1.0, (kBeamReach_sigma * std::sqrt(0.5 * width_sq) + target.radius_m + moves_m) / range_m);
   const double reach_rad = std::max(elementary::asin(reach), kAround_rad);
 
-  // Bins of a cone: rows by height, columns by azimuth.
+  // Bins that overlap the cone of reach_rad around the target: rows by elevation, then bins of each row by azimuth.
   const double elevation = elementary::asin(std::clamp(d.z(), -1.0, 1.0)), pole = 0.5 * std::numbers::pi;
   const double low_z = elevation - reach_rad <= -pole ? -1.0 : elementary::sin(elevation - reach_rad);
   const double high_z = elevation + reach_rad >= pole ? 1.0 : elementary::sin(elevation + reach_rad);
   const int first_row = bin_in(low_z + 1.0, 2.0, kRows), last_row = bin_in(high_z + 1.0, 2.0, kRows);
   const double flat = std::sqrt(d.x() * d.x() + d.y() * d.y()), sine = elementary::sin(std::min(reach_rad, pole));
-  int first_turn = 0, num_turn = kTurn;
+  int first_turn = 0, num_turn = kAzimuths;
   if (sine < 0.7 * flat) {  // the cone does not contain a pole
     const double s = sine / flat, c = std::sqrt(1.0 - s * s);
-    const int last_turn = bin_in(turn_of(c * d.x() - s * d.y(), c * d.y() + s * d.x()), 4.0, kTurn);
-    first_turn = bin_in(turn_of(c * d.x() + s * d.y(), c * d.y() - s * d.x()), 4.0, kTurn);
-    num_turn = (last_turn - first_turn + kTurn) % kTurn + 1;
+    const int last_turn = bin_in(turn_of(c * d.x() - s * d.y(), c * d.y() + s * d.x()), 4.0, kAzimuths);
+    first_turn = bin_in(turn_of(c * d.x() + s * d.y(), c * d.y() - s * d.x()), 4.0, kAzimuths);
+    num_turn = (last_turn - first_turn + kAzimuths) % kAzimuths + 1;
   }
 
   double num_beams = 0.0;
   for (int row = first_row; row <= last_row; ++row) {
     for (int k = 0; k < num_turn; ++k) {
-      const auto bin = static_cast<std::size_t>(row * kTurn + (first_turn + k) % kTurn);
+      const auto bin = static_cast<std::size_t>(row * kAzimuths + (first_turn + k) % kAzimuths);
       num_beams += starts_[bin + 1] - starts_[bin];
       if (result.shots > kEnoughShots) continue;
       for (std::uint32_t i = starts_[bin]; i < starts_[bin + 1]; ++i) {
@@ -143,7 +149,7 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
     }
   }
   const double num_bins = static_cast<double>(num_turn) * (last_row - first_row + 1);
-  result.beams_per_sr = num_beams / (num_bins * 4.0 * std::numbers::pi / (kTurn * kRows));
+  result.beams_per_sr = num_beams / (num_bins * 4.0 * std::numbers::pi / (kAzimuths * kRows));
   return result;
 }
 

@@ -9,9 +9,9 @@
 
 namespace swiftlet {
 
-/// Expected beams on a round target of uncertain position in one sweep.
+/// Number of beams expected on a round target of uncertain position in one sweep.
 struct BeamExposure {
-  double shots = 0.0;         ///< expected number of beams that hit the disc of the target, if it is there
+  double shots = 0.0;  ///< expected number of beams that hit the disc of the target, given that the target exists
   double beams_per_sr = 0.0;  ///< density of beams around the target, regardless of their ranges
 };
 
@@ -25,11 +25,11 @@ struct RoundTarget {
 };
 
 /// Beams of one sweep sorted by direction in the local frame, each with its own origin and firing time. From the
-/// sensor's beam table it computes how often a target would have been hit, which also gives the likelihood of a sweep
+/// sensor's beam table the class computes how often a target would have been hit, and so the likelihood of a sweep
 /// without returns. Reuses its memory from sweep to sweep.
 class BeamIndex {
  public:
-  /// @param empty_lidar  further directions without return, as of EmptyDirections
+  /// @param empty_lidar  further directions without return, from EmptyDirections
   void assign(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar = {});
 
   /// Expected beams on the target. A beam that ended before the target carries no information about it. The range of
@@ -39,8 +39,8 @@ class BeamIndex {
   /// probability of alpha^2 / (alpha^2 + 2 sigma^2) exp(-delta^2 / (alpha^2 + 2 sigma^2)).
   BeamExposure exposure(const RoundTarget& target) const;
 
-  /// Nearest return of the beams around a direction, up to 1.4 to 7 degrees away; infinite without any. A beam without
-  /// return may have been lost at the surface that returned its neighbors: a surface at grazing incidence returns few.
+  /// Range [m] of the nearest return among the beams around a direction, up to 1.4 to 7 degrees away; infinite without
+  /// any. Bounds the air that a beam without return clears: a surface at grazing incidence returns only some beams.
   double nearest_return_m(const Vector3& direction_local) const;
 
   /// Start and mid-time of the sweep.
@@ -56,7 +56,7 @@ class BeamIndex {
     float range_m;  // 0: no return
     int column;
   };
-  static constexpr int kTurn = 256, kRows = 64;  // azimuth bins, and elevation bins from nadir to zenith
+  static constexpr int kAzimuths = 256, kRows = 64;  // azimuth bins, and elevation bins from nadir to zenith
   static int bin_of(const Vector3& direction_local);
   void add(const Eigen::Vector3f& direction_lidar, float range_m, int column);
 
@@ -66,7 +66,7 @@ class BeamIndex {
   std::vector<Vector3> origins_local_m_;    // indexed by column
   std::vector<Eigen::Matrix3f> rotations_;  // from the sensor to the local frame; indexed by column
   std::vector<double> offset_s_;            // relative to mid-sweep; indexed by column
-  double moved_m_ = 0.0;  // largest displacement of the sensor between mid-sweep and the ends of the sweep
+  double sensor_moved_m_ = 0.0;  // largest displacement of the sensor between mid-sweep and the ends of the sweep
   double half_sweep_s_ = 0.0;
   std::vector<Beam> unsorted_, beams_;  // beams_ is sorted by bin
   std::vector<std::uint16_t> bin_of_;

@@ -6,7 +6,8 @@
 namespace swiftlet {
 namespace {
 
-// Sweeps without returns of both tracks after which a pair is dropped. Smaller values forget bodies in occlusions.
+// [sweeps] Time without returns of both targets after which a pair is dropped. Smaller values forget bodies in
+// occlusions.
 constexpr int kMaxSilentSweeps = 50;
 
 Vector3 mean_of(std::span<const Vector3> points_m) {
@@ -31,7 +32,7 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
     pair = pairs_.insert(pairs_.end(), {std::min(id_a, id_b), std::max(id_a, id_b)});
   }
   pair->silent_sweeps = 0;
-  if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and no return between them
+  if (a_local_m.size() + b_local_m.size() < 3) return false;  // single returns: none lies between their means
   const Vector3 from_m = mean_of(a_local_m), axis_m = mean_of(b_local_m) - from_m;
   const double in_middle = elementary::log(kMiddleOfOne / kMiddleOfTwo);
   const double beside = elementary::log((1.0 - kMiddleOfOne) / (1.0 - kMiddleOfTwo));
@@ -43,7 +44,7 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
   };
   count(a_local_m);
   count(b_local_m);
-  pair->log_odds = std::clamp(pair->log_odds, -kSurest, kSurest);
+  pair->log_odds = std::clamp(pair->log_odds, -kMaxLogOdds, kMaxLogOdds);
   return pair->log_odds > kDecided;
 }
 

@@ -10,24 +10,29 @@
 
 namespace swiftlet {
 
-/// Decides whether two targets are parts of one large body. The space between two bodies is air and returns hardly any
-/// beams; one body also returns beams from its middle. Bayes' rule for each pair of targets near each other: every
-/// return counts by the third of the segment between both in which it lies.
+/// Decides whether two targets are parts of one large body. Between two bodies is air, which returns hardly
+/// any beams; one body also returns beams from its middle. Bayes' rule for each pair of targets near each other: the
+/// evidence of a return is whether it lies in the middle third of the segment between the centers of both.
 class BodyParts {
  public:
-  static constexpr double kMiddleOfOne =
-      0.17;  ///< share of its returns that one body has in the middle third: 1/6 of a bar
-  static constexpr double kMiddleOfTwo = 0.02;  ///< same share for two bodies: stray returns and noise
-  static constexpr double kDecided = 3.0;       ///< log odds at which the pair is merged
-  static constexpr double kSurest = 6.0;  ///< limit of the log odds, so that later evidence can reverse the decision
-  static constexpr std::size_t kMostPairs = 64;  ///< capacity; further pairs are not tested
+  /// [-] Share of the returns of one body in the middle third: 1/6 for a uniform bar whose halves are the two targets.
+  /// Larger values need more returns between two targets to merge them.
+  static constexpr double kMiddleOfOne = 0.17;
+  /// [-] Share of the returns of two bodies in the middle third: stray returns and noise. Larger values merge later.
+  static constexpr double kMiddleOfTwo = 0.02;
+  /// [-] Log odds from which the pair is merged. Larger values need more sweeps.
+  static constexpr double kDecided = 3.0;
+  /// [-] Limit of the log odds. Larger values need more evidence to reverse an earlier decision.
+  static constexpr double kMaxLogOdds = 6.0;
+  /// [-] Most pairs under test; further pairs are not merged.
+  static constexpr std::size_t kMostPairs = 64;
 
   BodyParts() { pairs_.reserve(kMostPairs); }
 
-  /// Begins a sweep: pairs without an update for a while are dropped.
+  /// Begins a sweep: drops pairs without an update in the last 50 sweeps.
   void begin_sweep();
-  /// Updates a pair by one sweep; the order of the two does not matter.
-  /// @param a_local_m, b_local_m  returns of the one and of the other [m], local frame; each at least one
+  /// Updates a pair by one sweep; both orders of its targets are equivalent.
+  /// @param a_local_m, b_local_m  returns [m] of either target in the local frame; each at least one
   /// @return whether the pair is one body
   bool weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, std::uint32_t id_b,
              std::span<const Vector3> b_local_m);

@@ -24,7 +24,7 @@ inline Vector3 direction_at(double turn, double z) {
   return {scale * x, scale * y, z};
 }
 
-/// Bin of a value in [0, whole) among equal bins; values beyond count to the outermost ones.
+/// Bin of a value in [0, whole) among equal bins; values outside belong to the outermost bins.
 inline int bin_in(double value, double whole, int count) {
   return std::clamp(static_cast<int>(value / whole * count), 0, count - 1);
 }

@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-// True at the border of the search, where a cell counts as open air.
+// True at the search limit, where a voxel counts as not enclosed.
 bool at_border(const Cell& offset, const SearchShape& shape, double edge_m) {
   if (shape.octahedron) return offset.cwiseAbs().sum() >= shape.radius_steps - 1;
   return edge_m * edge_m * offset.squaredNorm() >= shape.radius_m * shape.radius_m;

@@ -9,11 +9,12 @@
 
 namespace swiftlet {
 
-/// Search limit of rule B: distance of voxel centers (sphere), or number of steps along the axes (octahedron).
+/// Search limit of rule B of VoFOD: distance of voxel centers from the start (sphere), or number of steps along the
+/// axes (octahedron).
 struct SearchShape {
   bool octahedron = false;
-  double radius_m = 3.0;  ///< sphere
-  int radius_steps = 0;   ///< octahedron
+  double radius_m = 3.0;  ///< radius of the sphere
+  int radius_steps = 0;   ///< radius of the octahedron in voxels
   Vector3 sensor_m = Vector3::Zero();
   /// Sine of the elevation from the sensor above which voxels count as free; 2: none.
   double top_z = 2.0;
@@ -33,12 +34,13 @@ class EnclosureSearch {
   bool leads_out(const VoxelMap& map, const Cell& start, const SearchShape& shape);
   bool is_known_enclosed(const VoxelMap& map, const Cell& start, const SearchShape& shape) const;
 
-  // Number of the flood that visited each voxel, in a box around the start.
+  // Number of the last flood fill that visited each voxel, in a box around the start.
   std::vector<std::uint32_t> seen_;
   std::uint32_t flood_ = 0;
   std::vector<Cell> stack_;
   std::vector<std::ptrdiff_t> explored_;
-  // Parts flooded so far: a start in a part whose farthest corners are within its own reach is enclosed as well.
+  // Enclosed regions found so far. A start in such a region is enclosed too if the search from it could not reach its
+  // limit within the region.
   struct Part {
     std::size_t first, last;  // range in explored_, sorted
     Cell min, max;

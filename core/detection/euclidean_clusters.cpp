@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  // no cell, or no cluster
 
 // Edge of a cell, as a share of the tolerance: slightly less than 1 / sqrt(3), so that any two points of a cell are
 // near each other. Points of cells three or more apart along an axis are not near.
@@ -29,7 +29,7 @@ std::int64_t axis_cell(float coordinate_m, double cells_per_m) {
   return static_cast<std::int64_t>(cell) + kHalfAxis;
 }
 
-/// Stable radix sort by key; digits that are equal everywhere cost only their histogram.
+/// Stable radix sort by key. A digit that all keys share is skipped after its histogram.
 template <class Keyed>
 void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch) {
   constexpr int kDigitBits = 9, kDigits = 3 * kAxisBits / kDigitBits;

@@ -19,8 +19,8 @@ struct ReturnRate {
   double variation = 1.0;  ///< shape of the gamma distribution; 1: as wide as its mean, larger values: narrower
 
   double mean() const { return returns / shots; }
-  /// Probability that a sweep has no return: exp(-rate num_shots), averaged over the rates.
-  double none(double num_shots) const {
+  /// Probability that num_shots beams on the target have no return: exp(-rate num_shots), averaged over the rates.
+  double p_no_return(double num_shots) const {
     return elementary::pow(variation / (variation + mean() * num_shots), variation);
   }
   /// @param memory  weight of older sweeps, 0 to 1
@@ -38,10 +38,10 @@ struct Observability {
 
   /// @param to_hidden_per_s, to_seen_per_s  transition rates
   void predict(double dt_s, double to_hidden_per_s, double to_seen_per_s) {
-    const double rate_per_s = to_hidden_per_s + to_seen_per_s, in_the_long_run = to_hidden_per_s / rate_per_s;
-    hidden = in_the_long_run + (hidden - in_the_long_run) * elementary::exp(-rate_per_s * dt_s);
+    const double rate_per_s = to_hidden_per_s + to_seen_per_s, stationary = to_hidden_per_s / rate_per_s;
+    hidden = stationary + (hidden - stationary) * elementary::exp(-rate_per_s * dt_s);
   }
-  /// Likelihood ratio of a measurement for a target that may be hidden; a hidden target makes no difference.
+  /// Likelihood ratio of a measurement for a target that may be hidden; for a hidden target it is 1.
   /// @param if_seen  likelihood ratio for a visible target
   double weigh(double if_seen) {
     const double ratio = hidden + (1.0 - hidden) * if_seen;
@@ -54,7 +54,8 @@ struct Observability {
 /// than the smallest UAV, and more sweeps have no return. Bayes' rule on the numbers of returns, which are negative
 /// binomial as above.
 struct Smallness {
-  static constexpr double kSurest = 6.0;  ///< limit of the log odds, so that later evidence can reverse them
+  /// [-] Limit of the log odds. Larger values need more sweeps to reverse an earlier decision.
+  static constexpr double kMaxLogOdds = 6.0;
 
   double log_odds = 0.0;  ///< log odds of a small object against a UAV
 
@@ -64,15 +65,15 @@ struct Smallness {
   /// @param small, least  return rates of a small object and of the smallest UAV
   void weigh(int num_returns, double num_shots, double hidden, double small, double least, double variation) {
     if (num_returns == 0) {
-      const double none_small = ReturnRate{small, 1.0, variation}.none(num_shots);
-      const double none_least = ReturnRate{least, 1.0, variation}.none(num_shots);
+      const double none_small = ReturnRate{small, 1.0, variation}.p_no_return(num_shots);
+      const double none_least = ReturnRate{least, 1.0, variation}.p_no_return(num_shots);
       log_odds += elementary::log((hidden + (1.0 - hidden) * none_small) / (hidden + (1.0 - hidden) * none_least));
     } else {
       const double apart_small = variation + small * num_shots, apart_least = variation + least * num_shots;
       log_odds += variation * elementary::log(apart_least / apart_small) +
                   num_returns * elementary::log(small * apart_least / (least * apart_small));
     }
-    log_odds = std::clamp(log_odds, -kSurest, kSurest);
+    log_odds = std::clamp(log_odds, -kMaxLogOdds, kMaxLogOdds);
   }
 };
 

@@ -8,7 +8,8 @@
 namespace swiftlet {
 namespace {
 
-// Margin in voxels around a cluster's box in which the released code computes the confidence.
+// [voxels] Margin around a cluster's box in which the released code computes the confidence. Larger values lower the
+// confidence of clusters near background.
 constexpr int kConfidenceMargin = 2;
 
 MeasurementNoise noise_of(const VofodConfig& config) {
@@ -19,7 +20,7 @@ MeasurementNoise noise_of(const VofodConfig& config) {
   return noise;
 }
 
-// A voxel represents all of its points.
+// Highest reflectivity of the points of a cluster. A cluster of voxels has all points in its voxels.
 double reflectivity(const FlyingCluster& flying, VofodChoices::Clustering clustering) {
   const LocalCloud& cloud = flying.cloud;
   float greatest = 0.0F;

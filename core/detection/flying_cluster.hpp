@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// A cluster that rule B found to fly.
+/// Cluster that rule B of VoFOD classified as flying [Vrba 2025, sec. III-B].
 struct FlyingCluster {
   const LocalCloud& cloud;
   const Samples& samples;
@@ -18,10 +18,10 @@ struct FlyingCluster {
   const ClusterShape& shape;
   const VoxelMap& map;
   std::span<const Cell> voxels;                  ///< voxels with samples
-  std::span<const std::ptrdiff_t> voxels_index;  ///< indices of these in the map, ascending
+  std::span<const std::ptrdiff_t> voxels_index;  ///< indices of `voxels` in the map, ascending
 };
 
-/// Eq. (19), with confidence, brightest return and covariance.
+/// Detection of a flying cluster: position by eq. (19) [Vrba 2025], confidence, highest reflectivity and covariance.
 Detection detection_of(const FlyingCluster& cluster, const VofodConfig& config);
 
 }  // namespace swiftlet

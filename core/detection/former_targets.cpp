@@ -14,8 +14,8 @@ using Limits = TrackBeforeDetectLimits;
 FormerTargets::FormerTargets(const TrackBeforeDetectConfig& config)
     : target_(config.target),
       sigma_hidden_m_(config.sigma_hidden_m),
-      most_(static_cast<std::size_t>(config.max_hypotheses)) {
-  hidden_.reserve(most_);
+      max_hidden_(static_cast<std::size_t>(config.max_hypotheses)) {
+  hidden_.reserve(max_hidden_);
 }
 
 void FormerTargets::predict(TimeNs t) {
@@ -25,38 +25,38 @@ void FormerTargets::predict(TimeNs t) {
 double FormerTargets::remember(std::span<const Hypothesis> hypotheses, const TargetMeasurement& m,
                                Hypothesis& new_hypothesis) const {
   /// Match of one former target with the measurement.
-  struct Meeting {
-    const Hypothesis* of = nullptr;
-    Vector3 off_m;
+  struct Match {
+    const Hypothesis* former = nullptr;
+    Vector3 innovation_m;
     Matrix3 S;
-    double squared = 0.0, here_per_m3 = 0.0;
+    double distance_sq = 0.0, density_per_m3 = 0.0;
   };
   double sum_per_m3 = 0.0;
-  Meeting likeliest;
+  Match likeliest;
   const auto weigh = [&](const Hypothesis& h) {
     if (!h.was_target || h.num_returns > 0) return;
     const Eigen::Matrix<double, 3, 6> H = position_at(to_seconds(m.t - h.t));
-    Meeting meeting{&h, m.p_local_m - H * h.mean, H * h.covariance * H.transpose() + m.covariance};
-    meeting.squared = meeting.off_m.dot(meeting.S.llt().solve(meeting.off_m));
-    meeting.here_per_m3 = std::max(h.existence, Limits::kSilentTarget) * normal_density(meeting.squared, meeting.S);
-    sum_per_m3 += meeting.here_per_m3;
-    if (meeting.here_per_m3 > likeliest.here_per_m3) likeliest = meeting;
+    Match match{&h, m.p_local_m - H * h.mean, H * h.covariance * H.transpose() + m.covariance};
+    match.distance_sq = match.innovation_m.dot(match.S.llt().solve(match.innovation_m));
+    match.density_per_m3 = std::max(h.existence, Limits::kSilentTarget) * normal_density(match.distance_sq, match.S);
+    sum_per_m3 += match.density_per_m3;
+    if (match.density_per_m3 > likeliest.density_per_m3) likeliest = match;
   };
   for (const Hypothesis& h : hypotheses) weigh(h);
   for (const Hypothesis& h : hidden_) weigh(h);
-  if (!(likeliest.here_per_m3 >= 0.5 * (sum_per_m3 + target_.strangers_per_m3))) return sum_per_m3;
-  if (likeliest.of == nullptr) return sum_per_m3;
-  const Hypothesis& h = *likeliest.of;
+  if (!(likeliest.density_per_m3 >= 0.5 * (sum_per_m3 + target_.new_per_m3))) return sum_per_m3;
+  if (likeliest.former == nullptr) return sum_per_m3;
+  const Hypothesis& h = *likeliest.former;
   new_hypothesis.former_identity = h.identity;
   new_hypothesis.rate = h.rate;
   new_hypothesis.small = h.small;
   new_hypothesis.size_m = h.size_m;
-  if (!(likeliest.squared < Limits::kGate)) return sum_per_m3;
+  if (!(likeliest.distance_sq < Limits::kGate)) return sum_per_m3;
   Matrix6 F = Matrix6::Identity();
   F.topRightCorner<3, 3>() = to_seconds(m.t - h.t) * Matrix3::Identity();
   const Matrix6 P = F * h.covariance * F.transpose();
   const Eigen::Matrix<double, 6, 3> K = P.leftCols<3>() * likeliest.S.inverse();
-  new_hypothesis.mean = F * h.mean + K * likeliest.off_m;
+  new_hypothesis.mean = F * h.mean + K * likeliest.innovation_m;
   new_hypothesis.covariance = P - K * likeliest.S * K.transpose();
   return sum_per_m3;
 }
@@ -85,7 +85,7 @@ void FormerTargets::inherit(std::span<Hypothesis> hypotheses) {
 }
 
 void FormerTargets::add(const Hypothesis& dropped) {
-  if (hidden_.size() == most_) return;
+  if (hidden_.size() == max_hidden_) return;
   hidden_.push_back(dropped);
   hidden_.back().num_returns = 0;
 }

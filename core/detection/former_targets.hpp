@@ -17,23 +17,24 @@ class FormerTargets {
   explicit FormerTargets(const TrackBeforeDetectConfig& config);
 
   void predict(TimeNs t);
-  /// Associates a new hypothesis with a former target, dropped or without returns in this sweep. Each may be here, by
-  /// its existence and predicted position. The most likely one is weighed against all others and against new targets.
-  /// Within the gate, the new hypothesis continues its state.
-  /// @return density [1/m^3] of former targets at the measurement
+  /// Associates a new hypothesis with a former target, dropped or without returns in this sweep. The density of each at
+  /// the measurement follows from its existence and predicted position. The densest one is accepted if it exceeds half
+  /// of the sum of all and of new targets (new_per_m3). Within the gate, the new hypothesis continues its state.
+  /// @return density [1/m^3] of all former targets at the measurement
   double remember(std::span<const Hypothesis> hypotheses, const TargetMeasurement& measurement,
                   Hypothesis& new_hypothesis) const;
-  /// A new hypothesis that has become a target takes the identity of its former target, unless that was seen meanwhile.
+  /// A new hypothesis that has become a target takes the identity of its former target, unless the former
+  /// target has had returns since.
   void inherit(std::span<Hypothesis> hypotheses);
   /// Remembers a dropped target.
   void add(const Hypothesis& dropped);
-  /// Drops those whose position has become too uncertain.
+  /// Drops former targets whose position has become too uncertain (sigma_hidden_m).
   void forget();
 
  private:
   ExpectedTarget target_;
   double sigma_hidden_m_;
-  std::size_t most_;
+  std::size_t max_hidden_;
   std::vector<Hypothesis> hidden_;
 };
 

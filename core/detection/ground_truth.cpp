@@ -16,13 +16,13 @@ class GroundTruthDetector : public Detector {
     for (const NeighborSample& sample : input.observation.neighbors) {
       if (sample.p_body_m.norm() <= config_.range_max_m) waiting_.push_back(detection_of(sample, input.poses));
     }
-    const auto late = std::stable_partition(waiting_.begin(), waiting_.end(),
-                                            [&](const Detection& d) { return latency_.is_over(d.t, input.t); });
-    if (late == waiting_.begin()) return;
+    const auto due_end = std::stable_partition(waiting_.begin(), waiting_.end(),
+                                               [&](const Detection& d) { return latency_.is_over(d.t, input.t); });
+    if (due_end == waiting_.begin()) return;
     output.has_detections = true;
-    output.stamp = (late - 1)->t;
-    output.detections.insert(output.detections.end(), waiting_.begin(), late);
-    waiting_.erase(waiting_.begin(), late);
+    output.stamp = (due_end - 1)->t;
+    output.detections.insert(output.detections.end(), waiting_.begin(), due_end);
+    waiting_.erase(waiting_.begin(), due_end);
   }
 
  private:
@@ -47,7 +47,7 @@ class GroundTruthDetector : public Detector {
 void GroundTruthDetectorConfig::visit(ConfigVisitor& v) {
   v.field("range_max_m", range_max_m, "[m] range beyond which objects are not detected", Range::positive());
   v.field("sigma_m", sigma_m, "[m] standard deviation reported in addition to the sensor's own", Range::non_negative());
-  v.field("latency_s", latency_s, "[s] from the measurement to the detection", Range::non_negative());
+  v.field("latency_s", latency_s, "[s] delay from the measurement to the detection", Range::non_negative());
 }
 
 std::unique_ptr<Detector> make_ground_truth_detector(const ModuleConfig& config, const AgentSetup&) {

@@ -21,9 +21,9 @@ Hypotheses::Hypotheses(const TrackBeforeDetectConfig& config)
       former_(config) {
   const double prior = std::max(config.target.small_prior, Limits::kNeverSmall);
   small_log_odds_ = elementary::log(prior / (1.0 - prior));
-  const auto most = static_cast<std::size_t>(config.max_hypotheses);
-  hypotheses_.reserve(2 * most);
-  born_.reserve(most);
+  const auto max_hypotheses = static_cast<std::size_t>(config.max_hypotheses);
+  hypotheses_.reserve(2 * max_hypotheses);
+  born_.reserve(max_hypotheses);
 }
 
 void Hypotheses::take(const LocalCloud& cloud) {
@@ -68,7 +68,7 @@ void Hypotheses::correct(const LocalCloud& cloud) {
     }
     if (!corrected) miss(h, exposures_[k]);
     weigh_size(h, exposures_[k], hidden, corrected ? h.num_returns : 0);
-    if (h.existence < Limits::kTarget) wait(returns_.of(k), h.id);
+    if (h.existence < Limits::kTarget) queue_for_background(returns_.of(k), h.id);
   }
 }
 
@@ -86,13 +86,14 @@ bool Hypotheses::correct_by(Hypothesis& h, const TargetMeasurement& measurement,
   const Matrix3 S = H * h.covariance * H.transpose() + measurement.covariance;
   const double distance_sq = innovation_m.dot(S.llt().solve(innovation_m));
   if (!(distance_sq < Limits::kGate)) return false;
-  const double none = h.rate.none(exposure.shots), some = std::max(1.0 - none, Limits::kLeastDetection);
+  const double p_no_return = h.rate.p_no_return(exposure.shots),
+               p_return = std::max(1.0 - p_no_return, Limits::kLeastDetection);
   const double clutter = clutter_density_per_m3(measurement, exposure.beams_per_sr);
-  const double of_target = some * normal_density(distance_sq, S) / clutter;
-  const double likelihood_ratio = h.sight.weigh(none + of_target);
+  const double return_ratio = p_return * normal_density(distance_sq, S) / clutter;
+  const double likelihood_ratio = h.sight.weigh(p_no_return + return_ratio);
   h.existence = existence_after(h.existence, likelihood_ratio);
 
-  const double weight = (1.0 - h.sight.hidden) * of_target / (none + of_target);
+  const double weight = (1.0 - h.sight.hidden) * return_ratio / (p_no_return + return_ratio);
   const Eigen::Matrix<double, 6, 3> K = h.covariance * H.transpose() * S.inverse();
   const Vector6 correction = K * innovation_m;
   h.mean += weight * correction;
@@ -109,7 +110,7 @@ bool Hypotheses::correct_by(Hypothesis& h, const TargetMeasurement& measurement,
 }
 
 void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
-  h.existence = existence_after(h.existence, h.sight.weigh(h.rate.none(exposure.shots)));
+  h.existence = existence_after(h.existence, h.sight.weigh(h.rate.p_no_return(exposure.shots)));
 }
 
 // An unassigned cluster in free air may be a new target. All other candidates become background.
@@ -120,7 +121,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     const std::span<const std::uint32_t> members = returns_.members(cluster);
     const TargetMeasurement m = returns_.measure(cloud, members, 0.0);
     if (!m.in_free_air || !(m.extent_m.norm() <= config_.target.max_size_m)) {
-      wait(members, 0);
+      queue_for_background(members, 0);
       continue;
     }
     const bool beside_a_target = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
@@ -129,7 +130,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     });
     if (beside_a_target || born_.size() == static_cast<std::size_t>(config_.max_hypotheses)) continue;
     born_.push_back(newborn(m));
-    wait(members, born_.back().id);
+    queue_for_background(members, born_.back().id);
   }
   num_born_ += born_.size();
   hypotheses_.insert(hypotheses_.end(), born_.begin(), born_.end());
@@ -147,10 +148,10 @@ Hypothesis Hypotheses::newborn(const TargetMeasurement& m) {
   h.covariance.bottomRightCorner<3, 3>() =
       config_.target.sigma_velocity_mps * config_.target.sigma_velocity_mps * Matrix3::Identity();
   const BeamExposure exposure = exposure_of(h);
-  const double come_back_per_m3 = former_.remember(hypotheses_, m, h);
-  const double some = std::max(1.0 - h.rate.none(exposure.shots), Limits::kLeastDetection);
-  const double of_target = (config_.target.birth_per_m3 + come_back_per_m3) * some;
-  h.existence = of_target / (of_target + clutter_density_per_m3(m, exposure.beams_per_sr));
+  const double reappearing_per_m3 = former_.remember(hypotheses_, m, h);
+  const double p_return = std::max(1.0 - h.rate.p_no_return(exposure.shots), Limits::kLeastDetection);
+  const double target_per_m3 = (config_.target.birth_per_m3 + reappearing_per_m3) * p_return;
+  h.existence = target_per_m3 / (target_per_m3 + clutter_density_per_m3(m, exposure.beams_per_sr));
   m.keep_in(h);
   h.num_sweeps = 1;
   h.move(to_seconds(middle() - h.t), config_.target.acceleration_density);
@@ -158,8 +159,9 @@ Hypothesis Hypotheses::newborn(const TargetMeasurement& m) {
   return h;
 }
 
-void Hypotheses::wait(std::span<const std::uint32_t> candidates, std::uint32_t hypothesis) {
-  for (const std::uint32_t c : candidates) air_.wait(middle(), returns_.position_m(c), hypothesis, hypotheses_);
+void Hypotheses::queue_for_background(std::span<const std::uint32_t> candidates, std::uint32_t hypothesis) {
+  for (const std::uint32_t c : candidates)
+    air_.queue_for_background(middle(), returns_.position_m(c), hypothesis, hypotheses_);
 }
 
 // Removes duplicates: of two hypotheses at one place, the more likely one stays.
@@ -170,9 +172,10 @@ void Hypotheses::merge() {
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = i + 1; j < hypotheses_.size(); ++j) {
       Hypothesis& other = hypotheses_[j];
-      const double same_m = (other.existence >= Limits::kTarget ? 0.25 : 0.75) * config_.cluster_distance_m;
+      const double merge_m = (other.existence >= Limits::kTarget ? Limits::kMergeTarget : Limits::kMergeOther) *
+                             config_.cluster_distance_m;
       const Vector3 apart_m = other.p_local_m() - hypotheses_[i].p_local_m();
-      if (apart_m.squaredNorm() >= same_m * same_m) continue;
+      if (apart_m.squaredNorm() >= merge_m * merge_m) continue;
       other.existence = 0.0;
       other.was_target = false;
     }
@@ -189,19 +192,20 @@ void Hypotheses::forget() {
     return true;
   });
   former_.forget();
-  const auto most = static_cast<std::size_t>(config_.max_hypotheses);
-  if (hypotheses_.size() <= most) return;
-  num_dropped_ += hypotheses_.size() - most;
-  hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(most), hypotheses_.end());
+  const auto max_hypotheses = static_cast<std::size_t>(config_.max_hypotheses);
+  if (hypotheses_.size() <= max_hypotheses) return;
+  num_dropped_ += hypotheses_.size() - max_hypotheses;
+  hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(max_hypotheses), hypotheses_.end());
 }
 
-// Density of voxels in which something other than a target returns a beam. Free air has little background.
+// Expected number of clutter returns per volume: share of the voxels in which something other than a target returns a
+// beam. In free air, the share of returned beams is at most free_air_share.
 double Hypotheses::clutter_density_per_m3(const TargetMeasurement& m, double beams_per_sr) const {
   const double edge_m = air_.map().voxel_m();
   const double range_sq = std::max((m.p_local_m - returns_.beams().p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
-  const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, 0.01);
-  const double of_voxel = air_.map().clutter_share(m.p_local_m);
-  const double share = m.in_free_air ? std::min(of_voxel, config_.free_air_share) : of_voxel;
+  const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, Limits::kLeastBeams);
+  const double voxel_share = air_.map().clutter_share(m.p_local_m);
+  const double share = m.in_free_air ? std::min(voxel_share, config_.free_air_share) : voxel_share;
   return (1.0 - elementary::exp(-share * beams)) / (edge_m * edge_m * edge_m);
 }
 

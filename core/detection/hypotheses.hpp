@@ -19,15 +19,15 @@
 namespace swiftlet {
 
 /// Track before detect: a bank of Bernoulli hypotheses, each tracked from its first return on. All sweeps together
-/// decide about existence. Returns are weighed against the clutter expected there; beams that should have hit the
-/// target and did not count as well. A target that is hidden, or out of the field of view, is dropped after a while. A
-/// new hypothesis at a position within its reach continues its identity. Processes one sweep at a time, without
-/// a clock. Time and memory are bounded.
+/// decide about existence. A return counts by its likelihood against that of clutter at its position; beams that should
+/// have hit the target and returned nothing count against it. A target that is hidden, or out of the field of view, is
+/// dropped when its position has become too uncertain. A new hypothesis within its reach continues its identity.
+/// Processes one sweep at a time, without a clock. Time and memory are bounded.
 class Hypotheses {
  public:
   explicit Hypotheses(const TrackBeforeDetectConfig& config);
 
-  /// Processes one sweep: hypotheses, then background, then free air.
+  /// Processes one sweep: updates the hypotheses, then the background, then the free air.
   void take(const LocalCloud& cloud);
 
   /// All hypotheses, the likeliest first.
@@ -48,10 +48,10 @@ class Hypotheses {
   Hypothesis newborn(const TargetMeasurement& measurement);
   void merge();
   void forget();
-  void wait(std::span<const std::uint32_t> candidates, std::uint32_t hypothesis);
+  void queue_for_background(std::span<const std::uint32_t> candidates, std::uint32_t hypothesis);
   double clutter_density_per_m3(const TargetMeasurement& measurement, double beams_per_sr) const;
   BeamExposure exposure_of(const Hypothesis& hypothesis) const;
-  bool is_reported(const Hypothesis& hypothesis) const { return hypothesis.confidence() >= config_.told_existence; }
+  bool is_reported(const Hypothesis& hypothesis) const { return hypothesis.confidence() >= config_.reported_existence; }
 
   TrackBeforeDetectConfig config_;
   EmptyDirections empty_;

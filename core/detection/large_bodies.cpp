@@ -45,17 +45,17 @@ bool LargeBodies::are_neighbors(std::span<const Hypothesis> hypotheses, std::siz
   return true;
 }
 
-// Splits a large body when the air between its halves shows two: it returns to the usual size, and the other part
-// begins a new hypothesis.
+// Splits a large body when the air between its halves indicates two. The hypothesis keeps one half with the size of a
+// usual target, so that the returns of the other half begin a new hypothesis.
 void LargeBodies::split(Hypothesis& h, std::size_t k, const SweepReturns& returns) {
   if (!(h.size_m > 0.0) || returns.of(k).size() < Limits::kMinReturnsToSplit) return;
   returns.positions_of(k, part_a_m_);
   Vector3 mean_m = Vector3::Zero();
   for (const Vector3& p_m : part_a_m_) mean_m += p_m / static_cast<double>(part_a_m_.size());
-  const auto farther = [&](const Vector3& a_m, const Vector3& b_m) {
+  const auto is_nearer = [&](const Vector3& a_m, const Vector3& b_m) {
     return (a_m - mean_m).squaredNorm() < (b_m - mean_m).squaredNorm();
   };
-  const Vector3 axis_m = *std::max_element(part_a_m_.begin(), part_a_m_.end(), farther) - mean_m;
+  const Vector3 axis_m = *std::max_element(part_a_m_.begin(), part_a_m_.end(), is_nearer) - mean_m;
   part_b_m_.clear();
   for (const Vector3& p_m : part_a_m_) {
     if ((p_m - mean_m).dot(axis_m) > 0.0) part_b_m_.push_back(p_m);
@@ -63,15 +63,15 @@ void LargeBodies::split(Hypothesis& h, std::size_t k, const SweepReturns& return
   std::erase_if(part_a_m_, [&](const Vector3& p_m) { return (p_m - mean_m).dot(axis_m) > 0.0; });
   if (part_a_m_.empty() || part_b_m_.empty()) return;
   parts_.weigh(h.id, part_a_m_, h.id, part_b_m_);
-  if (parts_.log_odds(h.id, h.id) > -BodyParts::kSurest) return;
+  if (parts_.log_odds(h.id, h.id) > -BodyParts::kMaxLogOdds) return;
   h.size_m = 0.0;
   parts_.forget(h.id);
 }
 
 // Keeps the older hypothesis, with the mean of both states and the spread between them.
-void LargeBodies::join(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, std::size_t stays, std::size_t goes,
+void LargeBodies::join(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, std::size_t kept, std::size_t dropped,
                        SweepReturns& returns) {
-  Hypothesis &h = hypotheses[stays], &other = hypotheses[goes];
+  Hypothesis &h = hypotheses[kept], &other = hypotheses[dropped];
   const Vector6 difference = other.mean - h.mean;
   h.size_m = std::min(std::max({h.size_m, other.size_m, 2.0 * difference.head<3>().norm()}), most_size_m());
   h.mean += 0.5 * difference;
@@ -81,8 +81,8 @@ void LargeBodies::join(const LocalCloud& cloud, std::span<Hypothesis> hypotheses
   other.was_target = false;
   parts_.forget(other.id);
   parts_.forget(h.id);
-  returns.add_to(stays, goes);
-  returns.measure(cloud, returns.of(stays), h.size_m).keep_in(h);
+  returns.add_to(kept, dropped);
+  returns.measure(cloud, returns.of(kept), h.size_m).keep_in(h);
 }
 
 }  // namespace swiftlet

@@ -10,21 +10,23 @@
 
 namespace swiftlet {
 
-/// Each part of a large body begins its own hypothesis. Joins those whose returns show a single body, and splits a body
-/// when the air between its halves shows two.
+/// Merges hypotheses of parts of one large body, each of which begins its own, when the returns between them indicate a
+/// single body. Splits a body when the air between its halves indicates two.
 class LargeBodies {
  public:
   explicit LargeBodies(const ExpectedTarget& target) : body_m_(target.body_m) {}
 
-  /// @param hypotheses  corrected by this sweep, the likeliest first. Of two joined ones the older is kept; the other
-  ///                    one's existence becomes 0
+  /// @param hypotheses  corrected by this sweep, the likeliest first. Of two that are merged, the older one remains;
+  /// the
+  ///                    existence of the other becomes 0
   void join_parts(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, SweepReturns& returns);
+  /// Largest size [m] of a merged body.
   double most_size_m() const { return TrackBeforeDetectLimits::kMostSize * body_m_; }
 
  private:
   bool are_neighbors(std::span<const Hypothesis> hypotheses, std::size_t i, std::size_t j) const;
   void split(Hypothesis& hypothesis, std::size_t k, const SweepReturns& returns);
-  void join(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, std::size_t stays, std::size_t goes,
+  void join(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, std::size_t kept, std::size_t dropped,
             SweepReturns& returns);
 
   double body_m_;

@@ -41,8 +41,8 @@ bool LearnedAir::is_free(const Vector3& p_local_m, double blur_m) const {
          !map_.is_hit_around(p_local_m, std::max(near, far), hit_share_);
 }
 
-void LearnedAir::wait(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis,
-                      std::span<const Hypothesis> all) {
+void LearnedAir::queue_for_background(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis,
+                                      std::span<const Hypothesis> all) {
   if (num_pending_ == Limits::kMostPending) learn_oldest(all);
   pending_[(first_pending_ + num_pending_++) % Limits::kMostPending] = {t, p_local_m, hypothesis};
 }

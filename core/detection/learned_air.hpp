@@ -11,22 +11,24 @@
 
 namespace swiftlet {
 
-/// Air and background as learned from the sweeps: where beams pass, and where returns that are no target end them.
+/// Free air and background learned from the sweeps: voxels that beams pass, and voxels in which returns that are not of
+/// a target lie.
 class LearnedAir {
  public:
   explicit LearnedAir(const TrackBeforeDetectConfig& config);
 
-  /// Begins a sweep: centers the map, and chooses the share of the beams that clear air.
+  /// Begins a sweep: centers the map on the sensor, and limits the number of beams that clear air.
   void begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar, const BeamIndex& beams);
   /// True where the background may have returned a beam.
   bool is_background(const Vector3& p_local_m) const { return map_.clutter_share(p_local_m) > background_share_; }
-  /// True if enough beams passed all voxels around, and hardly any ended nearby. @param blur_m  error of the position
+  /// True if enough beams passed the voxels around, and hardly any ended nearby. @param blur_m  error of the position
   bool is_free(const Vector3& p_local_m, double blur_m) const;
-  /// Adds a return of the background. @param weight  probability that it is
+  /// Adds a return of the background. @param weight  probability that the return is background
   void hit(const Vector3& p_local_m, double weight) { map_.hit(p_local_m, weight / ray_stride_); }
-  /// Adds a return that becomes background after a delay by the probability that its hypothesis is no target, so that a
-  /// target is not taken for background because of its own returns of earlier sweeps. @param hypothesis  0: none
-  void wait(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis, std::span<const Hypothesis> all);
+  /// Queues a return. After learning_delay_s it counts as background by the probability that its hypothesis is then no
+  /// target, so that a new target does not become background by its own returns. @param hypothesis  id; 0: none
+  void queue_for_background(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis,
+                            std::span<const Hypothesis> all);
   /// Adds the returns whose delay is over.
   void learn(TimeNs t, std::span<const Hypothesis> all);
   /// Clears the air along every n-th beam, alternating between sweeps.

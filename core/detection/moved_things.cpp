@@ -6,14 +6,14 @@
 namespace swiftlet {
 namespace {
 
-/// Limits of a remembered cluster.
+/// Constants of remembered clusters.
 struct ThingLimits {
   /// [m] Distance of two sightings of one cluster, and displacement from which it has moved. Covers the noise of the
   /// center of few returns; larger values take longer to see that a slow target moves.
   static constexpr float kRadius_m = 0.5F;
-  /// Time without a sighting after which a cluster is forgotten. Smaller values begin anew for things of few returns.
+  /// [ns] Time without a sighting after which a cluster is dropped. Smaller values lose objects of few returns.
   static constexpr TimeNs kForgotten = 2'000'000'000;
-  /// [-] Capacity; the cluster that was not seen for longest makes room.
+  /// [-] Most clusters; a new one replaces the one not seen for longest.
   static constexpr std::size_t kMost = 512;
 };
 

@@ -13,10 +13,10 @@ namespace swiftlet {
 /// clusters, which is bounded.
 class MovedThings {
  public:
-  /// What is known of a cluster.
+  /// Motion of a cluster so far.
   struct Motion {
     bool has_moved = false;
-    TimeNs seen_for = 0;  ///< time since its first sighting
+    TimeNs seen_for = 0;  ///< [ns] time since the first sighting
   };
 
   MovedThings();

@@ -10,20 +10,22 @@
 
 namespace swiftlet {
 
-/// Rays of a scan through the map of VoFOD [Vrba 2025, sec. III-C]. Beams without return clear the voxels up to
-/// ray_max_m; where their directions are unknown, empty directions replace them.
+/// Casts the rays of a scan through the voxel map of VoFOD [Vrba 2025, sec. III-C]. Beams without return clear the
+/// voxels up to ray_max_m. For a driver that does not report their directions, EmptyDirections replace them.
 class RayCaster {
  public:
   explicit RayCaster(const VofodConfig& config);
 
-  /// Sums the lengths by voxel, for apply().
+  /// Sums the ray length [m] in each voxel of a scan, for the next apply().
   void cast(const LocalCloud& cloud, const VoxelGrid& map);
   /// Excludes a voxel that holds a point from the next apply().
   void leave_out(const Cell& cell) { left_out_.push_back(cell); }
-  /// Eq. (22). @param num_classifications  N_cls, since the rays were cast
+  /// Updates the voxels by their summed ray lengths [Vrba 2025, eq. 22].
+  /// @param num_classifications  N_cls: classifications since the rays were cast
   void apply(int num_classifications, VoxelMap& map);
 
-  /// Sine of the elevation of the upper edge of the field of view for scans of points alone; 2 for others.
+  /// Sine of the elevation of the upper edge of the field of view, for scans without directions of empty shots; 2 for
+  /// others.
   double top_z() const { return empty_.top_z(); }
 
  private:

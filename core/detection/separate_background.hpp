@@ -16,7 +16,7 @@ namespace swiftlet {
 /// if the distance is large enough, so blocks are joined instead of voxels. Reuses its memory.
 class SeparateBackground {
  public:
-  /// Indices of V_sep in ascending order; valid until the next call.
+  /// Map indices of the voxels V_sep in ascending order; valid until the next call.
   const std::vector<std::ptrdiff_t>& find(const VoxelMap& map, double distance_m, int least_confident);
 
   /// Number of clusters that were not separate.

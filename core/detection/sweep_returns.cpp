@@ -159,7 +159,7 @@ TargetMeasurement SweepReturns::measure(const LocalCloud& cloud, std::span<const
   return m;
 }
 
-// Variance of single returns per axis. On a bar, returns spread with 0.29 of its length.
+// Variance [m^2] of single returns about the center, per axis. On a uniform bar, the deviation is 0.29 of its length.
 double SweepReturns::sampling_sq(double size_m) const {
   const double sigma_m = std::max(sigma_sampling_m_, 0.25 * size_m);
   return sigma_m * sigma_m;

@@ -13,12 +13,12 @@
 
 namespace swiftlet {
 
-/// A return where the clutter share is low.
+/// Return that may be of a target: the clutter share of its voxel is low.
 struct Candidate {
   Eigen::Vector3f p_local_m;
   std::uint32_t point;  ///< index of the point in the cloud
-  bool in_free_air;     ///< the voxels around are free air as well
-  bool taken;
+  bool in_free_air;     ///< the voxels around are free air too
+  bool taken;           ///< assigned to a target
 };
 
 /// Returns assigned to one target.
@@ -31,7 +31,7 @@ struct TargetMeasurement {
   double reflectivity = 0.0;
   bool in_free_air = false;
 
-  /// Stores this as the newest measurement of a hypothesis.
+  /// Stores the measurement as the newest one of a hypothesis.
   void keep_in(Hypothesis& h) const {
     h.num_returns = num_returns;
     h.extent_m = extent_m;
@@ -41,13 +41,13 @@ struct TargetMeasurement {
   }
 };
 
-/// Returns of one sweep outside of known background: their assignment to hypotheses, and the measurements they make.
+/// Returns of one sweep outside of known background, their assignment to hypotheses, and the resulting measurements.
 /// Reuses its memory.
 class SweepReturns {
  public:
   explicit SweepReturns(const TrackBeforeDetectConfig& config);
 
-  /// @param empty_lidar  directions without return of a scan of points alone
+  /// @param empty_lidar  directions without return, for a driver that reports points only
   void begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar);
   const BeamIndex& beams() const { return beams_; }
   /// Candidates are the returns where no background is expected; the others become background at once.
@@ -57,10 +57,11 @@ class SweepReturns {
   void assign(const LocalCloud& cloud, std::span<const Hypothesis> hypotheses);
 
   const Eigen::Vector3f& position_m(std::uint32_t candidate) const { return candidates_[candidate].p_local_m; }
-  /// Candidates of a hypothesis.
+  /// Candidates assigned to a hypothesis.
   std::span<const std::uint32_t> of(std::size_t hypothesis) const { return of_[hypothesis]; }
-  void add_to(std::size_t hypothesis, std::size_t those_of) {
-    of_[hypothesis].insert(of_[hypothesis].end(), of_[those_of].begin(), of_[those_of].end());
+  /// Assigns the candidates of `other` to `hypothesis` too.
+  void add_to(std::size_t hypothesis, std::size_t other) {
+    of_[hypothesis].insert(of_[hypothesis].end(), of_[other].begin(), of_[other].end());
   }
   void positions_of(std::size_t hypothesis, std::vector<Vector3>& positions_local_m) const;
 
@@ -71,7 +72,7 @@ class SweepReturns {
 
   /// @param size_m  diameter of a body merged from parts; 0: not known to be large
   TargetMeasurement measure(const LocalCloud& cloud, std::span<const std::uint32_t> candidates, double size_m) const;
-  /// J Sigma_w J^T [Vrba 2025, eq. 44].
+  /// Covariance [m^2] of a return at a position, by the noise of pose and range: J Sigma_w J^T [Vrba 2025, eq. 44].
   Matrix3 pose_covariance(const Vector3& p_local_m) const;
 
  private:
@@ -84,10 +85,12 @@ class SweepReturns {
   BeamIndex beams_;
   std::vector<Candidate> candidates_;
   std::vector<std::vector<std::uint32_t>> of_;  // candidates, by hypothesis
-  std::vector<Eigen::Vector3f> loose_m_;
-  std::vector<std::uint32_t> loose_, members_;
+  std::vector<Eigen::Vector3f> loose_m_;        // positions [m] of the candidates that no target took
+  std::vector<std::uint32_t> loose_, members_;  // their numbers; candidates of the cluster of the last members()
   std::vector<Matrix3> gate_information_;
-  std::vector<double> spread_;  // log of the ratio of determinants: returns of a large body spread wider
+  // Log determinant of the spread of the returns of each hypothesis, relative to kSmallest_m. Added to the distance, so
+  // that a wide gate does not take returns from a narrow one.
+  std::vector<double> spread_;
   EuclideanClusters clusters_;
   std::vector<char> cluster_taken_;
 };

@@ -19,7 +19,7 @@ class TrackBeforeDetect : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // A step that is due ends before the next one begins. One of zero latency also ends in this tick.
+    // A step that is due ends before the next one begins. A step without latency ends in the same tick.
     end(input.t, output);
     begin(input.t);
     end(input.t, output);
@@ -39,7 +39,7 @@ class TrackBeforeDetect : public Detector {
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
-    const Counter passed_over = {"sweeps passed over because the one before was still being worked on",
+    const Counter passed_over = {"sweeps skipped because the previous one was still being processed",
                                  num_sweeps_passed_over_, num_sweeps_, "latency_s"};
     counters.push_back(passed_over);
     hypotheses_.append_counters(counters);

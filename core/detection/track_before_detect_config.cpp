@@ -4,7 +4,8 @@
 namespace swiftlet {
 
 void ExpectedTarget::visit(ConfigVisitor& v) {
-  v.field("radius_m", radius_m, "[m] radius of the disc that models a target in the beams", Range{0.0, 10.0, true});
+  v.field("radius_m", radius_m, "[m] radius of the disc that a target covers in the view of the LiDAR",
+          Range{0.0, 10.0, true});
   v.field("least_share", least_share, "[-] return_share of the smallest UAV, for the distinction from birds",
           Range{0.0, 1.0, true});
   v.field("small_share", small_share, "[-] return_share of objects too small for a UAV", Range{0.0, 1.0, true});
@@ -19,10 +20,10 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("sigma_velocity_mps", sigma_velocity_mps,
           "[m/s] standard deviation of the velocity of a target with one return, by axis", Range::positive());
-  v.field("strangers_per_m3", strangers_per_m3,
+  v.field("new_per_m3", new_per_m3,
           "[1/m^3] density of targets that appear for the first time, against those that reappear",
           Range{0.0, 1.0, true});
-  v.field("hidden_for_s", hidden_for_s, "[s] mean duration of such an obstruction", Range::positive());
+  v.field("hidden_for_s", hidden_for_s, "[s] mean time for which an obstruction hides a target", Range::positive());
 }
 
 void ExpectedNoise::visit(ConfigVisitor& v) {
@@ -35,16 +36,18 @@ void ExpectedNoise::visit(ConfigVisitor& v) {
 
 void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
   v.field("sensor", sensor, "name of the LiDAR; empty: all");
-  v.object("field_of_view", field_of_view, "field of view of a LiDAR whose driver reports points alone");
-  v.object("air", air, "where beams pass, and where the background returns them");
+  v.object("field_of_view", field_of_view,
+           "field of view of a LiDAR whose driver reports no directions of shots without return");
+  v.object("air", air, "map of free air and background");
   v.object("target", target, "expected targets");
   v.object("noise", noise, "Sigma_w: noise of range and pose");
-  v.field("told_existence", told_existence,
+  v.field("reported_existence", reported_existence,
           "[-] existence probability from which a hypothesis is reported as a detection", Range::probability());
-  v.field("free_reach_m", free_reach_m, "[m] radius of that test; extended by the noise of the attitude",
+  v.field("free_reach_m", free_reach_m,
+          "[m] radius of the test of hit_share around a new hypothesis; extended by the noise of the attitude",
           Range::between(0.0, 20.0));
   v.field("free_air_share", free_air_share,
-          "[-] share of the beams through a voxel of such free air that something other than a target returns",
+          "[-] share of the beams through a voxel of free air that something other than a target returns",
           Range{0.0, 1.0, true});
   v.field("cluster_distance_m", cluster_distance_m, "[m] largest distance between returns of one target",
           Range{0.0, 100.0, true});
@@ -59,7 +62,8 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 1000.0));
   v.field("max_hypotheses", max_hypotheses, "[-] most hypotheses; the most likely ones are kept",
           Range::between(1.0, 4096.0));
-  v.field("latency_s", latency_s, "[s] time from a sweep to its detections; of waiting sweeps the newest is used",
+  v.field("latency_s", latency_s,
+          "[s] time from a sweep to its detections; of several waiting sweeps only the newest is processed",
           Range::non_negative());
 }
 

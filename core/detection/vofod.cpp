@@ -35,7 +35,7 @@ class VofodDetector : public Detector {
       if (waiting_ != nullptr) ++num_sweeps_passed_over_;
       waiting_ = cloud;
     }
-    // A step that is due ends before the next one begins. One of zero latency also ends in this tick.
+    // A step that is due ends before the next one begins. A step without latency ends in the same tick.
     end_classification(input.t, output);
     begin_classification(input.t);
     end_classification(input.t, output);
@@ -50,7 +50,7 @@ class VofodDetector : public Detector {
     append_vofod_overlays(stages_, config_.search_distance_m, newest_, overlays);
   }
   void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"sweeps passed over because the one before was still being classified", num_sweeps_passed_over_,
+    counters.push_back({"sweeps skipped because the previous one was still being classified", num_sweeps_passed_over_,
                         num_sweeps_, "timing.classification_latency_s"});
     counters.push_back(
         {"returns outside the detector's map", stages_.num_points_outside(), stages_.num_points(), "map.size_m"});

@@ -29,7 +29,8 @@ void VofodChoices::visit(ConfigVisitor& v) {
            "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
   v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
            "rule B: always tested (paper), or only once enough of the area is background (released code)");
-  v.field("sufficient_ratio", sufficient_ratio, "[-] voxels of background over horizontal cells of the map",
+  v.field("sufficient_ratio", sufficient_ratio,
+          "[-] that condition: number of background voxels over that of horizontal cells of the map",
           Range::probability());
   v.choice("map_update", map_update, {"after", "before"},
            "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
@@ -48,10 +49,10 @@ void VofodChoices::visit(ConfigVisitor& v) {
 
 void VofodTiming::visit(ConfigVisitor& v) {
   v.field("classification_latency_s", classification_latency_s,
-          "[s] from a scan to its detections; scans that arrive meanwhile wait, the newest one wins",
+          "[s] time from a scan to its detections; of the scans that arrive meanwhile only the newest is processed",
           Range::non_negative());
-  v.field("raycasting_latency_s", raycasting_latency_s, "[s] from the start of a ray casting to its effect on the map",
-          Range::non_negative());
+  v.field("raycasting_latency_s", raycasting_latency_s,
+          "[s] time from the start of a ray casting to its effect on the map", Range::non_negative());
   v.field("separation_latency_s", separation_latency_s, "[s] duration of the removal of separate background",
           Range::non_negative());
   v.field("separation_period_s", separation_period_s, "[s] least time between the starts of two removals",
@@ -67,26 +68,30 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("cluster_distance_m", cluster_distance_m,
           "[m] d_cluster: largest distance between neighboring points of a cluster (paper: 0.25)",
           Range{0.0, 100.0, true});
-  v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range{0.0, 100.0, true});
-  v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range{0.0, 100.0, true});
+  v.field("close_distance_m", close_distance_m,
+          "[m] d_close: distance to background within which a cluster is background (rule A)", Range{0.0, 100.0, true});
+  v.field("search_distance_m", search_distance_m,
+          "[m] d_search: distance within which free air must enclose a flying cluster (rule B)",
+          Range{0.0, 100.0, true});
   v.field("ray_max_m", ray_max_m, "[m] d_max: largest length of a ray", Range{0.0, 1000.0, true});
-  v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal",
+  v.field("ray_weight", ray_weight, "[-] w_int: number of updates by a ray along the diagonal of a voxel",
           Range::between(0.0, 1e6));
-  v.field("empty_returns", empty_returns, "[-] do rays without return clear the voxels up to ray_max_m?");
-  v.object("field_of_view", field_of_view, "field of view of a LiDAR whose driver reports points alone");
+  v.field("empty_returns", empty_returns, "[-] whether rays without return clear the voxels up to ray_max_m");
+  v.object("field_of_view", field_of_view,
+           "field of view of a LiDAR whose driver reports no directions of shots without return");
   v.field("separate_distance_m", separate_distance_m, "[m] d_sep: distance between clusters of background",
           Range{0.0, 100.0, true});
-  v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",
-          Range::non_negative());
-  v.field("min_points", min_points, "[-] fewest points of a detection; voxels when these are clustered",
+  v.field("separate_min_confident", separate_min_confident,
+          "[-] n_conf,min: confident voxels from which a cluster of background is kept", Range::non_negative());
+  v.field("min_points", min_points, "[-] fewest points of a detection; fewest voxels if voxels are clustered",
           Range::between(1, 1e6));
   v.field("max_size_m", max_size_m, "[m] largest diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
   v.field("max_range_m", max_range_m, "[m] largest range of a detection; 0: any", Range::non_negative());
-  v.field(
-      "still_s", still_s,
-      "[s] a cluster at the lower edge of the field of view that stands where it was first seen for this long is not "
-      "reported until it has moved; 0: reported",
-      Range::non_negative());
+  v.field("still_s", still_s,
+          "[s] time without motion after which a cluster at the lower edge of the field of view is no longer reported, "
+          "until "
+          "it moves; 0: always reported",
+          Range::non_negative());
   v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
            "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
   v.choice("covariance", covariance, {"constant", "pose_noise"},
@@ -99,14 +104,14 @@ void VofodConfig::visit(ConfigVisitor& v) {
           "[rad] pose_noise: standard deviation of the sensor's attitude, by axis", Range::non_negative());
   v.object("choices", choices, "interpretations of ambiguous passages of the paper");
   v.object("prior", prior, "prior knowledge of the world");
-  v.object("timing", timing, "durations of the steps");
+  v.object("timing", timing, "durations of the modules");
   const double reach_m = kMaxReach_voxels * map.voxel_m;
-  v.check(separate_distance_m <= reach_m, "separate_distance_m", "at most 50 edges of map.voxel_m");
-  v.check(search_distance_m <= reach_m, "search_distance_m", "at most 50 edges of map.voxel_m");
-  v.check(close_distance_m <= reach_m, "close_distance_m", "at most 50 edges of map.voxel_m");
-  v.check(cluster_distance_m <= reach_m, "cluster_distance_m", "at most 50 edges of map.voxel_m");
+  v.check(separate_distance_m <= reach_m, "separate_distance_m", "at most 50 times map.voxel_m");
+  v.check(search_distance_m <= reach_m, "search_distance_m", "at most 50 times map.voxel_m");
+  v.check(close_distance_m <= reach_m, "close_distance_m", "at most 50 times map.voxel_m");
+  v.check(cluster_distance_m <= reach_m, "cluster_distance_m", "at most 50 times map.voxel_m");
   v.check(ray_window_bytes() <= kMaxWindowCells * sizeof(float), "ray_max_m",
-          "at most 2e9 voxels of map.voxel_m so near the sensor and near the map");
+          "so small that at most 2e9 voxels lie near sensor and map");
 }
 
 double VofodConfig::map_bytes() const { return (map.size_m / map.voxel_m).prod() * (sizeof(float) + 1.0 / 8.0); }

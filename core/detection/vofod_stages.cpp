@@ -14,10 +14,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Height above the lowest beam, as a sine of the elevation, below which a return is at the lower edge of the field of
 // view: 1.7 deg, a little less than the spacing of the beams of a Puck. Larger values take more hovering targets for
-// things that stand there.
+// objects on the ground.
 constexpr float kEdge = 0.03F;
 
-// Sine of the elevation of the lowest beam; of the lowest return in a scan of points alone.
+// Sine of the elevation of the lowest beam; of the lowest return if shots without return have no direction.
 float lowest_z(const Scan& scan) {
   const BeamTable& beams = *scan.beams;
   float lowest = 1.0F;
@@ -162,8 +162,8 @@ void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& d
   }
 }
 
-// A thing at the lower edge of the field of view stands on something, as far as anything is known. Rays that graze the
-// edge clear the voxel below it although they see little of that voxel.
+// True for an object at the lower edge of the field of view that has not moved: it may stand on the ground, which is
+// not in view. Rays along the edge clear the voxel below, although they pass only little of that voxel.
 bool VofodStages::rises_into_view(const LocalCloud& cloud, Members members, const MovedThings::Motion& motion) const {
   if (config_.still_s <= 0.0 || motion.has_moved || motion.seen_for < from_seconds(config_.still_s)) return false;
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
@@ -196,7 +196,7 @@ SearchShape VofodStages::search_shape(const ClusterShape& shape) const {
   return reach;
 }
 
-// The released code's two conditions; the first stays true once met.
+// Two conditions of the released code; the first one remains true once met.
 bool VofodStages::is_sufficient() {
   if (config_.choices.sufficiency == VofodChoices::Sufficiency::kNone) return true;
   const Cell size = map_.grid().size;

@@ -23,7 +23,7 @@ class OccupancyMapper : public Mapper {
             {config.every_column, config.every_row, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
-    if (!config.tell_rays_to.empty()) receiver_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
+    if (!config.send_rays_to.empty()) receiver_ = vehicle_named(config.send_rays_to, setup, "mapping.send_rays_to");
   }
 
   void step(const MapperInput& input, Outbox& outbox) override {
@@ -101,21 +101,24 @@ class OccupancyMapper : public Mapper {
 }  // namespace
 
 void OccupancyMapperConfig::visit(ConfigVisitor& v) {
-  v.field("every_column", every_column, "[-] stride of the columns of a scan that are used (the paper: 4)",
-          Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] stride of the rows of a scan that are used", Range::between(1, 10000));
-  v.field("range_min_m", range_min_m, "[m] nearer returns are the own body", Range::non_negative());
-  v.field("clear_range_m", clear_range_m, "[m] length up to which beams without return clear; 0: they are ignored",
+  v.field("every_column", every_column, "[-] every n-th column of a scan is used (paper: 4)", Range::between(1, 10000));
+  v.field("every_row", every_row, "[-] every n-th row of a scan is used", Range::between(1, 10000));
+  v.field("range_min_m", range_min_m, "[m] range below which returns are of the own vehicle and ignored",
+          Range::non_negative());
+  v.field("clear_range_m", clear_range_m,
+          "[m] length up to which beams without return clear cells; 0: such beams are ignored",
           Range::between(0.0, 1000.0));
   v.field("tracked_radius_m", tracked_radius_m,
-          "[m] returns within this distance of another vehicle are left out, and farther ones with its uncertainty; 0: "
+          "[m] distance from another vehicle below which returns are ignored, extended by the uncertainty of its "
+          "position; 0: "
           "none",
           Range::non_negative());
   v.field("rays_of", rays_of,
           "[-] name of the vehicle whose reported rays build the map; empty: the own LiDARs build it");
-  v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle to which the rays of each scan are sent, in the world");
+  v.field("send_rays_to", send_rays_to,
+          "[-] name of a vehicle to which the rays of each scan are sent, in the world frame");
   map.visit(v);
-  v.check(rays_of.empty() || tell_rays_to.empty(), "tell_rays_to", "empty if rays_of is set");
+  v.check(rays_of.empty() || send_rays_to.empty(), "send_rays_to", "empty if rays_of is set");
   v.check(clear_range_m <= map.range_max_m, "clear_range_m", "at most range_max_m");
 }
 

@@ -22,10 +22,10 @@ struct MotionEstimate {
 MotionEstimate predicted(const MotionEstimate& estimate, double dt_s, double acceleration_density);
 
 /// Covariance intersection: the information is a convex combination of all informations, P^-1 = sum w_i P_i^-1, and the
-/// mean follows from the same sum. It is consistent whenever all estimates are, for any correlation of their errors
-/// (Julier and Uhlmann, American Control Conference, 1997). The weights minimize the determinant, which does not mix
-/// meters with meters per second. They are a D-optimal design, found by its multiplicative rule w_i <- w_i tr(P P_i^-1)
-/// / 6, which improves monotonically (Yu, Annals of Statistics 38(3), 2010).
+/// mean follows from the same sum. The fused estimate is consistent if all estimates are, for any correlation of their
+/// errors (Julier and Uhlmann, American Control Conference, 1997). The weights minimize the determinant, which does not
+/// mix meters with meters per second. They are a D-optimal design, found by the multiplicative rule w_i <- w_i tr(P
+/// P_i^-1) / 6, which improves monotonically (Yu, Annals of Statistics 38(3), 2010).
 /// @param estimates  at least one; their covariances are positive definite
 MotionEstimate covariance_intersection(std::span<const MotionEstimate> estimates);
 
@@ -41,7 +41,7 @@ Disagreement disagreement(const MotionEstimate& a, const MotionEstimate& b);
 ///
 /// The highest probability is the basis. Each other observer multiplies the odds by 1 / (c + (1 - c) / L). L is its
 /// evidence: its odds divided by the prior odds. c is the share of false tracks that all observers have in common,
-/// because the same leaf or bird is there for each of them. So a second observer increases the odds by at most 1 / c.
+/// for example by the same leaf or bird. So a second observer increases the odds by at most 1 / c.
 /// Common evidence is not counted twice.
 /// @param each           at least one, 0 to 1; their order does not matter
 /// @param prior          prior probability of a target at a reported position

@@ -20,7 +20,7 @@ constexpr int kCompareEvery = 2;  // instants between comparisons of paths, once
 }  // namespace
 
 void FrameLinkConfig::visit(ConfigVisitor& v) {
-  v.field("min_spread_m", min_spread_m, "[m] least RMS distance of a path from its mean, in the plane",
+  v.field("min_spread_m", min_spread_m, "[m] least horizontal RMS distance of a path from its mean, for a comparison",
           Range::positive());
   v.field("gate_sigma", gate_sigma, "[-] largest distance between tracks of one body, in standard deviations",
           Range::positive());

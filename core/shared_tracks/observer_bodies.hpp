@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// Tracks whose target is itself an observer. A track that moves like an observer is marked as that observer for as
-/// long as it does.
+/// Tracks whose target is itself an observer. A track is marked as an observer while its motion
+/// matches that of the observer.
 class ObserverBodies {
  public:
   /// @param body_m  radius around an observer in which a second track belongs to the same body

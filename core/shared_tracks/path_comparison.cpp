@@ -11,7 +11,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kLeastPairs = 8;  // least pairs of a fit, spaced so that their errors are independent
+/// [-] Fewest pairs of a fit, spaced so that their errors are independent. Smaller values accept alignments by chance.
+constexpr int kLeastPairs = 8;
 
 /// RMS distance in the plane from the best-fitting motion of constant velocity.
 double bend_m(std::span<const Vector3> p_m, std::span<const double> t_s) {
@@ -110,7 +111,7 @@ void PathComparison::find_support(Match& match, const OtherMotion& anchor) const
   }
 }
 
-/// Does the alignment map these two paths, straight or not, onto each other for long enough to exclude chance?
+/// True if the alignment maps the two paths, straight or curved, onto each other for long enough to exclude chance.
 bool PathComparison::supports(std::size_t own, std::size_t other, const FrameAlignment& alignment,
                               const OtherMotion& anchor) const {
   const Matrix3 R = turn_about_up(alignment.yaw_rad);

@@ -18,11 +18,17 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;  // sampling period of the own path
-constexpr TimeNs kAhead = kNsPerSecond / 10;      // tolerance of message times in the future, for differing clocks
-constexpr TimeNs kRestart = 5 * kNsPerSecond;     // backward jump in time beyond which a sender counts as restarted
-constexpr double kOwnVelocity_sigma_mps = 0.1;    // standard deviation of an observer's own velocity
-constexpr double kFresh_s = 0.3;                  // age of a report up to which its tracks count as measured now
+/// [ns] Sampling period of the own path. Larger values interpolate more coarsely.
+constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;
+/// [ns] Tolerance of message times in the future, for differing clocks. Smaller values drop reports of fast clocks.
+constexpr TimeNs kAhead = kNsPerSecond / 10;
+/// [ns] Backward jump in message time from which a sender counts as restarted. Smaller values reset for delayed
+/// messages.
+constexpr TimeNs kRestart = 5 * kNsPerSecond;
+/// [m/s] Standard deviation of an observer's own velocity, per axis. Larger values mark other tracks as observers.
+constexpr double kOwnVelocity_sigma_mps = 0.1;
+/// [s] Age of a report up to which its tracks count as measured now. Larger values count old reports as new evidence.
+constexpr double kFresh_s = 0.3;
 constexpr double kHeadingNoise_rad = 0.01;
 
 bool is_covariance(const Matrix6& C) {
@@ -101,11 +107,11 @@ class SharedTracks : public Tracker {
       num_starts += peer.link.num_starts();
       num_lost += peer.link.num_lost();
     }
-    counters.push_back({"messages of tracks that came after a newer one", num_outdated_, num_received_, "rate_hz"});
-    counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_received_, "rate_hz"});
-    counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_told"});
-    counters.push_back(
-        {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
+    counters.push_back({"track messages received after a newer one", num_outdated_, num_received_, "rate_hz"});
+    counters.push_back({"track messages that could not be read", num_unreadable_, num_received_, "rate_hz"});
+    counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_sent"});
+    counters.push_back({"losses of the alignment with another observer's frame", num_lost,
+                        std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
     counters.push_back(
         {"fused targets that were split again", fusion_.num_broken(), fusion_.num_joined(), "fusion.merge_sq"});
   }
@@ -315,11 +321,11 @@ class SharedTracks : public Tracker {
     order_.clear();
     for (std::size_t i = 0; i < own_tracks_.size(); ++i) {
       ++num_own_;
-      if (existences_[i] >= config_.tell_existence) order_.push_back(i);
+      if (existences_[i] >= config_.shared_existence) order_.push_back(i);
     }
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::size_t a, std::size_t b) { return existences_[a] > existences_[b]; });
-    const auto most = static_cast<std::size_t>(config_.max_told);
+    const auto most = static_cast<std::size_t>(config_.max_sent);
     if (order_.size() > most) {
       num_unsent_ += order_.size() - most;
       order_.resize(most);
@@ -369,16 +375,17 @@ class SharedTracks : public Tracker {
 
 void SharedTracksConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] rate of messages, at most that of the detector's scans", Range{0.0, 100.0, true});
-  v.field("max_told", max_told, "[-] largest number of tracks in a message, the likeliest first; 120 bytes each",
+  v.field("max_sent", max_sent, "[-] largest number of tracks in a message, the most likely ones first; 120 bytes each",
           Range::between(0, 500));
-  v.field("tell_existence", tell_existence,
-          "[-] least probability of existence of own tracks that are shared; the detector's told_existence "
+  v.field("shared_existence", shared_existence,
+          "[-] least probability of existence of own tracks that are shared; the detector's reported_existence "
           "must be as low",
           Range::probability());
-  v.field("timeout_s", timeout_s, "[s] time after its newest message for which an observer counts", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] time after the newest message for which an observer's tracks are used",
+          Range::positive());
   v.field("body_m", body_m, "[m] radius around an observer in which a second track belongs to the same body",
           Range::positive());
-  v.object("frame", frame, "alignment of the others' local frames");
+  v.object("frame", frame, "alignment of the local frames of other observers");
   v.object("drift", drift, "drift of each observer's odometry");
   v.object("fusion", fusion, "fusion of tracks of one target");
 }

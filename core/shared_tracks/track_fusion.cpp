@@ -6,17 +6,19 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::ptrdiff_t kMostKeys = 64;  // most identities of a target over all observers; the newest are kept
+/// [-] Most identities of a target over all observers; the newest are kept. Larger values link older identities.
+constexpr std::ptrdiff_t kMostKeys = 64;
 
 }  // namespace
 
 void TrackFusionConfig::visit(ConfigVisitor& v) {
-  v.field("told_existence", told_existence, "[-] least probability of existence of targets that are reported",
+  v.field("reported_existence", reported_existence, "[-] least probability of existence of targets that are reported",
           Range::probability());
   v.field("common_clutter", common_clutter,
           "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
           Range{0.0, 1.0, true});
-  v.field("merge_sq", merge_sq, "[-] squared Mahalanobis distance up to which they agree on one target",
+  v.field("merge_sq", merge_sq,
+          "[-] squared Mahalanobis distance of position and velocity up to which two tracks agree on one target",
           Range::positive());
   v.field("margin", margin, "[-] twice the log-likelihood ratio by which a partner must exceed the next one",
           Range::non_negative());
@@ -75,7 +77,7 @@ void TrackFusion::separate(std::span<const ObservedTrack> observed) {
   }
 }
 
-/// The member to be removed, if any. Of two that disagree, it is that of the later observer.
+/// Member to be removed, if any: of two that disagree, that of the later observer.
 std::optional<std::size_t> TrackFusion::misfit(const Target& target, std::span<const ObservedTrack> observed) const {
   const auto observer = [&](std::size_t m) { return observed[target.members[m]].observer; };
   const std::size_t count = target.members.size();
@@ -241,7 +243,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
         auto count = std::find_if(counts.begin(), counts.end(),
                                   [&](const Count& c) { return c.observer == observed[m].observer; });
         if (count == counts.end()) count = counts.insert(count, {observed[m].observer, 0, 0});
-        count->likely += targets_[k].existence >= config_.told_existence;
+        count->likely += targets_[k].existence >= config_.reported_existence;
         count->reported += targets_[k].was_reported;
       }
     }
@@ -268,7 +270,8 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
 void TrackFusion::report() {
   reported_.clear();
   for (Target& target : targets_) {
-    target.was_reported = !target.members.empty() && !target.held_back && target.existence >= config_.told_existence;
+    target.was_reported =
+        !target.members.empty() && !target.held_back && target.existence >= config_.reported_existence;
     if (!target.was_reported) continue;
     if (target.id == 0) target.id = next_id_++;
     reported_.push_back({target.id, target.estimate, target.existence, target.members});

@@ -51,7 +51,8 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
       "noise", noise, {"constant", "sigma_w"},
       "[-] covariance of a measured position: sigma_m^2 I, or that of a point measured by a sensor of uncertain pose "
       "[Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I");
-  v.field("sigma_m", sigma_m, "[m] Z, with constant noise", Range::positive());
+  v.field("sigma_m", sigma_m, "[m] Z, with constant noise: standard deviation of a measured position",
+          Range::positive());
   v.field("sigma_initial_m", sigma_initial_m,
           "[m] P_0,r: standard deviation of a detection's position, with constant noise", Range::positive());
   v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: standard deviation of the range", Range::non_negative());
@@ -66,17 +67,21 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
 }
 
 void CloudTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("buffer_size", buffer_size, "[-] N_buf: clouds through which a late detection can be propagated",
+  v.field("buffer_size", buffer_size,
+          "[-] N_buf: number of buffered clouds, through which a late detection is propagated",
           Range::between(1, 1000));
-  v.field("radius_scale", radius_scale, "[-] c_r of eq. (29)", Range::positive());
+  v.field("radius_scale", radius_scale,
+          "[-] c_r of eq. (29): radius r_unc of a track's uncertainty in standard deviations", Range::positive());
   v.choice(
       "radius_law", radius_law, {"printed", "sphere"},
       "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "
       "equivalent sphere c_r det(P)^(1/6)");
-  v.field("search_radius_min_m", search_radius_min_m, "[m] r_min of eq. (28)", Range::positive());
+  v.field("search_radius_min_m", search_radius_min_m,
+          "[m] r_min of eq. (28): least radius of the search for points around a prediction", Range::positive());
   v.field("radius_max_m", radius_max_m, "[m] r_max: largest r_unc of a track; above it the track is lost",
           Range::positive());
-  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster (paper: 0.25, released code: 1.0)",
+  v.field("cluster_distance_m", cluster_distance_m,
+          "[m] d_cluster: largest distance between neighboring points of a cluster (paper: 0.25, released code: 1.0)",
           Range::positive());
   v.field("background_distance_m", background_distance_m,
           "[m] d_min: distance to background below which a cluster is background", Range::non_negative());
@@ -100,8 +105,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
       "[m] two tracks nearer than the sum of their radii r_unc, which count as this at most, become one (algorithm 2: "
       "0, never; released code: no bound)",
       Range::non_negative());
-  v.field("min_detections", min_detections, "[-] detections after which a track is reported (released code: 2)",
-          Range::between(1, 1000));
+  v.field("min_detections", min_detections,
+          "[-] number of detections from which a track is reported (released code: 2)", Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
   v.check(radius_max_m >= search_radius_min_m || radius_law == CloudTrackerConfig::RadiusLaw::kPrinted, "radius_max_m",
           "at least search_radius_min_m");
@@ -166,7 +171,7 @@ void CloudTracker::new_detections(std::span<const Detection> detections, const B
 }
 
 void CloudTracker::append_counters(std::vector<Counter>& counters) const {
-  counters.push_back({"sweeps that came after a newer one", num_late_clouds_, num_clouds_, "sensor"});
+  counters.push_back({"sweeps received after a newer one", num_late_clouds_, num_clouds_, "sensor"});
   counters.push_back(
       {"detections older than every buffered cloud", num_late_detections_, num_detections_, "buffer_size"});
 }
@@ -327,7 +332,7 @@ void CloudTracker::assign(std::span<const Target> targets) {
 }
 
 /// Merges duplicate tracks: the more certain one stays (released code; not in the paper). The radii are bounded, so
-/// that the growing uncertainty of a target behind a tree does not swallow its neighbor.
+/// that a hidden target with growing uncertainty does not absorb its neighbor.
 void CloudTracker::merge() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     for (std::size_t j = i + 1; j < targets_.size();) {

@@ -19,7 +19,8 @@ constexpr double kLeastTurn_rad = 1e-4;
 constexpr double kLeastSpeed_mps = 0.5;
 constexpr double kGreatestRate_radps = 4.0;
 
-constexpr double kLeastProbability = 1e-6;  // least probability of a mode; keeps it able to recover
+/// [-] Lower bound of the probability of a mode. At 0 a mode could not become likely again.
+constexpr double kLeastProbability = 1e-6;
 
 /// [[aI, bI, cI], [0, dI, eI], [0, fI, gI]] on position, velocity, acceleration; the first column is always (I, 0, 0).
 Matrix9 transition(double position_velocity, double position_acceleration, double velocity_velocity,
@@ -162,7 +163,8 @@ Matrix9 ProcessNoise::covariance(double dt_s, double period_s) const {
 
 void InitialSpread::visit(ConfigVisitor& v) {
   v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] P_0,v", Range::positive());
-  v.field("sigma_acceleration_mps2", sigma_acceleration_mps2, "[m/s^2] P_0,a", Range::positive());
+  v.field("sigma_acceleration_mps2", sigma_acceleration_mps2,
+          "[m/s^2] P_0,a: standard deviation of the acceleration of a new track", Range::positive());
 }
 
 MotionBelief InitialSpread::at_rest(const Vector3& position_local_m, const Matrix3& position_covariance) const {
@@ -177,24 +179,27 @@ MotionBelief InitialSpread::at_rest(const Vector3& position_local_m, const Matri
 }
 
 void KalmanConfig::visit(ConfigVisitor& v) {
-  v.object("process", process, "standard deviations of the noise that a step of process_period_s adds");
-  v.field("process_period_s", process_period_s,
-          "[s] step for which the process noise is given; its variance grows with time; 0: the same in every step",
-          Range::non_negative());
-  v.object("initial", initial, "spread of a new track, beside its position's");
+  v.object("process", process, "process noise: standard deviations added in a step of process_period_s");
+  v.field(
+      "process_period_s", process_period_s,
+      "[s] duration for which the process noise is given; the variance is proportional to time; 0: equal in every step",
+      Range::non_negative());
+  v.object("initial", initial, "standard deviations of velocity and acceleration of a new track");
 }
 
 void ImmConfig::visit(ConfigVisitor& v) {
-  v.object("constant_velocity", constant_velocity, "noise that a step of process_period_s adds to constant velocity");
+  v.object("constant_velocity", constant_velocity,
+           "process noise of the constant-velocity model in a step of process_period_s");
   v.object("constant_acceleration", constant_acceleration,
-           "noise that a step of process_period_s adds to constant acceleration");
-  v.object("coordinated_turn", coordinated_turn, "noise that a step of process_period_s adds to the coordinated turn");
-  v.field("process_period_s", process_period_s,
-          "[s] step for which the process noise is given; its variance grows with time; 0: the same in every step",
-          Range::non_negative());
-  v.field("mean_sojourn_s", mean_sojourn_s, "[s] mean time that a target keeps to one kind of motion",
-          Range::positive());
-  v.object("initial", initial, "spread of a new track, beside its position's");
+           "process noise of the constant-acceleration model in a step of process_period_s");
+  v.object("coordinated_turn", coordinated_turn,
+           "process noise of the coordinated-turn model in a step of process_period_s");
+  v.field(
+      "process_period_s", process_period_s,
+      "[s] duration for which the process noise is given; the variance is proportional to time; 0: equal in every step",
+      Range::non_negative());
+  v.field("mean_sojourn_s", mean_sojourn_s, "[s] mean time until a target changes its motion model", Range::positive());
+  v.object("initial", initial, "standard deviations of velocity and acceleration of a new track");
 }
 
 std::unique_ptr<MotionFilter> make_kalman_filter(const KalmanConfig& config) {

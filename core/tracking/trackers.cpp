@@ -120,13 +120,13 @@ class GroundTruthTracker : public Tracker {
 }  // namespace
 
 void VofodTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the one that gives the first scan");
+  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the LiDAR of the first scan");
   tracker.visit(v);
   v.object("filter", filter, "motion model of a target");
 }
 
 void ImmTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the one that gives the first scan");
+  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the LiDAR of the first scan");
   tracker.visit(v);
   v.object("filter", filter, "motion models of a target");
 }
@@ -134,7 +134,7 @@ void ImmTrackerConfig::visit(ConfigVisitor& v) {
 void GroundTruthTrackerConfig::visit(ConfigVisitor& v) {
   v.field("range_max_m", range_max_m, "[m] range beyond which neighbors are not detected", Range::positive());
   v.field("timeout_s", timeout_s, "[s] time without a sample after which a track ends", Range::positive());
-  v.object("filter", filter, "motion model, which gives velocity and acceleration");
+  v.object("filter", filter, "motion model, for velocity and acceleration");
 }
 
 std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig&, const AgentSetup&) { return nullptr; }

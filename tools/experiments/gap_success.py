@@ -28,7 +28,7 @@ MAP_OF_SECONDARY = {  # the guide plans on scans of a LiDAR on the secondary, to
     "radio.rate_kbps": 1000000, "radio.queue_limit_kB": 10000,
     SECONDARY + "sensors": [{"type": "lidar", "name": "os0", "model": "os0_128_sheet", "mount": {"position_m": [0, 0, 0.12]}},
                             {"type": "imu", "name": "imu", "model": "imu_mrs"}],
-    SECONDARY + "agent.mapping": {"type": "occupancy", "tell_rays_to": "primary", "range_min_m": 0.4},
+    SECONDARY + "agent.mapping": {"type": "occupancy", "send_rays_to": "primary", "range_min_m": 0.4},
     GUIDE + "agent.mapping": {"type": "occupancy", "rays_of": "secondary"}}
 SENSORS = {  # the guide's odometry drifts, and markers are all that it sees of the secondary
     GUIDE + "sensors": [{"type": "lidar", "name": "os0", "model": "os0_128_sheet", "mount": {"position_m": [0, 0, 0.15]}},

@@ -18,10 +18,10 @@ TEST(BodyParts, NeedsThreeReturnsAndBoundsCertainty) {
   EXPECT_FALSE(parts.weigh(1, left, 2, right));
   EXPECT_EQ(parts.log_odds(1, 2), 0.0);
   EXPECT_FALSE(parts.weigh(1, left, 2, most));
-  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kSurest);
+  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kMaxLogOdds);
   EXPECT_FALSE(parts.weigh(1, left, 2, Returns(3, {0.0, 0.0, 0.0}))) << "in one place";
   for (int i = 0; i < 50; ++i) parts.begin_sweep();
-  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kSurest);
+  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kMaxLogOdds);
   parts.begin_sweep();
   EXPECT_EQ(parts.log_odds(1, 2), 0.0) << "forgotten";
 }

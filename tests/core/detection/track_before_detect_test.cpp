@@ -42,8 +42,8 @@ TEST(Existence, AveragesPoissonSilenceOverGammaDistribution) {
     const double x = (i + 0.5) * kStep;
     integral += kStep * x * std::exp(-x / theta) / (theta * theta) * std::exp(-x * kShots);
   }
-  EXPECT_NEAR(rate.none(kShots), integral, 1e-6);
-  EXPECT_DOUBLE_EQ(rate.none(0.0), 1.0);
+  EXPECT_NEAR(rate.p_no_return(kShots), integral, 1e-6);
+  EXPECT_DOUBLE_EQ(rate.p_no_return(0.0), 1.0);
 }
 
 // 20 of 100 targets are hidden. A visible one is silent in one of four sweeps: 20 and 20 remain.

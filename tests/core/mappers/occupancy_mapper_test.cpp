@@ -47,7 +47,7 @@ TEST(OccupancyMapper, MatchesTheMapOfRaySenders) {
     setup.self = self;
     Module module(mapper_module_types(), "occupancy");
     module.as<OccupancyMapperConfig>().rays_of = rays_of;
-    module.as<OccupancyMapperConfig>().tell_rays_to = rays_to;
+    module.as<OccupancyMapperConfig>().send_rays_to = rays_to;
     return make_mapper(module, setup);
   };
   const auto sender = mapper_of(1, "", "listener"), listener = mapper_of(0, "sender", "");

@@ -228,7 +228,7 @@ TEST(SharedTracks, IgnoresOvertakenMessages) {
   trial.reverse = true;
   SharingTeam team(trial, 5);
   team.fly(25.0);
-  EXPECT_GT(team.counter("messages of tracks that came after a newer one"), 40U);
+  EXPECT_GT(team.counter("track messages received after a newer one"), 40U);
   int there = 0, scans = 0;
   team.fly(40.0, [&] {
     ++scans;
@@ -282,7 +282,7 @@ TEST(SharedTracks, ConfirmsWeakTracksSharedByTwo) {
 
 TEST(SharedTracks, AMessageIsBounded) {
   TeamTrial trial;
-  trial.config.max_told = 2;
+  trial.config.max_sent = 2;
   SharingTeam team(trial, 9);
   team.fly(10.0);
   TrackReport reported;
@@ -327,7 +327,7 @@ TEST(SharedTracks, AnUnsoundMessageChangesNothing) {
   std::vector<Counter> counters;
   tracker->append_counters(counters);
   EXPECT_TRUE(std::any_of(counters.begin(), counters.end(), [](const Counter& c) {
-    return c.what == "messages of tracks that could not be read" && c.count == 4;
+    return c.what == "track messages that could not be read" && c.count == 4;
   }));
 }
 

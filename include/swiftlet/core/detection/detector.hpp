@@ -38,7 +38,7 @@ struct DetectorOutput {
 class Detector {
  public:
   virtual ~Detector() = default;
-  /// Adds the results that became ready since the last call.
+  /// Appends the results whose latency has elapsed since the last call.
   virtual void step(const DetectorInput& input, DetectorOutput& output, Outbox& outbox) = 0;
   /// Map of the detector, as of now; null when there is none.
   virtual const VoxelMap* map() const { return nullptr; }

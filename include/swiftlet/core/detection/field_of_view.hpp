@@ -5,8 +5,8 @@
 
 namespace swiftlet {
 
-/// Field of view of a LiDAR around its x axis, for scans of points alone (BeamTable::directions_lidar). Both elevations
-/// 0: learned from the returns.
+/// Field of view of a LiDAR around its x axis, for drivers that report no directions of shots without return
+/// (BeamTable::directions_lidar). Both elevations 0: learned from the returns.
 struct FieldOfView {
   double bottom_deg = 0.0;
   double top_deg = 0.0;

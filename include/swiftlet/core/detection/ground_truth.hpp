@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// The named bypass: measurements of the vehicle's mutual-localization sensor (Observation::neighbors) as detections. A
-/// vehicle without such a sensor gets an ideal one.
+/// Bypass of detection: measurements of the vehicle's mutual-localization sensor (Observation::neighbors) as
+/// detections. A vehicle without such a sensor gets an ideal one.
 struct GroundTruthDetectorConfig : ModuleConfigOf<GroundTruthDetectorConfig> {
   double range_max_m = 100.0;
   double sigma_m = 0.05;

@@ -13,9 +13,10 @@ namespace swiftlet {
 struct AirMapConfig {
   double voxel_m = 0.5;  ///< [m] edge of a voxel
   Eigen::Vector3d size_m = {128.0, 128.0, 64.0};
-  int memory_beams = 64;       ///< [-] most beams that a voxel counts; older ones fade
-  double prior_hits = 0.02;    ///< [-] beams that end in an unknown voxel, as a prior
-  double prior_passes = 0.08;  ///< [-] beams that pass an unknown voxel, as a prior
+  int memory_beams = 64;  ///< [-] most beams that a voxel counts; older ones fade
+  /// [-] prior count of beams that end in an unknown voxel; larger values learn the voxel later
+  double prior_hits = 0.02;
+  double prior_passes = 0.08;  ///< [-] prior count of beams that pass an unknown voxel
 
   void visit(ConfigVisitor& v);
   double bytes() const;
@@ -24,12 +25,12 @@ struct AirMapConfig {
 /// Model of a target and of not yet detected targets.
 struct ExpectedTarget {
   double radius_m = 0.325;
-  double return_share = 0.25;     ///< [-] mean share of the beams through that disc that return
-  double return_variation = 1.0;  ///< [-] shape of that share's gamma distribution over sweeps; 1: exponential
+  double return_share = 0.25;     ///< [-] mean share of the beams through the disc of radius_m that return
+  double return_variation = 1.0;  ///< [-] shape of the gamma distribution of return_share over sweeps; 1: exponential
   double least_share = 0.065;
   double small_share = 0.02;
   double small_prior = 0.05;  ///< [-] prior share of flying objects too small for a UAV; 0: no distinction
-  /// [m] largest range of the distinction; farther targets return less because of their range
+  /// [m] largest range at which small objects are distinguished; farther targets return less because of their range
   double small_within_m = 25.0;
   double max_size_m = 4.0;
   double body_m = 2.0;
@@ -38,7 +39,7 @@ struct ExpectedTarget {
   double sigma_velocity_mps = 4.0;
   double acceleration_density = 1.5;  ///< [m^2/s^3] spectral density of a target's white acceleration, by axis
   double birth_per_m3 = 2e-4;         ///< [1/m^3] density of unknown targets
-  double strangers_per_m3 = 2e-6;
+  double new_per_m3 = 2e-6;
   double lifetime_s = 60.0;  ///< [s] mean lifetime of a target
   double seen_for_s = 5.0;   ///< [s] mean time until an obstruction that the beams do not show hides a target
   double hidden_for_s = 2.0;
@@ -62,7 +63,7 @@ struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   AirMapConfig air;
   ExpectedTarget target;
   ExpectedNoise noise;
-  double told_existence = 0.5;
+  double reported_existence = 0.5;
   double background_share = 0.02;  ///< [-] share of beams that end in the background above which a return is no target
   /// [-] largest share of beams that end in the voxels around a new hypothesis; the prior of `air` determines how many
   /// must have passed

@@ -19,7 +19,7 @@ struct OccupancyMapperConfig : ModuleConfigOf<OccupancyMapperConfig> {
   double clear_range_m = 8.0;
   double tracked_radius_m = 1.0;
   std::string rays_of;
-  std::string tell_rays_to;
+  std::string send_rays_to;
   OccupancyMapConfig map;
 
   void visit(ConfigVisitor& v) override;

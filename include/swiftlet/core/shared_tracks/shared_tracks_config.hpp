@@ -15,11 +15,11 @@ struct FrameLinkConfig {
   double min_spread_m = 2.0;
   /// [m] least RMS distance of a path from a straight motion of constant velocity: straight ones are ambiguous
   double min_bend_m = 1.0;
-  double bend_sigmas = 4.0;      ///< [-] the least such distance in standard deviations of the path
-  double support_s = 3.0;        ///< [s] least overlap of other paths that support an alignment
-  double support_sigma_m = 1.0;  ///< [m] largest standard deviation by axis of such an overlap
+  double bend_sigmas = 4.0;  ///< [-] least distance of a path from such a motion, in standard deviations of the path
+  double support_s = 3.0;    ///< [s] least overlap of other paths that support an alignment
+  double support_sigma_m = 1.0;  ///< [m] largest standard deviation, by axis, of an overlap that supports an alignment
   double alone_s = 10.0;         ///< [s] least length of a single path that determines an alignment
-  double alone_sigmas = 12.0;    ///< [-] least distance of that path from a straight motion, in standard deviations
+  double alone_sigmas = 12.0;    ///< [-] least distance of a single path from a straight motion, in standard deviations
   /// [-] largest RMS residual by axis between two paths of one body, in standard deviations
   double residual_sigma_max = 1.5;
   double gate_sigma = 4.0;
@@ -34,13 +34,13 @@ struct FrameLinkConfig {
 };
 
 struct TrackFusionConfig {
-  double told_existence = 0.5;
+  double reported_existence = 0.5;
   double prior_existence = 2e-4;  ///< [-] prior probability of a target at a reported position
   double common_clutter = 0.1;
   /// [-] squared Mahalanobis distance of position and velocity up to which two tracks may be one target
   double gate_sq = 22.5;
-  double merge_sq = 12.6;  ///< [-] squared Mahalanobis distance up to which they agree on one target
-  double break_sq = 33.0;  ///< [-] squared Mahalanobis distance beyond which they are separated
+  double merge_sq = 12.6;  ///< [-] squared Mahalanobis distance up to which two tracks agree on one target
+  double break_sq = 33.0;  ///< [-] squared Mahalanobis distance above which joined tracks are separated
   double margin = 9.2;
   double sure_m = 1.0;         ///< [m] largest standard deviation of the distance of two tracks for a confirmation
   int confirmations = 3;       ///< [-] agreements less disagreements after which two tracks are joined
@@ -53,8 +53,8 @@ struct TrackFusionConfig {
 /// Several observers of the same targets, each with a track-before-detect detector; docs/detection.md.
 struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   double rate_hz = 5.0;
-  int max_told = 16;  ///< [-] largest number of tracks in a message, the likeliest first; 120 bytes each
-  double tell_existence = 0.1;
+  int max_sent = 16;  ///< [-] largest number of tracks in a message, the likeliest first; 120 bytes each
+  double shared_existence = 0.1;
   double certainty = 0.9;  ///< [-] probability of existence of own tracks whose detector reports none
   double timeout_s = 1.0;
   double acceleration_density = 3.0;  ///< [m^2/s^3] white acceleration of a target by axis, since the track's report

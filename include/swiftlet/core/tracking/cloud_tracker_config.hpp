@@ -10,9 +10,9 @@ namespace swiftlet {
 struct TrackMeasurementConfig {
   enum class Noise { kConstant, kSigmaW };
   Noise noise = Noise::kConstant;
-  double sigma_m = 0.3;            ///< Z
-  double sigma_initial_m = 0.3;    ///< P_0,r
-  MeasurementNoise sensor;         ///< Sigma_w
+  double sigma_m = 0.3;            ///< [m] square root of Z, with constant noise
+  double sigma_initial_m = 0.3;    ///< [m] square root of P_0,r: deviation of a first position
+  MeasurementNoise sensor;         ///< Sigma_w, with sensor noise
   double sigma_sampling_m = 0.15;  ///< additional standard deviation, because only one side of the target is visible
 
   void visit(ConfigVisitor& v);
@@ -21,14 +21,14 @@ struct TrackMeasurementConfig {
 /// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md describes where the paper and its
 /// released code differ and which is the default here.
 struct CloudTrackerConfig {
-  int buffer_size = 10;       ///< N_buf
-  double radius_scale = 1.5;  ///< c_r
+  int buffer_size = 10;       ///< [-] N_buf: buffered clouds
+  double radius_scale = 1.5;  ///< [-] c_r: factor of r_unc, eq. (29)
   enum class RadiusLaw { kPrinted, kSphere };
   RadiusLaw radius_law = RadiusLaw::kPrinted;
-  double search_radius_min_m = 2.5;    ///< r_min
-  double radius_max_m = 5.0;           ///< r_max
-  double cluster_distance_m = 0.7;     ///< d_cluster, as the detector's
-  double background_distance_m = 1.0;  ///< d_min
+  double search_radius_min_m = 2.5;    ///< [m] r_min: least search radius, eq. (28)
+  double radius_max_m = 5.0;           ///< [m] r_max: r_unc above which a track is lost
+  double cluster_distance_m = 0.7;     ///< [m] d_cluster, equal to that of the detector
+  double background_distance_m = 1.0;  ///< [m] d_min: distance to background below which a cluster is background
   enum class Background { kMap, kCloud, kNone };
   Background background = Background::kMap;
   double max_size_m = 3.0;

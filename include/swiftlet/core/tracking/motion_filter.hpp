@@ -39,7 +39,7 @@ struct ProcessNoise {
 
   void visit(ConfigVisitor& v);
   /// Covariance for a step of another length: variance is proportional to time, so that two half steps equal one step.
-  /// A period of 0 adds the same in every step, as printed.
+  /// With a period of 0, every step adds the same covariance, as printed.
   Matrix9 covariance(double dt_s, double period_s) const;
 };
 

@@ -42,7 +42,7 @@ struct DetectorTracksConfig : ModuleConfigOf<DetectorTracksConfig> {
 };
 std::unique_ptr<Tracker> make_detector_tracks(const ModuleConfig& config, const AgentSetup& setup);
 
-/// The named bypass: tracks from the mutual-localization sensor (Observation::neighbors), with the identity of the
+/// Bypass of tracking: tracks from the mutual-localization sensor (Observation::neighbors), with the identity of the
 /// vehicle + 1. A vehicle without such a sensor gets an ideal one.
 struct GroundTruthTrackerConfig : ModuleConfigOf<GroundTruthTrackerConfig> {
   double range_max_m = 100.0;
