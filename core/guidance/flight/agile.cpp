@@ -108,7 +108,8 @@ void AgileSpline::add_control_point() {
   control_m_[4] = point + blend(good);
 }
 
-/// Draws a point of the area at least leg_min_m away (the last draw if the area is too small), and the pace of the leg.
+/// Draws a point of the area at least leg_min_m away (the last draw if the area is too small), and the leg's factor
+/// on speed and acceleration.
 void AgileSpline::pick_target(const Vector3& from_m) {
   for (int attempt = 0; attempt < 32; ++attempt) {
     const std::uint32_t n = num_targets_++;
@@ -156,18 +157,21 @@ bool AgileSpline::can_stop_inside(const Vector3& point, const Vector3& step) con
 
 void AgileConfig::visit(ConfigVisitor& v) {
   v.field("seed", seed, "[-] random seed of the trajectory");
-  v.field("speed_max_mps", speed_max_mps, "[m/s] never exceeded", Range::positive());
-  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] never exceeded", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] lowest corner of the box around the trajectory (and the start)");
-  v.field("area_max_m", area_max_m, "[m] highest corner of the box");
+  v.field("speed_max_mps", speed_max_mps, "[m/s] upper bound of the speed", Range::positive());
+  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] upper bound of the acceleration", Range::positive());
+  v.field("area_min_m", area_min_m,
+          "[m] corner of smallest coordinates of the box around trajectory and start, world frame");
+  v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
   v.field("leg_min_m", leg_min_m, "[m] least distance between successive targets", Range::non_negative());
   v.field("pace_min", pace_min,
-          "[-] least pace of a leg; paces are drawn between this and 1 and scale greatest speed and acceleration",
+          "[-] smallest factor on the largest speed and acceleration; the factor of a leg is drawn between this value "
+          "and 1",
           Range::between(0.02, 1.0));
-  v.field("knot_s", knot_s, "[s] between the spline's knots; jerk is at most twice the acceleration over this",
+  v.field("knot_s", knot_s,
+          "[s] interval of the spline's knots; the jerk is at most twice the largest acceleration over this interval",
           Range{0.05, 10.0, false, false});
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
-  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
 }
 

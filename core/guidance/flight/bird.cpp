@@ -110,19 +110,24 @@ Reference BirdFlight::reference() const {
 
 void BirdConfig::visit(ConfigVisitor& v) {
   v.field("seed", seed, "[-] random seed of the flight");
-  v.field("speed_max_mps", speed_max_mps, "[m/s] highest speed, without the bounding", Range::positive());
-  v.field("speed_min_mps", speed_min_mps, "[m/s] lowest speed of a leg; speeds are drawn between this and the highest",
+  v.field("speed_max_mps", speed_max_mps, "[m/s] largest speed, without the motion of bounding flight",
+          Range::positive());
+  v.field("speed_min_mps", speed_min_mps,
+          "[m/s] smallest speed of a leg; the speed of a leg is drawn between this value and speed_max_mps",
           Range::positive());
   v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] largest acceleration in turns", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] lowest corner of the box around the flight (and the start)");
-  v.field("area_max_m", area_max_m, "[m] highest corner of the box");
-  v.field("turn_s", turn_s, "[s] mean time between sudden turns; drawn from 0.5 to 1.5 times it", Range::positive());
+  v.field("area_min_m", area_min_m,
+          "[m] corner of smallest coordinates of the box around flight and start, world frame");
+  v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
+  v.field("turn_s", turn_s, "[s] mean time between sudden turns; each time is 0.5 to 1.5 times the mean",
+          Range::positive());
   v.field("bound_m", bound_m, "[m] amplitude of the height of bounding flight (flapping and folding the wings)",
           Range::between(0.0, 1.0));
   v.field("bound_hz", bound_hz, "[Hz] frequency of bounding flight", Range{0.0, 10.0, true});
-  v.field("flight_s", flight_s, "[s] mean time of flight before a perch; drawn like turn_s", Range::positive());
-  v.field("perch_s", perch_s, "[s] mean time on a perch; drawn like turn_s", Range::positive());
-  v.field("perches_m", perches_m, "[m] positions of perches; none: flies without end");
+  v.field("flight_s", flight_s, "[s] mean time of flight before a perch; each time is 0.5 to 1.5 times the mean",
+          Range::positive());
+  v.field("perch_s", perch_s, "[s] mean time on a perch; each time is 0.5 to 1.5 times the mean", Range::positive());
+  v.field("perches_m", perches_m, "[m] positions of perches, world frame; none: the bird never perches");
   v.destinations("perches_m", perches_m);
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
   v.check(speed_min_mps <= speed_max_mps && speed_min_mps >= 0.02 * speed_max_mps, "speed_min_mps",

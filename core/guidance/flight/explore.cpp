@@ -7,8 +7,8 @@
 namespace swiftlet {
 namespace {
 
-/// [-] factor on the rays of a view, to find what stays unknown. Smaller values overlook unknown space, which is then
-/// looked at again.
+/// [-] factor on the rays of a view in the test for remaining unknown space. Smaller values overlook such space, which
+/// is then visited again.
 constexpr int kMoreRays = 16;
 /// [-] share of a view's unknown rays that are known before arrival, at which the flight to it ends. Smaller values
 /// plan more often.
@@ -35,7 +35,7 @@ class Explore : public PlannedFlight {
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"searches for a view that were given up", num_given_up_, num_plans_, "view.max_expansions"});
+    counters.push_back({"view searches that ended at their budget", num_given_up_, num_plans_, "view.max_expansions"});
   }
 
  private:
@@ -103,7 +103,7 @@ class Explore : public PlannedFlight {
     }
   }
 
-  /// Is most of the unknown space expected in the view known before arrival?
+  /// True if most of the unknown space that the view was to show is known before arrival.
   bool shows_enough(const GuidanceInput& input) {
     if (tested_revision_ == input.map->revision()) return false;
     tested_revision_ = input.map->revision();
@@ -134,15 +134,17 @@ void ExploreConfig::visit(ConfigVisitor& v) {
           Range::between(-1e5, 1e5));
   v.field("box_max_m", box_max_world_m, "[m] highest corner of the explored box, world frame",
           Range::between(-1e5, 1e5));
-  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] largest horizontal speed, and largest vertical speed", Range::positive());
   v.field("visited_m", visited_m, "[m] distance within which a corner of the path counts as visited",
           Range::positive());
   v.field("look_s", look_s, "[s] time to hover at a view while scans are integrated", Range::between(0.0, 1000.0));
-  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+  v.field("planning_latency_s", planning_latency_s,
+          "[s] delay from the start of a search to its result, as of the onboard computer",
           Range::between(0.0, 1000.0));
-  v.field("stage_timeout_s", stage_timeout_s, "[s] after which a flight to a view has failed", Range::positive());
-  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
-  v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
+  v.field("stage_timeout_s", stage_timeout_s, "[s] time after which a flight to a view has failed", Range::positive());
+  v.field("retries", retries, "[-] new plans after failures; the next failure then fails the mission",
+          Range::between(0, 1e6));
+  v.field("retry_after_s", retry_after_s, "[s] delay after a failure until the next plan", Range::non_negative());
   v.object("view", view, "evaluation and search of views");
   v.check((box_max_world_m.array() > box_min_world_m.array()).all(), "box_max_m",
           "more than box_min_m along each axis");

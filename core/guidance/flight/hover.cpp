@@ -29,7 +29,7 @@ class Hover : public Guidance {
 }  // namespace
 
 void HoverConfig::visit(ConfigVisitor& v) {
-  v.choice("at", at, {"start", "point"}, "[-] where: the place and heading of the start, or point_m and yaw_deg");
+  v.choice("at", at, {"start", "point"}, "[-] pose to hold: position and heading of the start, or point_m and yaw_deg");
   v.field("point_m", point_m, "[m] world");
   if (at == At::kPoint) v.destinations("point_m", point_m);
   v.field("yaw_deg", yaw_deg, "[deg] heading at the point");

@@ -47,7 +47,7 @@ class Navigate : public PlannedFlight {
 
   void append_counters(std::vector<Counter>& counters) const override {
     const bool cells = config_.search == NavigateConfig::Search::kAStar;
-    counters.push_back({"searches for a path that were given up", num_given_up_, num_plans_,
+    counters.push_back({"path searches that ended at their budget", num_given_up_, num_plans_,
                         cells ? "planner.max_expansions" : "sampling.max_samples"});
   }
 
@@ -140,18 +140,20 @@ void NavigateConfig::visit(ConfigVisitor& v) {
            "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");
   v.choice("follow", follow, {"corners", "timed"},
            "[-] from corner to corner, or along a smooth path with its times; where that has no room, by corners");
-  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] largest horizontal speed, and largest vertical speed", Range::positive());
   v.field("visited_m", visited_m, "[m] distance within which a corner of the path counts as visited",
           Range::positive());
-  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+  v.field("planning_latency_s", planning_latency_s,
+          "[s] delay from the start of a search to its result, as of the onboard computer",
           Range::between(0.0, 1000.0));
-  v.field("stage_timeout_s", stage_timeout_s, "[s] time after which planning or a flight has failed",
-          Range::positive());
-  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
-  v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
+  v.field("stage_timeout_s", stage_timeout_s,
+          "[s] duration of planning, or of a flight to a goal, after which it has failed", Range::positive());
+  v.field("retries", retries, "[-] new plans after failures; the next failure then fails the mission",
+          Range::between(0, 1e6));
+  v.field("retry_after_s", retry_after_s, "[s] delay after a failure until the next plan", Range::non_negative());
   v.object("planner", planner, "limits of the path, and search by a_star");
   v.object("sampling", sampling, "search by rrt and informed_rrt_star");
-  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
+  v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");
 }
 
 std::unique_ptr<Guidance> make_navigate(const ModuleConfig& config, const GuidanceSetup& setup) {

@@ -61,7 +61,7 @@ PathFollower::Outcome PathFollower::step_by_time(const Vector3& p_local_m, doubl
   return arrived && speed_mps < kHovers_mps ? Outcome::kArrived : Outcome::kFlying;
 }
 
-/// Has the map changed so that the rest of the path is no longer clear?
+/// True if the map has changed so that the rest of the path is not clear.
 bool PathFollower::is_blocked(const OccupancyView& map, const Vector3& p_local_m) {
   if (checked_ == map.revision()) return false;
   checked_ = map.revision();

@@ -59,7 +59,7 @@ void TimedPathConfig::visit(ConfigVisitor& v) {
   v.field("points_m", points_m, "[m] control points of the spline, world frame; it begins at the first");
   v.field("interval_s", interval_s, "[s] time between control points", Range{1e-3, 1e6});
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
-  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");
 }
 
 std::unique_ptr<Guidance> make_timed_path(const ModuleConfig& config, const GuidanceSetup& setup) {

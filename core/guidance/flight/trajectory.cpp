@@ -192,7 +192,7 @@ void TrajectoryConfig::visit(ConfigVisitor& v) {
     v.destinations("to_m", to_m);
   }
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
-  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");
   v.check(amplitude_m.cwiseProduct(frequency_ratio).norm() > 0.0, "amplitude_m",
           "an amplitude with a frequency, not all 0");
   v.check((to_m - from_m).norm() > 0.0, "to_m", "another point than from_m");

@@ -109,16 +109,17 @@ void WaypointsConfig::visit(ConfigVisitor& v) {
   v.choice("frame", frame, {"world", "start"},
            "[-] frame of the waypoints; start: origin and heading of the vehicle's start");
   if (frame == Frame::kWorld) v.destinations("waypoints_m", waypoints_m);
-  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
-  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, a waypoint is reached", Range::positive());
-  v.field("dwell_s", dwell_s, "[s] to stay at each waypoint", Range::non_negative());
-  v.field("loop", loop, "[-] go on with the first after the last");
-  v.field("land_at_end", land_at_end, "[-] land after the last and stop the motors");
+  v.field("speed_mps", speed_mps, "[m/s] largest horizontal speed, and largest vertical speed", Range::positive());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] distance within which a waypoint counts as visited",
+          Range::positive());
+  v.field("dwell_s", dwell_s, "[s] time of hovering at each waypoint", Range::non_negative());
+  v.field("loop", loop, "[-] whether the first waypoint follows the last");
+  v.field("land_at_end", land_at_end, "[-] whether the vehicle lands at the last waypoint and stops the motors");
   v.field("landing_speed_mps", landing_speed_mps, "[m/s]", Range::positive());
   v.choice("yaw", yaw, {"along_path", "at_next", "fixed"},
            "[-] heading: along the leg, at the next waypoint as seen from the vehicle, or yaw_deg");
-  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
-  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
+  v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");
+  v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");
   v.check(!(loop && land_at_end), "land_at_end", "false together with loop, which has no end");
 }
 

@@ -13,10 +13,20 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
+/// [s] Time from the vehicle to the goal of the reference governor at the commanded velocity. Smaller values lower the
+/// speed that the governor reaches; larger ones delay the turn to a new velocity.
+constexpr double kAhead_s = 1.0;
+/// [m] Lower bound of distances in divisions; below it, directions are arbitrary.
 constexpr double kNearest_m = 1e-3;
-constexpr double kLevel_m = 0.6;             // obstacles farther above or below are ignored
-constexpr TimeNs kLook = kNsPerSecond / 10;  // period of the search for obstacles
+/// [m] Height difference above which an obstacle is ignored. Larger values also evade what the vehicle would pass above
+/// or below.
+constexpr double kLevel_m = 0.6;
+/// [ns] Period of the search for the nearest obstacle. Larger values react later and cost less.
+constexpr TimeNs kLook = kNsPerSecond / 10;
+/// [cruise speeds] Speed limit of Mezey's model. Smaller values cut the acceleration toward distant neighbors.
+constexpr double kMostSpeed = 2.0;
+/// [-] Fewest remembered points of a neighbor's path from which it can be followed. Smaller values follow noise.
+constexpr std::size_t kLeastPoints = 3;
 
 double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -25,7 +35,8 @@ Vector3 horizontal(Vector3 v) {
   return v;
 }
 
-/// Repulsive velocity from all neighbors within the distance, stronger for nearer ones.
+/// Repulsive velocity [m/s] from all neighbors nearer than distance_m: gain_mps at half of the distance, more if
+/// nearer.
 Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
   Vector3 push = Vector3::Zero();
   for (const Neighbor& neighbor : neighbors) {
@@ -56,7 +67,7 @@ class LevelFlight : public Guidance {
     if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
   }
 
-  /// Repulsive velocity from the nearest obstacle, stronger at smaller distance.
+  /// Repulsive velocity [m/s] from the nearest obstacle, stronger at smaller distance.
   Vector3 off_obstacle(const Vector3& p_local_m) const {
     const Vector3 away = horizontal(p_local_m - obstacle_m_);
     const double d = std::max(away.norm(), kNearest_m);
@@ -109,6 +120,7 @@ struct RememberedPath {
   TimeNs last = 0;
 };
 
+/// Mean cosine [-] between the displacement of one path and those of the others; 0 without others.
 double similarity(const RememberedPath& path, std::span<const RememberedPath> all) {
   const Vector3 direction = horizontal(path.points_local_m.back() - path.points_local_m.front());
   double sum = 0.0;
@@ -152,13 +164,14 @@ class Pacnav : public LevelFlight {
     return d > kNearest_m ? Vector3(offset / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
   }
 
-  /// The goal, or a place behind the neighbor with the most persistent path; without one, the own position.
+  /// Point to fly to: the goal of an informed vehicle, otherwise a point at follow_radius_m from the neighbor with the
+  /// most persistent and most similar path; the own position if no path qualifies.
   Vector3 aim(const Vector3& p_local_m, const Vector3& goal_local_m) const {
     if (config_.informed) return goal_local_m;
     double best = 0.0;
     const RememberedPath* leader = nullptr;
     for (const RememberedPath& path : paths_) {
-      if (path.points_local_m.size() < 3) continue;
+      if (path.points_local_m.size() < kLeastPoints) continue;
       const double persistence = path_persistence(path.points_local_m);
       const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
       if (persistence < config_.least_persistence || score <= best) continue;
@@ -207,14 +220,13 @@ class Mezey : public LevelFlight {
     }
     speed_mps_ +=
         input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
-    speed_mps_ = std::clamp(speed_mps_, 0.0, 2.0 * config_.cruise_speed_mps);
+    speed_mps_ = std::clamp(speed_mps_, 0.0, kMostSpeed * config_.cruise_speed_mps);
     heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
-    // A vehicle that has arrived stops.
     const double v = arrived_ ? 0.0 : speed_mps_;
     goal_.yaw_rad = heading_rad_;
     fly(p_local_m,
         v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_local_m),
-        2.0 * config_.cruise_speed_mps, output);
+        kMostSpeed * config_.cruise_speed_mps, output);
     output.mission = arrived_                          ? MissionStatus::kDone
                      : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
                                                        : MissionStatus::kEndless;
@@ -264,48 +276,59 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local
 }
 
 void FlockObstacleConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] avoid the obstacles of the map (mapping)");
-  v.field("avoid_distance_m", avoid_distance_m, "[m] obstacles nearer than this push away", Range::positive());
-  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
+  v.field("enabled", enabled, "[-] whether the vehicle avoids obstacles in its map (mapping)");
+  v.field("avoid_distance_m", avoid_distance_m, "[m] distance below which an obstacle repels the vehicle",
+          Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] repulsive speed at half of avoid_distance_m", Range::non_negative());
 }
 
 void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("informed", informed,
-          "[-] the vehicle knows the goal; uninformed ones follow a neighbor that seems to know it");
-  v.field("goal_m", goal_m, "[m] world; x and y count");
-  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (informed)",
+          "[-] whether the vehicle flies to the goal; if not, it follows the neighbor with the straightest path");
+  v.field("goal_m", goal_m, "[m] goal in the world frame; only x and y are used");
+  v.field("arrival_radius_m", arrival_radius_m,
+          "[m] horizontal distance to the goal within which the mission of an informed vehicle is done",
           Range::positive());
   v.field("follow_radius_m", follow_radius_m,
-          "[m] uninformed: distance to the followed neighbor; the vehicle has arrived within twice this of the goal",
+          "[m] uninformed: distance kept to the followed neighbor; the mission is done within twice this distance of "
+          "the goal",
           Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
-  v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
-  v.field("sample_s", sample_s, "[s] between the points of a path", Range::between(0.001, 1e6));
-  v.field("avoid_distance_m", avoid_distance_m, "[m] neighbors nearer than this push away", Range::positive());
-  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
-  v.field("least_persistence", least_persistence, "[-] least persistence of a path that is followed",
-          Range::probability());
+  v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
+  v.field("memory_s", memory_s, "[s] time span of the remembered paths of neighbors", Range::positive());
+  v.field("sample_s", sample_s, "[s] time between the points of a remembered path", Range::between(0.001, 1e6));
+  v.field("avoid_distance_m", avoid_distance_m, "[m] distance below which a neighbor repels the vehicle",
+          Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] repulsive speed at half of avoid_distance_m", Range::non_negative());
+  v.field("least_persistence", least_persistence,
+          "[-] least persistence (displacement over length) of a path that is followed", Range::probability());
   v.object("neighbors", neighbors, "source of the neighbors");
-  v.object("lidar", lidar, "obstacles");
-  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
+  v.object("lidar", lidar, "avoidance of obstacles");
+  v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
 
 void MezeyConfig::visit(ConfigVisitor& v) {
-  v.field("goal_m", goal_m, "[m] world; x and y count");
-  v.field("goal_weight_radps", goal_weight_radps,
-          "[rad/s] turn towards the goal; 0: the published model, which has none", Range::non_negative());
-  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
-  v.field("cruise_speed_mps", cruise_speed_mps, "[m/s] v_0", Range::positive());
-  v.field("relaxation_radps", relaxation_radps, "[1/s] gamma, return to the cruise speed", Range::positive());
-  v.field("alpha0", alpha0, "[m/s^2] strength of the change of speed", Range::non_negative());
-  v.field("alpha1", alpha1, "[-] weight of edges for the speed: sets the distance of balance", Range::non_negative());
-  v.field("beta0", beta0, "[rad/s] strength of the turn", Range::non_negative());
-  v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
-  v.field("body_radius_m", body_radius_m, "[m] size in which neighbors are seen", Range::positive());
-  v.field("retina_pixels", retina_pixels, "[-] number of pixels of the projection field", Range::between(8, 100000));
+  v.field("goal_m", goal_m, "[m] goal in the world frame; only x and y are used");
+  v.field("goal_weight_radps", goal_weight_radps, "[rad/s] largest turn rate toward the goal; 0: none, as published",
+          Range::non_negative());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] horizontal distance to the goal within which the mission is done",
+          Range::positive());
+  v.field("cruise_speed_mps", cruise_speed_mps, "[m/s] v_0: speed without neighbors", Range::positive());
+  v.field("relaxation_radps", relaxation_radps, "[1/s] gamma: rate of the return to the cruise speed",
+          Range::positive());
+  v.field("alpha0", alpha0, "[m/s^2] alpha_0: gain of the acceleration per radian of covered retina",
+          Range::non_negative());
+  v.field("alpha1", alpha1,
+          "[-] alpha_1: weight of edges in the acceleration; larger values keep vehicles closer together",
+          Range::non_negative());
+  v.field("beta0", beta0, "[rad/s] beta_0: gain of the turn rate per radian of covered retina", Range::non_negative());
+  v.field("beta1", beta1, "[-] beta_1: weight of edges in the turn rate", Range::non_negative());
+  v.field("body_radius_m", body_radius_m, "[m] radius of a neighbor in the projection on the retina",
+          Range::positive());
+  v.field("retina_pixels", retina_pixels, "[-] number of pixels of the retina around the vehicle",
+          Range::between(8, 100000));
   v.object("neighbors", neighbors, "source of the neighbors");
-  v.object("lidar", lidar, "obstacles");
+  v.object("lidar", lidar, "avoidance of obstacles");
 }
 
 std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup) {

@@ -12,12 +12,24 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kOrcaAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
-constexpr double kApproach_s = 1.5;   // time in which the remaining distance to the goal is flown
-constexpr double kOrcaStep_s = 0.2;   // time step of the method; vehicles that overlap already separate within it
+/// [s] Time from the vehicle to the goal of the reference governor at the chosen velocity. Smaller values lower the
+/// speed that the governor reaches; larger ones delay the turn to a new velocity.
+constexpr double kOrcaAhead_s = 1.0;
+/// [s] Remaining distance to the goal, or to a height limit, over preferred speed. Larger values brake earlier.
+constexpr double kApproach_s = 1.5;
+/// [s] Time in which vehicles that are too close separate; the velocity is chosen twice as often. Smaller values push
+/// them apart faster.
+constexpr double kOrcaStep_s = 0.2;
+/// [m/s] Length of a vector below which its direction is arbitrary; guards a division by 0.
 constexpr double kNothing = 1e-9;
-constexpr double kSlack_mps = 5e-3;  // tolerated violation of a plane
+/// [m/s] Accepted violation of a plane. Larger values accept a velocity after fewer relaxations, and are less safe.
+constexpr double kSlack_mps = 5e-3;
+/// [-] Projection rounds per search. More rounds are slower and end nearer to the optimum.
 constexpr int kRounds = 60;
+/// [m/s] First relaxation of all planes when no velocity satisfies them, its factor [-] from trial to trial, and the
+/// number [-] of trials. Smaller steps find a velocity closer to the least relaxation.
+constexpr double kFirstRelaxation_mps = 0.05, kRelaxationFactor = 1.6;
+constexpr int kRelaxations = 12;
 
 Vector3 within(const Vector3& v, double longest) {
   const double length = v.norm();
@@ -29,8 +41,9 @@ Vector3 unit(const Vector3& v, const Vector3& otherwise) {
   return length > kNothing ? Vector3(v / length) : otherwise;
 }
 
-/// Point of the intersection of all half-spaces and the ball that is nearest to the wanted one, by alternating
-/// projections [Dykstra 1983].
+/// Velocity nearest to the wanted one among those that satisfy all planes, each relaxed by relaxation_mps, and the
+/// speed limit: alternating projections [Dykstra 1983].
+/// @param corrections  scratch memory
 Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double relaxation_mps,
                 std::vector<Vector3>& corrections) {
   corrections.assign(planes.size() + 1, Vector3::Zero());
@@ -92,7 +105,7 @@ class Orca : public Guidance {
       planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
                                    level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kOrcaStep_s));
     }
-    // Turned slightly to the right: two vehicles that fly straight at each other would only brake.
+    // Turned slightly to the right, because two vehicles that fly straight at each other would only brake.
     const Vector3 wanted = Eigen::AngleAxisd(-config_.turn_deg * kRadPerDeg, Vector3::UnitZ()) *
                            within(to_goal_m / kApproach_s, config_.speed_mps);
     if (!config_.planar) {
@@ -150,19 +163,20 @@ OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps
 Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
                       std::vector<Vector3>& scratch) {
   double relaxation_mps = 0.0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < kRelaxations; ++i) {
     const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
     if (satisfies(planes, v, relaxation_mps)) return v;
-    relaxation_mps = relaxation_mps > 0.0 ? 1.6 * relaxation_mps : 0.05;
+    relaxation_mps = relaxation_mps > 0.0 ? kRelaxationFactor * relaxation_mps : kFirstRelaxation_mps;
   }
   return nearest(planes, wanted_local_mps, speed_mps, relaxation_mps, scratch);
 }
 
 void OrcaConfig::visit(ConfigVisitor& v) {
-  v.field("goal_m", goal_m, "[m] world");
+  v.field("goal_m", goal_m, "[m] goal in the world frame");
   v.destinations("goal_m", goal_m);
-  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] highest speed", Range::positive());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] distance to the goal within which the mission is done",
+          Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
   v.field("horizon_s", horizon_s, "[s] time horizon for which velocities keep vehicles apart", Range::positive());
@@ -170,9 +184,9 @@ void OrcaConfig::visit(ConfigVisitor& v) {
           Range::between(-90.0, 90.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
-  v.field("planar", planar, "[-] at the goal's height, avoiding level");
+  v.field("planar", planar, "[-] flight at the height of the goal; vehicles avoid each other horizontally");
   v.object("neighbors", neighbors, "source of the neighbors");
-  v.object("separation", separation, "keeps the vehicle apart from its neighbors, beyond what the guidance does");
+  v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

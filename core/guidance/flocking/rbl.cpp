@@ -26,8 +26,8 @@ RblRules rules_of(const RblConfig& config) {
 }
 
 /// One update [Kamler 2025]: the cell S is cut by neighbors (2.3), braking planes and obstacles (3.1); the goal glides
-/// to the centroid of what is left (2.5, 2.10), and the rules (2.7 to 2.20) adapt weighting and destination. RblPlanner
-/// has the equations, RblLidar chapter 3, and NeighborSafety what is not in the document.
+/// to the centroid of the remaining cell A (2.5, 2.10), and the rules (2.7 to 2.20) adapt weighting and destination.
+/// The equations of chapter 2 are in RblPlanner, those of chapter 3 in RblLidar; NeighborSafety is not in the document.
 class Rbl : public Guidance {
  public:
   Rbl(const RblConfig& config, const GuidanceSetup& setup)
@@ -95,7 +95,7 @@ class Rbl : public Guidance {
 
   void append_counters(std::vector<Counter>& counters) const override {
     if (!config_.lidar.enabled || !config_.detour.enabled) return;
-    counters.push_back({"searches for a path that were given up", detour_.num_given_up(), detour_.num_plans(),
+    counters.push_back({"detour searches that ended at their budget", detour_.num_given_up(), detour_.num_plans(),
                         "detour.planner.max_expansions"});
   }
 
@@ -136,7 +136,8 @@ class Rbl : public Guidance {
     }
   }
 
-  /// Flies only where the LiDAR looks; an evading vehicle takes the centroid at once.
+  /// Limits the goal to the sensed part of the cell, and turns the LiDAR to it. An evading vehicle flies to the
+  /// centroid without waiting for the turn.
   void look_ahead(const Pose& T_local_body, TimeNs now) {
     const RblLidar::Situation here = in_map(T_local_body, now);
     if (safety_ && safety_->evades()) {
@@ -155,7 +156,7 @@ class Rbl : public Guidance {
     goal_.yaw_rad = wanted.yaw_rad;
   }
 
-  /// Height of a planar vehicle.
+  /// Height [m] at which a planar vehicle flies: that of the goal, or of an evasion.
   double height_local_m(const NeighborSafety::Situation& situation) {
     const double goal_m = goal_local_m_.z();
     if (!safety_) return goal_m;

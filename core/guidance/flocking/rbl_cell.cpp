@@ -12,10 +12,20 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kUnderflow = 1e-30;     // smaller sums of weights are rounding errors
-constexpr float kSampleSlack_m = 1e-6F;  // samples on a limit belong to the cell
-constexpr double kBoxSlack_m = 1e-4;     // exceeds the rounding error of single precision
+/// [-] Sum of weights below which the centroid is the sample nearest to the destination. Smaller values divide rounding
+/// errors; larger ones make the centroid jump between samples.
+constexpr double kUnderflow = 1e-30;
+/// [m] Tolerance of the height limits: samples on a limit belong to the cell despite rounding.
+constexpr float kSampleSlack_m = 1e-6F;
+/// [m] Margin of the bounding box of A in the test whether a plane cuts it; must exceed the rounding error of single
+/// precision.
+constexpr double kBoxSlack_m = 1e-4;
+/// [-] Weight of a violated hard plane against a soft one when A is empty. Larger values give up soft planes sooner.
+constexpr double kHard = 1e3;
+/// [-] Weight of the distance from the agent against the violation: only breaks ties, in favor of the nearest sample.
+constexpr double kTie = 1e-6;
 
+/// Largest number of lattice points in a diameter, for any position of the lattice.
 int most_in_a_row(double radius_m, double step_m) { return 2 * static_cast<int>(radius_m / step_m) + 2; }
 
 /// Floor of a number not below -1. std::floor is a function call without SSE 4.1.
@@ -25,6 +35,7 @@ int ceil_of(double value) {
   return below < value ? below + 1 : below;
 }
 
+/// [-] Least exponent of 2 of a normal number of single precision; smaller weights are raised to it.
 constexpr float kLeastPower = -126.0F;
 
 /// 2^t for kLeastPower <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
@@ -87,7 +98,7 @@ void RblCell::sample_ball(const Vector3& origin_agent_m) {
   origin_m_ = origin_agent_m;
   ball_.clear();
   int num_samples = 0;
-  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere belong to the ball
+  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere belong to the ball despite rounding
   const auto first_index = [&](double low, double from) {
     return static_cast<int>(std::ceil((low - slack_m - from) / step_m_));
   };
@@ -118,10 +129,10 @@ void RblCell::sample_ball(const Vector3& origin_agent_m) {
 }
 
 void RblCell::cut(const HalfSpace& keep) {
-  if (keep.offset_m >= radius_m_) return;  // beyond S
+  if (keep.offset_m >= radius_m_) return;  // S lies within the half-space
   const Vector3& n = keep.normal_local;
   const double farthest_m = (n.cwiseProduct(low_m_)).cwiseMax(n.cwiseProduct(high_m_)).sum();
-  if (farthest_m <= keep.offset_m - kBoxSlack_m) return;  // beyond all of A
+  if (farthest_m <= keep.offset_m - kBoxSlack_m) return;  // A lies within the half-space
   const double nx = n.x();
   const double per_step = 1.0 / (nx * step_m_);
   const bool level = std::abs(nx) < 1e-9;
@@ -165,7 +176,8 @@ bool RblCell::is_empty() const { return num_partitioned() == 0; }
 
 Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_agent_m) const {
   if (sums.weight > kUnderflow) return sums.moment_agent / sums.weight;
-  // All weights underflowed (or there is no sample): the limit for vanishing beta.
+  // All weights underflowed, or A is empty. For beta toward 0, the centroid converges to the sample nearest to the
+  // destination.
   const int sample = nearest_partitioned(destination_agent_m);
   return sample < 0 ? Vector3(Vector3::Zero()) : point(sample);
 }
@@ -235,7 +247,6 @@ int RblCell::nearest_partitioned(const Vector3& wanted_agent_m) const {
 }
 
 Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts, std::size_t num_soft) const {
-  constexpr double kHard = 1e3;
   Vector3 best = Vector3::Zero();
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < num_samples_; ++i) {
@@ -245,8 +256,7 @@ Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts, std::size_t
       const double beyond_m = cuts[k].normal_local.dot(q) - cuts[k].offset_m;
       worst = std::max(worst, k < num_soft ? beyond_m : kHard * beyond_m);
     }
-    // Ties go to the nearest sample.
-    const double cost = worst + 1e-6 * q.norm();
+    const double cost = worst + kTie * q.norm();
     if (cost >= least) continue;
     least = cost;
     best = q;

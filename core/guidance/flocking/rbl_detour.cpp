@@ -11,27 +11,44 @@
 namespace swiftlet {
 namespace {
 
-// When a path is planned.
-constexpr double kNearer_m = 0.3;     ///< shortest progress that resets the patience
-constexpr double kOff_m = 2.0;        ///< distance from the path beyond which it is planned anew
-constexpr double kGoalMoved_m = 0.5;  ///< displacement of the goal beyond which it is planned anew
-// Its limits.
-constexpr double kNearGoal_m = 8.0;  ///< horizontal distance within which a path leads to the goal's height
-constexpr double kStands_mps = 0.3;  ///< slower neighbors are obstacles of the path
-constexpr double kColumn_m = 3.0;    ///< vertical extent of such a neighbor
-// Flight straight along the path where the cell holds the vehicle.
-constexpr double kMoves_m = 0.3;     ///< smaller displacements count as standing
-constexpr double kHeld_s = 2.0;      ///< time of standing after which the cell counts as holding the vehicle
-constexpr double kStraight_m = 2.0;  ///< length of path that is then flown straight
-// Viewpoint of a blocked goal.
-constexpr double kBeside_m = 2.0;  ///< least horizontal distance from the goal
-constexpr double kSteep = 0.7;     ///< share of the viewing distance below which the goal counts as above or below
-constexpr double kThere_m = 0.5;   ///< distance at which the viewpoint is reached
-constexpr int kSides = 8;          ///< directions of the search
-/// Bound of a squared leg length, against division by 0.
+// Conditions for a plan.
+/// [m] Shortest progress that resets the patience. Larger values plan although the vehicle advances slowly.
+constexpr double kNearer_m = 0.3;
+/// [m] Distance of the vehicle from the path above which a new path is planned. Larger values keep outdated paths.
+constexpr double kOff_m = 2.0;
+/// [m] Displacement of the goal above which a new path is planned. Smaller values plan for noise of the pose.
+constexpr double kGoalMoved_m = 0.5;
+// Limits of the path.
+/// [m] Horizontal distance of the goal within which the path may change to its height. Larger values climb through air
+/// that the LiDAR does not see.
+constexpr double kNearGoal_m = 8.0;
+/// [m/s] Speed of a neighbor below which it is an obstacle of the path. Larger values plan around neighbors that leave.
+constexpr double kStands_mps = 0.3;
+/// [m] Vertical extent of such an obstacle. Larger values keep the path out of the downwash.
+constexpr double kColumn_m = 3.0;
+// Straight flight along the path where the centroid of the cell keeps the vehicle at rest.
+/// [m] Displacement that counts as motion. Larger values take slow flight for rest.
+constexpr double kMoves_m = 0.3;
+/// [s] Time at rest after which straight flight begins. Larger values wait longer before gaps.
+constexpr double kHeld_s = 2.0;
+/// [m] Length of the path that is then flown straight. Smaller values leave the vehicle inside of a gap, where the cell
+/// draws it back.
+constexpr double kStraight_m = 2.0;
+// Viewpoint of a goal that the map shows occupied.
+/// [m] Least horizontal distance of the viewpoint from the goal. Smaller values see less of the surroundings.
+constexpr double kBeside_m = 2.0;
+/// [-] Share of the distance from which the goal is in view, below which the goal counts as above or below. Larger
+/// values fly to a viewpoint more often.
+constexpr double kSteep = 0.7;
+/// [m] Remaining length of the path at which the viewpoint is reached.
+constexpr double kThere_m = 0.5;
+/// [-] Directions around the goal that are tried. More find narrower free places and cost a search each.
+constexpr int kSides = 8;
+// Path following.
+/// [m^2] Lower bound of a squared leg length in divisions.
 constexpr double kLeastLeg_m2 = 1e-6;
-
-/// Shares of the lookahead distance, tested from the farthest on. More of them find points nearer to the bound.
+/// [-] Shares of the lookahead distance, tested from the largest on. More shares find points closer to the farthest
+/// visible one and cost a segment test each.
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 
 /// Share of the leg before its point nearest to p.
@@ -50,7 +67,7 @@ std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radi
   return places;
 }
 
-/// Does the segment pass a stationary neighbor nearer than both encumbrances?
+/// True if the segment from the vehicle passes a stationary neighbor closer than the encumbrances of both.
 bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_local_m) {
   const std::vector<KeepOut> places = standing(situation, 2.0 * situation.encumbrance_m);
   return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
@@ -58,7 +75,7 @@ bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_loc
   });
 }
 
-/// Clearance less one voxel, so that flickering voxels do not invalidate the path.
+/// Rules with a clearance smaller by one voxel, so that voxels that change at random do not invalidate the path.
 ClearPathConfig narrowed(const ClearPathConfig& rules, double edge_m) {
   ClearPathConfig narrow = rules;
   narrow.clearance_m = std::max(rules.clearance_m - edge_m, 0.5 * edge_m);
@@ -73,14 +90,14 @@ RblDetour::RblDetour(const RblDetourConfig& config, double ahead_m)
 Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   if (!config_.enabled || situation.map == nullptr) return situation.goal_local_m;
   if (planner_.due(situation.now)) take(situation);
-  double left_m = (situation.goal_local_m - situation.p_local_m).norm();
-  if (on_path()) left_m = follow(situation.p_local_m);
-  if (on_path() && beside_ && left_m < kThere_m) {  // the viewpoint is reached
+  double remaining_m = (situation.goal_local_m - situation.p_local_m).norm();
+  if (on_path()) remaining_m = follow(situation.p_local_m);
+  if (on_path() && to_viewpoint_ && remaining_m < kThere_m) {  // the viewpoint is reached
     corners_local_m_.clear();
-    since_ = situation.now;
-    least_m_ = left_m = (situation.goal_local_m - situation.p_local_m).norm();
+    progress_at_ = situation.now;
+    least_remaining_m_ = remaining_m = (situation.goal_local_m - situation.p_local_m).norm();
   }
-  if (planner_.idle() && situation.now >= retry_ && has_to_plan(situation, left_m)) plan(situation);
+  if (planner_.idle() && situation.now >= retry_at_ && needs_plan(situation, remaining_m)) plan(situation);
   straight_local_m_.reset();
   if (!on_path()) return situation.goal_local_m;
   if (is_held(situation)) {
@@ -91,13 +108,14 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   return point_ahead_local_m(situation);
 }
 
-/// Stays true for kStraight_m of path after the vehicle was held, or the cell would draw it back.
+/// True if the cell keeps the vehicle at rest, and then for kStraight_m of path, so that the cell does not draw the
+/// vehicle back.
 bool RblDetour::is_held(const Situation& situation) {
-  if ((situation.p_local_m - moved_local_m_).norm() > kMoves_m) {
-    moved_local_m_ = situation.p_local_m;
-    moved_at_ = situation.now;
+  if ((situation.p_local_m - last_moved_local_m_).norm() > kMoves_m) {
+    last_moved_local_m_ = situation.p_local_m;
+    last_moved_at_ = situation.now;
   }
-  if (to_seconds(situation.now - moved_at_) > kHeld_s) straight_until_m_ = arc_m_ + kStraight_m;
+  if (to_seconds(situation.now - last_moved_at_) > kHeld_s) straight_until_m_ = arc_m_ + kStraight_m;
   return arc_m_ < straight_until_m_;
 }
 
@@ -105,23 +123,23 @@ bool RblDetour::is_near_goal(const Situation& situation) const {
   return (situation.goal_local_m - situation.p_local_m).head<2>().norm() < kNearGoal_m;
 }
 
-bool RblDetour::gets_on(double left_m, TimeNs now) {
-  if (left_m < least_m_ - kNearer_m) {
-    least_m_ = left_m;
-    since_ = now;
+bool RblDetour::makes_progress(double remaining_m, TimeNs now) {
+  if (remaining_m < least_remaining_m_ - kNearer_m) {
+    least_remaining_m_ = remaining_m;
+    progress_at_ = now;
   }
-  return to_seconds(now - since_) < config_.patience_s;
+  return to_seconds(now - progress_at_) < config_.patience_s;
 }
 
-bool RblDetour::has_to_plan(const Situation& situation, double left_m) {
-  const bool stands = !gets_on(left_m, situation.now);
+bool RblDetour::needs_plan(const Situation& situation, double remaining_m) {
+  const bool stands = !makes_progress(remaining_m, situation.now);
   if (!on_path()) return stands;
   if (stands || off_m_ > kOff_m) return true;
-  if (level_ && !beside_ && !situation.planar && is_near_goal(situation)) return true;
+  if (level_ && !to_viewpoint_ && !situation.planar && is_near_goal(situation)) return true;
   const double moved_m = (corners_local_m_.back() - situation.goal_local_m).head<2>().norm();
-  if (moved_m > kGoalMoved_m + (beside_ ? beside_m_ : 0.0)) return true;
-  if (checked_ == situation.map->revision()) return false;
-  checked_ = situation.map->revision();
+  if (moved_m > kGoalMoved_m + (to_viewpoint_ ? viewpoint_m_ : 0.0)) return true;
+  if (checked_revision_ == situation.map->revision()) return false;
+  checked_revision_ = situation.map->revision();
   std::size_t next = 1;
   for (double arc_m = 0.0; next + 1 < corners_local_m_.size(); ++next) {
     arc_m += (corners_local_m_[next] - corners_local_m_[next - 1]).norm();
@@ -143,8 +161,9 @@ ClearPathConfig RblDetour::rules_for(const Situation& situation, bool level) con
   return rules;
 }
 
-/// @param level   ends above or below the goal, at the vehicle's own height
-/// @param narrow  with the least clearance that the cells need, where no wider path begins
+/// Searches a path, first around stationary neighbors, then through them.
+/// @param level   the path ends above or below the goal, at the vehicle's own height
+/// @param narrow  with the least clearance that the cells need instead of the configured one
 void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow) {
   rules_ = rules_for(situation, level);
   const double least_m = situation.encumbrance_m + 0.5 * situation.map->edge_m();
@@ -152,18 +171,18 @@ void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool le
   level_ = level;
   goal_local_m.z() = std::clamp(level ? situation.p_local_m.z() : goal_local_m.z(), rules_.z_min_m, rules_.z_max_m);
   // The clearance of the path is added to the encumbrance.
-  const std::vector<KeepOut> others = standing(situation, situation.encumbrance_m);
-  const OverlaidOccupancy with_others(*situation.map, others);
-  const OccupancyView& view = others.empty() ? *situation.map : static_cast<const OccupancyView&>(with_others);
+  const std::vector<KeepOut> stationary = standing(situation, situation.encumbrance_m);
+  const OverlaidOccupancy with_stationary(*situation.map, stationary);
+  const OccupancyView& view = stationary.empty() ? *situation.map : static_cast<const OccupancyView&>(with_stationary);
   found_ = find_clear_path(view, rules_, situation.p_local_m, goal_local_m);
   // Without a path around stationary neighbors, plans through them: they may fly on, or stay at the goal.
-  if (found_.status == ClearPathStatus::kFound || others.empty()) return;
+  if (found_.status == ClearPathStatus::kFound || stationary.empty()) return;
   found_ = find_clear_path(*situation.map, rules_, situation.p_local_m, goal_local_m);
 }
 
 void RblDetour::plan(const Situation& situation) {
   found_ = {};
-  beside_ = is_above_or_below(situation) && look_from_beside(situation);
+  to_viewpoint_ = is_above_or_below(situation) && plan_viewpoint(situation);
   const auto consider_both_sides = [&](const Vector3& goal_local_m, bool level) {
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, false);
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, true);
@@ -171,32 +190,32 @@ void RblDetour::plan(const Situation& situation) {
   if (situation.planar || !is_near_goal(situation)) consider_both_sides(situation.goal_local_m, true);
   if (!situation.planar) consider_both_sides(situation.goal_local_m, false);
   if (found_.status == ClearPathStatus::kGoalBlocked && is_near_goal(situation)) {
-    beside_ = look_from_beside(situation);
-    if (!beside_) found_.status = ClearPathStatus::kGoalBlocked;
+    to_viewpoint_ = plan_viewpoint(situation);
+    if (!to_viewpoint_) found_.status = ClearPathStatus::kGoalBlocked;
   }
   ++num_plans_;
   if (found_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
   planner_.start(situation.now);
 }
 
-/// Is the direction to the goal too steep for the goal to come into view?
+/// True if the direction to the goal is too steep for the LiDAR to see the goal.
 bool RblDetour::is_above_or_below(const Situation& situation) const {
   const Vector3 to_goal_m = situation.goal_local_m - situation.p_local_m;
   return !situation.planar && std::abs(to_goal_m.z()) > situation.encumbrance_m &&
          to_goal_m.head<2>().norm() < kSteep * situation.sees_goal_from_m;
 }
 
-/// Plans a path at the vehicle's own height to a viewpoint beside the goal. Voxels at the goal may be those of a
-/// vehicle that has left, which is never visible from above or below.
-bool RblDetour::look_from_beside(const Situation& situation) {
+/// Plans a path at the vehicle's own height to a viewpoint beside the goal: occupied voxels at the goal may be of a
+/// vehicle that has left, but the LiDAR cannot see them free from above or below.
+bool RblDetour::plan_viewpoint(const Situation& situation) {
   const Vector3 from_goal_m = situation.p_local_m - situation.goal_local_m;
   const double toward_rad = elementary::atan2(from_goal_m.y(), from_goal_m.x());
-  beside_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
+  viewpoint_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
   for (int i = 0; i < kSides; ++i) {
     const int side = (i + 1) / 2;  // left and right in turn
     const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * side * 2.0 * kPi / kSides;
     const double azimuth_rad = toward_rad + turn_rad;
-    const Vector3 out_m = beside_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
+    const Vector3 out_m = viewpoint_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
     search(situation, situation.goal_local_m + out_m, true, true);
     if (found_.status == ClearPathStatus::kFound) return true;
   }
@@ -206,42 +225,42 @@ bool RblDetour::look_from_beside(const Situation& situation) {
 
 void RblDetour::take(const Situation& situation) {
   planner_.stop();
-  since_ = situation.now;
-  least_m_ = std::numeric_limits<double>::infinity();
+  progress_at_ = situation.now;
+  least_remaining_m_ = std::numeric_limits<double>::infinity();
   straight_until_m_ = std::max(0.0, straight_until_m_ - arc_m_);
   arc_m_ = off_m_ = 0.0;
-  checked_ = 0;
+  checked_revision_ = 0;
   corners_local_m_.clear();
   if (found_.status == ClearPathStatus::kFound) {
     corners_local_m_ = std::move(found_.corners_local_m);
-    failures_ = beside_ ? failures_ + 1 : 0;
-    note_ = beside_ ? "on a path to where it sees its goal" : "on a path around what is in its way";
+    failures_ = to_viewpoint_ ? failures_ + 1 : 0;
+    note_ = to_viewpoint_ ? "on a path to where it sees its goal" : "on a path around what is in its way";
     return;
   }
   if (found_.status != ClearPathStatus::kBudgetSpent) ++failures_;
-  retry_ = situation.now + from_seconds(config_.retry_after_s);
+  retry_at_ = situation.now + from_seconds(config_.retry_after_s);
   note_ = text_of(found_.status);
 }
 
 /// Advances along the path to the point nearest to the vehicle, never backwards. Returns the remaining length.
 double RblDetour::follow(const Vector3& p_local_m) {
-  double begins_m = 0.0, best_m = arc_m_, nearest_m = std::numeric_limits<double>::infinity();
+  double leg_start_m = 0.0, best_m = arc_m_, nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < corners_local_m_.size(); ++i) {
     const double leg_m = (corners_local_m_[i] - corners_local_m_[i - 1]).norm();
-    if (begins_m + leg_m >= arc_m_ && begins_m <= arc_m_ + ahead_m_) {
+    if (leg_start_m + leg_m >= arc_m_ && leg_start_m <= arc_m_ + ahead_m_) {
       const double share = nearest_share(corners_local_m_[i - 1], corners_local_m_[i], p_local_m);
-      const double arc_m = std::clamp(begins_m + share * leg_m, arc_m_, arc_m_ + ahead_m_);
+      const double arc_m = std::clamp(leg_start_m + share * leg_m, arc_m_, arc_m_ + ahead_m_);
       const double off_m = (at_local_m(arc_m) - p_local_m).norm();
       if (off_m < nearest_m) {
         nearest_m = off_m;
         best_m = arc_m;
       }
     }
-    begins_m += leg_m;
+    leg_start_m += leg_m;
   }
   arc_m_ = best_m;
   off_m_ = (at_local_m(arc_m_) - p_local_m).norm();
-  return begins_m - arc_m_ + off_m_;
+  return leg_start_m - arc_m_ + off_m_;
 }
 
 Vector3 RblDetour::at_local_m(double arc_m) const {
@@ -254,7 +273,7 @@ Vector3 RblDetour::at_local_m(double arc_m) const {
   return corners_local_m_.back();
 }
 
-/// The farthest point of the path within the lookahead that a clear segment joins with the vehicle.
+/// Farthest point of the path within the lookahead distance to which the straight segment from the vehicle is clear.
 std::optional<Vector3> RblDetour::clear_point_local_m(const Situation& situation, double clearance_m) const {
   ClearPathConfig rules = rules_;
   rules.clearance_m = clearance_m;
@@ -273,16 +292,18 @@ Vector3 RblDetour::point_ahead_local_m(const Situation& situation) const {
 }
 
 void RblDetourConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] without progress, a vehicle with `lidar` plans a path through its own map");
+  v.field("enabled", enabled,
+          "[-] whether a vehicle with `lidar` plans a path in its own map when it makes no progress");
   v.field("patience_s", patience_s, "[s] time without progress before a path is planned", Range::positive());
   v.field("climb_m", climb_m,
-          "[m] largest height of the path above and below the vehicle; near the goal, also above and below the goal",
+          "[m] largest height difference of the path to the vehicle; near the goal, also to the goal",
           Range::non_negative());
-  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+  v.field("planning_latency_s", planning_latency_s,
+          "[s] delay from the begin of a search until its path is flown, as by the onboard computer",
           Range::between(0.0, 1000.0));
   v.field("retry_after_s", retry_after_s, "[s] delay after a search without a path before the next one",
           Range::non_negative());
-  v.field("retries", retries, "[-] further searches without a path before the mission has failed",
+  v.field("retries", retries, "[-] searches without a path, after the first one, before the mission has failed",
           Range::between(0, 1e6));
   v.object("planner", planner, "limits and search of the path");
 }

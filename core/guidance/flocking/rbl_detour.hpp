@@ -27,7 +27,7 @@ class RblDetour {
     Vector3 goal_local_m = Vector3::Zero();
     Vector3 p_local_m = Vector3::Zero();
     double z_min_m = 0.0, z_max_m = 0.0;  ///< allowed flight heights, in the local frame
-    double encumbrance_m = 0.0;           ///< encumbrance of a neighbor
+    double encumbrance_m = 0.0;           ///< radius that each vehicle needs for itself
     bool planar = false;                  ///< the vehicle keeps its height
     double sees_goal_from_m = 0.0;        ///< horizontal distance from which the goal is in view at the own height
     std::span<const Neighbor> neighbors = {};
@@ -43,10 +43,10 @@ class RblDetour {
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
   /// The path ends at a viewpoint of the goal, which may be free although the map shows it occupied.
-  bool is_looking() const { return beside_ && !has_failed(); }
+  bool is_looking() const { return to_viewpoint_ && !has_failed(); }
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
-  /// Why there is no path, or that there is one; empty while the goal itself is the target.
+  /// Note for the mission status: on a detour, or the reason for which no path was found; empty on the direct path.
   const char* note() const { return note_; }
   /// The number of consecutive failed plans exceeds the retries.
   bool has_failed() const { return failures_ > config_.retries; }
@@ -55,15 +55,15 @@ class RblDetour {
   std::uint64_t num_given_up() const { return num_given_up_; }
 
  private:
-  bool gets_on(double left_m, TimeNs now);
+  bool makes_progress(double remaining_m, TimeNs now);
   void plan(const Situation& situation);
   void take(const Situation& situation);
   void search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow);
-  bool look_from_beside(const Situation& situation);
+  bool plan_viewpoint(const Situation& situation);
   bool is_above_or_below(const Situation& situation) const;
   ClearPathConfig rules_for(const Situation& situation, bool level) const;
   bool is_near_goal(const Situation& situation) const;
-  bool has_to_plan(const Situation& situation, double left_m);
+  bool needs_plan(const Situation& situation, double remaining_m);
   double follow(const Vector3& p_local_m);
   Vector3 at_local_m(double arc_m) const;
   Vector3 point_ahead_local_m(const Situation& situation) const;
@@ -72,22 +72,22 @@ class RblDetour {
 
   RblDetourConfig config_;
   double ahead_m_;
-  double least_m_ = std::numeric_limits<double>::infinity();  // smallest remaining distance so far
-  TimeNs since_ = 0, retry_ = 0;
+  double least_remaining_m_ = std::numeric_limits<double>::infinity();  // smallest remaining distance so far
+  TimeNs progress_at_ = 0, retry_at_ = 0;
   Worker planner_;
   ClearPath found_;  // result of the plan in progress
   ClearPathConfig rules_;
   std::vector<Vector3> corners_local_m_;
-  double arc_m_ = 0.0;                       // position of the vehicle along the path
-  double off_m_ = 0.0;                       // distance of the vehicle from the path
-  bool beside_ = false;                      // the path ends at a viewpoint beside the goal
-  double beside_m_ = 0.0;                    // horizontal distance of the viewpoint from the goal
-  bool level_ = false;                       // the path ends at the vehicle's height, not at the goal's
-  Vector3 moved_local_m_ = Vector3::Zero();  // position when the vehicle moved last
-  TimeNs moved_at_ = 0;                      // time when the vehicle moved last
-  double straight_until_m_ = 0.0;            // position along the path up to which straight flight is kept
+  double arc_m_ = 0.0;                            // position of the vehicle along the path
+  double off_m_ = 0.0;                            // distance of the vehicle from the path
+  bool to_viewpoint_ = false;                     // the path ends at a viewpoint beside the goal
+  double viewpoint_m_ = 0.0;                      // horizontal distance of the viewpoint from the goal
+  bool level_ = false;                            // the path ends at the vehicle's height, not at the goal's
+  Vector3 last_moved_local_m_ = Vector3::Zero();  // position when the vehicle moved last
+  TimeNs last_moved_at_ = 0;                      // time when the vehicle moved last
+  double straight_until_m_ = 0.0;                 // position along the path up to which straight flight is kept
   std::optional<Vector3> straight_local_m_;
-  std::uint64_t checked_ = 0;
+  std::uint64_t checked_revision_ = 0;
   const char* note_ = "";
   int failures_ = 0;
   std::uint64_t num_plans_ = 0, num_given_up_ = 0;

@@ -11,19 +11,21 @@
 namespace swiftlet {
 namespace {
 
-/// Shorter displacements give no heading.
+/// [m] Horizontal displacement below which the vehicle keeps its heading. Smaller values turn it for noise.
 constexpr double kShortestToFace_m = 0.3;
-/// Distance of the goal on a straight part of the detour, in view. Larger values fly it faster.
+/// [m] Distance of the goal from the vehicle on a straight part of the detour in view. Larger values fly faster.
 constexpr double kAims_m = 1.0;
-/// Distance of that goal out of view, above or below. Larger values fly there faster.
+/// [m] Distance of the goal from the vehicle on a part out of view, above or below. Larger values fly faster.
 constexpr double kUnseen_m = 0.2;
-/// Range within which a view proves a place free, in sensing radii.
+/// [sensing radii] Range within which a view counts as evidence of free space. Larger values trust sparse returns.
 constexpr double kSeesFree_radii = 2.0;
-/// Step of the search for free height.
+/// [m] Step of the search for a free height. Larger values may step over thin obstacles.
 constexpr double kHeightStep_m = 0.2;
-/// Bounds of the elevation of the view's edge.
+/// [deg] Bounds of the elevation of the edge of the field of view, for the distance from which the goal is in view. The
+/// lower bound limits that distance, the upper one keeps it from 0.
 constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;
-/// Half the diagonal between samples, in steps: a centroid within it of a sample of A' lies in A'.
+/// [lattice steps] Half the diagonal of a lattice cell, sqrt(3) / 2: a centroid this close to a sample of A' lies in
+/// A'.
 constexpr double kBetweenSamples = 0.87;
 
 }  // namespace
@@ -44,8 +46,8 @@ void RblLidar::cut(const Situation& situation, RblPlanner& planner) {
   viewed_.look(situation.T_local_body.translation(), yaw_of(R_local_body), level_view(R_local_body));
 }
 
-/// Cuts a cell by the voxels hit since then. Voxels below the lowest flight level by more than the encumbrance cannot
-/// be met.
+/// Cuts a cell by the voxels with a hit since the time `since`. Voxels below the lowest flight level by more than the
+/// encumbrance are left out, since the vehicle cannot touch them.
 void RblLidar::cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Situation& situation, TimeNs since) {
   const Vector3 p_local_m = situation.T_local_body.translation();
   const double edge_m = situation.map.edge_m();
@@ -66,10 +68,10 @@ Vector3 RblLidar::next_local_m(const Situation& situation, const RblCell& cell, 
   return within_sight(situation, cell, centroid_local_m, yaw_rad);
 }
 
-/// The centroid if it lies in the presently sensed cell A', else the nearest sample of A'. The vehicle turns towards
-/// it, and stays until the heading is reached [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is
-/// approached without turning, because right above or below the vehicle it would never come into view. A goal nearly
-/// above or below does not come into view either, but may have been viewed before.
+/// The centroid if it lies in the presently sensed cell A', else the nearest sample of A'. The vehicle turns toward
+/// the centroid, and stays until the heading is reached [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is
+/// approached without turning, because a goal right above or below never comes into view. Neither does a goal steeply
+/// above or below; the vehicle approaches it slowly through positions viewed before.
 Vector3 RblLidar::within_sight(const Situation& situation, const RblCell& cell, const Vector3& centroid_local_m,
                                double& yaw_rad) {
   const Pose& T_local_body = situation.T_local_body;
@@ -93,14 +95,14 @@ Vector3 RblLidar::within_sight(const Situation& situation, const RblCell& cell, 
   const bool inside = sample >= 0 && (seen_agent_m - to_centroid_local_m).norm() <= kBetweenSamples * sensed_.step_m();
   if (inside) return centroid_local_m;
   if (separated_ && to_goal_m <= cells_.sensing_radius_m) {
-    if (const auto blindly_local_m = slowly_local_m(situation, to_centroid_local_m)) return *blindly_local_m;
+    if (const auto unviewed_local_m = slowly_local_m(situation, to_centroid_local_m)) return *unviewed_local_m;
   }
   return p_local_m + seen_agent_m;
 }
 
-/// On a detour where the cell holds the vehicle: turns along the path, and flies once the heading is reached. A place
-/// right above or below never comes into view; the vehicle approaches it slowly, and only where it has been or has
-/// viewed from farther away. Elsewhere its cell decides.
+/// Next goal on a detour where the centroid of the cell keeps the vehicle at rest: the vehicle turns along the path,
+/// and flies once the heading is reached. A point right above or below never comes into view. The vehicle approaches it
+/// slowly, through positions where it has been or that it has viewed; through others, as within_sight().
 Vector3 RblLidar::straight_on(const Situation& situation, const RblCell& cell, const Vector3& centroid_local_m,
                               const Vector3& next_local_m, double& yaw_rad) {
   const Vector3 p_local_m = situation.T_local_body.translation();
@@ -112,19 +114,19 @@ Vector3 RblLidar::straight_on(const Situation& situation, const RblCell& cell, c
     return side.normal_local.dot(to_next_m) <= std::max(side.offset_m, 0.0);
   });
   if (in_view) return p_local_m + std::min(1.0, kAims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
-  const auto blindly_local_m = slowly_local_m(situation, to_next_m);
-  return blindly_local_m ? *blindly_local_m : within_sight(situation, cell, centroid_local_m, yaw_rad);
+  const auto unviewed_local_m = slowly_local_m(situation, to_next_m);
+  return unviewed_local_m ? *unviewed_local_m : within_sight(situation, cell, centroid_local_m, yaw_rad);
 }
 
-/// Next short step outside the view, if the vehicle has been or viewed there.
+/// Position a short step along a displacement out of view; empty if the space ahead has not been viewed.
 std::optional<Vector3> RblLidar::slowly_local_m(const Situation& situation, const Vector3& displacement_local_m) const {
   const Vector3 p_local_m = situation.T_local_body.translation();
   const double length_m = displacement_local_m.norm();
   if (length_m <= 0.0) return std::nullopt;
-  const Vector3 bit_m = std::min(1.0, kUnseen_m / length_m) * displacement_local_m;
-  const Vector3 front_m = bit_m + cells_.encumbrance_m / length_m * displacement_local_m;
+  const Vector3 step_m = std::min(1.0, kUnseen_m / length_m) * displacement_local_m;
+  const Vector3 front_m = step_m + cells_.encumbrance_m / length_m * displacement_local_m;
   if (!viewed_.contains(p_local_m + front_m, situation.map)) return std::nullopt;
-  return p_local_m + bit_m;
+  return p_local_m + step_m;
 }
 
 bool RblLidar::faces(const Pose& T_local_body, double yaw_rad) const {
@@ -136,7 +138,7 @@ std::array<HalfSpace, 2> RblLidar::view(const Matrix3& R_local_body) const {
   return field_of_view(R_local_body, config_.fov_lower_deg, config_.fov_deg, p_lidar_body_m_);
 }
 
-/// Field of view of the level vehicle: acceleration tilts the sensor for a moment.
+/// Field of view of the vehicle at zero roll and pitch, without the short tilts by which it accelerates.
 std::array<HalfSpace, 2> RblLidar::level_view(const Matrix3& R_local_body) const {
   const Vector3 ahead_local = Vector3(R_local_body(0, 0), R_local_body(1, 0), 0.0).normalized();
   Matrix3 R_local_level;

@@ -12,7 +12,7 @@
 namespace swiftlet {
 
 /// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]: the cell keeps clear of the voxels of the
-/// vehicle's own map, and the vehicle flies only where it looks.
+/// vehicle's own map, and the vehicle flies only to positions in its field of view.
 class RblLidar {
  public:
   RblLidar(const RblConfig& config, bool planar);
@@ -31,15 +31,15 @@ class RblLidar {
   /// Planes of the obstacles at the last cut, relative to the vehicle.
   std::span<const HalfSpace> cuts() const { return cuts_; }
 
-  /// Next goal on the way to the centroid of the cell, or straight along a detour.
+  /// Next goal toward the centroid of the cell, or straight along a detour.
   /// @param straight_local_m  point of the detour, if the cell holds the vehicle
   /// @param yaw_rad           commanded heading; turned towards the flight direction
   Vector3 next_local_m(const Situation& situation, const RblCell& cell, const Vector3& centroid_local_m,
                        const std::optional<Vector3>& straight_local_m, double& yaw_rad);
-  /// Heading towards a place, which need not be in view before the vehicle flies there.
+  /// Heading [rad] toward a position, for a vehicle that does not wait until the position is in view.
   static double heading_to(const Situation& situation, const Vector3& q_local_m, double yaw_rad);
 
-  /// Height nearest to the wanted one that the map shows free and the vehicle has viewed, step by step.
+  /// Height [m] nearest to the wanted one that the vehicle can reach vertically through viewed space free in the map.
   double clear_height_local_m(const Situation& situation, double wanted_m) const;
   /// Horizontal distance from the goal at which the goal lies within the vertical field of view, at the vehicle's
   /// height.

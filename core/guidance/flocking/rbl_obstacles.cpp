@@ -11,11 +11,16 @@
 namespace swiftlet {
 namespace {
 
-constexpr float kInside_m = 0.01F;  // below this distance the direction to a voxel is that to its center
+/// [m] Distance to a voxel below which the agent counts as inside. The direction to the nearest point is then
+/// undefined, so that to the center of the voxel is used.
+constexpr float kInside_m = 0.01F;
+/// [m] Tolerance of the test whether a voxel lies beyond a plane, against rounding. Larger values drop voxels that
+/// touch the cell.
+constexpr float kBeyondSlack_m = 1e-4F;
 
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
 
-/// The plane that keeps the agent clear of a voxel; an agent inside of a voxel leaves it.
+/// Plane that keeps the agent clear of a voxel. For an agent inside of the voxel, the plane lies behind the agent.
 HalfSpace voxel_cut(const Vector3& nearest_agent_m, const Vector3& center_agent_m, double encumbrance_m, double eta) {
   if (nearest_agent_m.norm() > kInside_m) return obstacle_cut(nearest_agent_m, encumbrance_m, eta);
   return {center_agent_m.norm() > kInside_m ? Vector3(center_agent_m.normalized()) : Vector3(Vector3::UnitZ()),
@@ -26,16 +31,16 @@ HalfSpace voxel_cut(const Vector3& nearest_agent_m, const Vector3& center_agent_
 
 void ObstacleCutter::cut(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
                          double edge_m, double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
-  left_.clear();
+  remaining_.clear();
   for (const Vector3& voxel_local_m : voxels_local_m) {
     const Vector3 center = voxel_local_m - p_local_m;
     const Eigen::Vector3f nearest = nearest_in_voxel(Vector3::Zero(), center, edge_m).cast<float>();
-    left_.push_back({nearest, center.cast<float>(), nearest.squaredNorm()});
+    remaining_.push_back({nearest, center.cast<float>(), nearest.squaredNorm()});
   }
-  while (!left_.empty()) {
-    const auto first = std::min_element(left_.begin(), left_.end(), [](const Candidate& a, const Candidate& b) {
-      return a.distance_sq < b.distance_sq;
-    });
+  while (!remaining_.empty()) {
+    const auto first =
+        std::min_element(remaining_.begin(), remaining_.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.distance_sq < b.distance_sq; });
     const Candidate at = *first;
     const HalfSpace plane =
         voxel_cut(at.nearest_agent_m.cast<double>(), at.center_agent_m.cast<double>(), encumbrance_m, eta);
@@ -43,13 +48,13 @@ void ObstacleCutter::cut(RblCell& cell, const Vector3& p_local_m, std::span<cons
     cell.cut(plane);
     // Voxels beyond the plane through the nearest point are at least as far from the cell as that point.
     const Eigen::Vector3f normal = plane.normal_local.cast<float>();
-    const float beyond = std::sqrt(at.distance_sq) - 1e-4F;
+    const float beyond = std::sqrt(at.distance_sq) - kBeyondSlack_m;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < left_.size(); ++i) {
-      if (&left_[i] == &*first || normal.dot(left_[i].nearest_agent_m) >= beyond) continue;
-      left_[kept++] = left_[i];
+    for (std::size_t i = 0; i < remaining_.size(); ++i) {
+      if (&remaining_[i] == &*first || normal.dot(remaining_[i].nearest_agent_m) >= beyond) continue;
+      remaining_[kept++] = remaining_[i];
     }
-    left_.resize(kept);
+    remaining_.resize(kept);
   }
 }
 
@@ -62,17 +67,19 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_l
 }
 
 void RblLidarConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] avoid the obstacles of the map (mapping) [Kamler 2025, chapter 3]");
-  v.choice(
-      "legal", legal, {"sensed", "cell"},
-      "[-] cell A' of admissible goals: what is sensed now, or the whole cell A (authors' experiment files), each in "
-      "view");
-  v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",
+  v.field("enabled", enabled, "[-] whether the vehicle avoids obstacles in its map (mapping) [Kamler 2025, chapter 3]");
+  v.choice("legal", legal, {"sensed", "cell"},
+           "[-] cell A' of admissible goals in the field of view: cut by the voxels sensed now, or the whole cell A "
+           "(authors' "
+           "experiment files)");
+  v.field("fov_lower_deg", fov_lower_deg,
+          "[deg] gamma of (3.2): angle of the lower edge of the field of view below the sensor's horizontal plane",
           Range::between(-90.0, 90.0));
   v.field("fov_deg", fov_deg, "[deg] alpha of (3.3): vertical field of view", Range::between(1.0, 180.0));
-  v.field("facing_deg", facing_deg, "[deg] fly only when the centroid is less than this off the heading",
+  v.field("facing_deg", facing_deg,
+          "[deg] largest angle between heading and direction to the centroid at which the vehicle flies",
           Range::between(1.0, 180.0));
-  v.field("sensed_s", sensed_s, "[s] a voxel hit within this time counts as actively sensed (cell A')",
+  v.field("sensed_s", sensed_s, "[s] age of the last hit up to which a voxel counts as sensed now (cell A')",
           Range::positive());
 }
 

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShownVoxels_m = 12.0;  ///< range of the voxels in the picture
+constexpr double kShownVoxels_m = 12.0;  ///< [m] range of the voxels in the overlay; larger values are slow to draw
 
 Overlay marks(const char* name, Overlay::Kind kind, float size_m, std::vector<Eigen::Vector4f> colors = {}) {
   Overlay overlay;

@@ -7,13 +7,13 @@
 namespace swiftlet {
 namespace {
 
-/// Distance of a neighbor below which its direction is arbitrary.
+/// [m] Distance of a neighbor below which its direction is arbitrary; guards a division by 0.
 constexpr double kSamePlace_m = 1e-6;
 
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
-  return obstacle_offset_m(d, Delta, eta);  // plane of the authors' program: leaves Delta_m to the neighbor
+  return obstacle_offset_m(d, Delta, eta);  // plane of the authors' program, at least Delta from the neighbor
 }
 
 HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
@@ -94,10 +94,9 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
   v.field("eta", eta, "[-] scale of the cells: share of the distance to a neighbor that belongs to the agent",
           Range{0.0, 1.0, true, false});
-  v.choice(
-      "cut", cut, {"program", "buffered", "continued"},
-      "[-] interpretation of (2.3): plane that leaves the encumbrances free, half the gap, or the first plane at any "
-      "distance");
+  v.choice("cut", cut, {"program", "buffered", "continued"},
+           "[-] interpretation of (2.3): plane at least both encumbrances from the neighbor (program), half of the gap "
+           "between them (buffered), or the plane for distant neighbors at any distance (continued)");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

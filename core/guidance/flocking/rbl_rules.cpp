@@ -10,8 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kMostAzimuth_rad = kPi / 2.0;
-constexpr double kMostElevation_rad = kPi / 4.0;
+/// [rad] Limits of the turn of the destination: theta of (2.8), (2.11), and phi of (2.19). Larger values fly away from
+/// the goal.
+constexpr double kMostAzimuth_rad = kPi / 2.0, kMostElevation_rad = kPi / 4.0;
 
 double length_xy(const Vector3& v) { return elementary::hypot(v.x(), v.y()); }
 
@@ -19,8 +20,8 @@ double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
 }
 
-// (2.7). beta also falls with the goal in reach: with a wide weight, neighbors that rest at their own goals move the
-// centroid, and with it the vehicle, off its goal or out of the gap between them indefinitely.
+// Next beta [m] (2.7). beta also falls with the goal in reach: with a large beta, neighbors that rest at their own
+// goals shift the centroid, and keep the vehicle off its goal or out of the gap between them indefinitely.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
   const bool goal_in_reach = now.goal_agent_m.norm() < rules.weight_goal_m;
   const bool cut_off = (now.partitioned_agent_m - now.sensing_agent_m).norm() > rules.weight_gap_m;
@@ -29,7 +30,7 @@ double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, 
   return std::max(rules.beta_min_m, beta_m - (beta_m - rules.beta_desired_m) * std::min(dt_s, 1.0));
 }
 
-// (2.8), (2.11); then the reset (2.9), (2.12)
+// Next turn [rad] of the destination to the right (2.8), (2.11), then the reset (2.9), (2.12).
 double next_theta(const RblRules& rules, const RblSituation& now, double theta_rad, double dt_s) {
   const double gap_m = length_xy(now.partitioned_agent_m - now.sensing_agent_m);
   const double reach_m = length_xy(now.partitioned_agent_m);
@@ -55,7 +56,7 @@ double centering(const RblRules& rules, const RblSituation& now, double phi_rad)
   return (now.sensing_agent_m.z() - turned_m) - (turned_m - reach_m * elementary::sin(goal_rad));
 }
 
-// (2.19), then the reset of the released program
+// Next turn [rad] of the destination up (2.19), then the reset of the released program.
 double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, double dt_s) {
   const double step = rules.elevation_rate_radps * dt_s;
   double next = toward_zero(phi_rad, step);
@@ -118,29 +119,44 @@ Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, cons
 void RblRules::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   const Range non_negative = Range::non_negative();
-  v.field("weight_near_m", weight_near_m, "[m] d_1 of (2.7): c_A nearer than this ...", non_negative);
-  v.field("weight_gap_m", weight_gap_m, "[m] d_2 of (2.7): ... and farther than this from c_S: beta falls",
+  v.field("weight_near_m", weight_near_m,
+          "[m] d_1 of (2.7): beta falls if c_A is nearer than this to the agent, and farther than d_2 from c_S",
+          non_negative);
+  v.field("weight_gap_m", weight_gap_m, "[m] d_2 of (2.7): least distance of c_A from c_S at which beta falls",
           non_negative);
   v.field("weight_goal_m", weight_goal_m,
-          "[m] ... or nearer than this to the goal (r_s: the goal lies in S): beta falls; not in the document, where "
-          "it is 0",
+          "[m] beta falls too if c_A is nearer than d_1 and the goal nearer than this; at r_s, the goal lies in S; 0: "
+          "as in "
+          "the document",
           non_negative);
-  v.field("azimuth_near_m", azimuth_near_m, "[m] d_3 of (2.8), (2.11)", non_negative);
-  v.field("azimuth_gap_m", azimuth_gap_m, "[m] d_4 of (2.8), (2.11)", non_negative);
-  v.field("elevation_near_m", elevation_near_m, "[m] d_5 of (2.15), vertical", non_negative);
-  v.field("elevation_gap_m", elevation_gap_m, "[m] d_6 of (2.15), vertical", non_negative);
+  v.field("azimuth_near_m", azimuth_near_m,
+          "[m] d_3 of (2.8), (2.11): horizontal distance of c_A below which theta grows, with d_4", non_negative);
+  v.field("azimuth_gap_m", azimuth_gap_m,
+          "[m] d_4 of (2.8), (2.11): horizontal distance of c_A from c_S above which theta grows, with d_3",
+          non_negative);
+  v.field("elevation_near_m", elevation_near_m,
+          "[m] d_5 of (2.15): vertical distance of c_A below which phi changes, with d_6", non_negative);
+  v.field("elevation_gap_m", elevation_gap_m,
+          "[m] d_6 of (2.15): vertical distance of c_A from c_S above which phi changes, with d_5", non_negative);
   v.field("elevation_shrink_m", elevation_shrink_m,
-          "[m] d_7 of (2.15): by how much the neighbors shorten the horizontal path", non_negative);
-  v.field("beta_desired_m", beta_desired_m, "[m] beta^D of (2.7): the smaller, the more direct", positive);
-  v.field("beta_min_m", beta_min_m, "[m] beta_min of (2.7); not in the document, 0.1 in the authors' later program",
-          positive);
-  v.field("weight_rate_mps", weight_rate_mps, "[m/s] k of (2.7)", non_negative);
-  v.field("azimuth_rate_radps", azimuth_rate_radps, "[rad/s] k of (2.8), (2.11)", non_negative);
-  v.field("azimuth_return_radps", azimuth_return_radps, "[rad/s] back to 0; k in print, 2 in the authors' 2D program",
+          "[m] d_7 of (2.15): horizontal distance by which c_A is nearer than c_S, above which phi changes",
           non_negative);
-  v.field("elevation_rate_radps", elevation_rate_radps, "[rad/s] k of (2.19)", non_negative);
-  v.field("centering_weight", centering_weight, "[-] w_1 of (2.18)", non_negative);
-  v.field("direction_weight", direction_weight, "[-] w_2 of (2.18)", non_negative);
+  v.field("beta_desired_m", beta_desired_m,
+          "[m] beta^D of (2.7): weighting length without conflict; smaller values fly more directly to the goal",
+          positive);
+  v.field("beta_min_m", beta_min_m,
+          "[m] beta_min of (2.7): least weighting length; not in the document, 0.1 in the authors' later program",
+          positive);
+  v.field("weight_rate_mps", weight_rate_mps, "[m/s] k of (2.7): rate at which beta falls", non_negative);
+  v.field("azimuth_rate_radps", azimuth_rate_radps, "[rad/s] k of (2.8), (2.11): rate at which theta grows",
+          non_negative);
+  v.field("azimuth_return_radps", azimuth_return_radps,
+          "[rad/s] rate at which theta returns to 0; k in print, 2 in the authors' 2D program", non_negative);
+  v.field("elevation_rate_radps", elevation_rate_radps, "[rad/s] k of (2.19): rate of phi", non_negative);
+  v.field("centering_weight", centering_weight, "[-] w_1 of (2.18): weight of the height of c_S in the sign of phi",
+          non_negative);
+  v.field("direction_weight", direction_weight,
+          "[-] w_2 of (2.18): weight of the direction to the goal in the sign of phi", non_negative);
   v.choice("azimuth_condition", azimuth_condition, {"near", "printed"},
            "[-] turn when c_A is nearer than d_3 (stuck; the authors' program), or farther (as printed)");
   v.choice(
@@ -150,15 +166,16 @@ void RblRules::visit(ConfigVisitor& v) {
   v.choice("elevation_condition", elevation_condition, {"gap", "printed"},
            "[-] first part of (2.15): vertical gap above d_6 and c_A nearer than d_5, or below d_6 as printed");
   v.field("elevation_shrink_absolute", elevation_shrink_absolute,
-          "[-] second part of (2.15) with its absolute value, as printed");
+          "[-] whether the second part of (2.15) takes the absolute value, as printed");
   v.choice("direction_influence", direction_influence, {"north", "printed", "program"},
            "[-] (2.17): +1 to the north, -1 to the south (the text), the printed formula, or the authors' program");
   v.choice("elevation_sense", elevation_sense, {"level", "up", "printed"},
            "[-] positive phi turns the destination up, and its own turn counts backwards in (2.18); up, and counts as "
            "printed; or down, as (2.20) is printed");
-  v.field("elevation_reset", elevation_reset, "[-] phi at its limit without effect falls to 0 (the authors' program)");
-  v.field("azimuth_rule", azimuth_rule, "[-] the right-hand rule (2.8) to (2.12)");
-  v.field("elevation_rule", elevation_rule, "[-] the z-rule (2.15) to (2.19); never in 2D");
+  v.field("elevation_reset", elevation_reset,
+          "[-] whether phi falls to 0 at its limit when it has no effect (the authors' program)");
+  v.field("azimuth_rule", azimuth_rule, "[-] whether the right-hand rule (2.8) to (2.12) is applied");
+  v.field("elevation_rule", elevation_rule, "[-] whether the z-rule (2.15) to (2.19) is applied; never in 2D");
   v.check(centering_weight + direction_weight > 0.0, "direction_weight", "a weight above 0 beside centering_weight");
   v.check(beta_min_m <= beta_desired_m, "beta_min_m", "at most beta_desired_m");
 }

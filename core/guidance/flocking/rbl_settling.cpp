@@ -7,9 +7,9 @@
 namespace swiftlet {
 namespace {
 
-/// Shortest progress that resets the patience.
+/// [m] Shortest progress that resets the patience. Larger values report a slowly approaching vehicle.
 constexpr double kSettlingStep_m = 0.1;
-/// Time without progress after which a wait without a known reason is reported, in multiples of the patience.
+/// [settle_s] Time without progress after which a wait without a known reason is reported.
 constexpr double kUnexplained = 2.0;
 
 double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {

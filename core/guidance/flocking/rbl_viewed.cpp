@@ -10,9 +10,9 @@
 namespace swiftlet {
 namespace {
 
-/// Number of views kept: about 100 m of flight.
+/// [-] Number of remembered views: about 100 m of flight. Larger values remember longer and cost time in contains().
 constexpr std::size_t kLooks = 256;
-/// Displacement and turn after which a view is added. Smaller values cost memory of the path.
+/// [m], [rad] Displacement or turn after which a view is added. Smaller values shorten the remembered flight.
 constexpr double kMoved_m = 0.4, kTurned_rad = 0.2;
 
 }  // namespace

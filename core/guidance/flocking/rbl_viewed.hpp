@@ -9,7 +9,8 @@
 
 namespace swiftlet {
 
-/// Recent positions and fields of view of a vehicle. Its map shows obstacles, but not which free space was observed.
+/// Recent positions and fields of view of a vehicle, by which observed free space differs from space never seen: the
+/// map only has the obstacles.
 class RblViewed {
  public:
   /// @param reach_m    range within which a position is observed to be free

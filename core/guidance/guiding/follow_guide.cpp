@@ -238,14 +238,14 @@ void OwnClockConfig::visit(ConfigVisitor& v) {
 void ExcitationConfig::visit(ConfigVisitor& v) {
   v.field("radius_m", radius_m, "[m] half the length of the horizontal figure eight; 0: hovers instead",
           Range::between(0.0, 100.0));
-  v.field("speed_mps", speed_mps, "[m/s] speed in its center", Range{0.0, 10.0, true});
+  v.field("speed_mps", speed_mps, "[m/s] speed at the center of the figure eight", Range{0.0, 10.0, true});
 }
 
 void FollowGuideConfig::visit(ConfigVisitor& v) {
-  v.field("primary", primary, "[-] name of the guiding vehicle; empty: the first other one");
+  v.field("primary", primary, "[-] name of the guiding vehicle; empty: the first other vehicle");
   v.field("odometry_rate_hz", odometry_rate_hz, "[Hz] rate of odometry reports to the guide",
           Range::between(0.01, 1000.0));
-  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] largest horizontal speed, and largest vertical speed", Range::positive());
   v.field("visited_m", visited_m, "[m] distance within which a waypoint counts as visited", Range::positive());
   v.field("link_timeout_s", link_timeout_s, "[s] time without a path from the guide after which the vehicle hovers",
           Range::positive());

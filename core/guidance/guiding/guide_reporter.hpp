@@ -14,7 +14,7 @@ class GuideReporter {
   explicit GuideReporter(const GuideConfig& config)
       : config_(config), period_(from_seconds(1.0 / config.guiding_rate_hz)) {}
 
-  /// The next path is a new one; it is sent even if no path is sent periodically.
+  /// Marks the path as new, so that it is sent even if paths are not sent periodically.
   void start_path() { was_path_sent_ = false; }
   /// Sends the messages that are due.
   void send(const GuidanceInput& input, const GuidedTeam& team, const GuidedPath& path, MissionStatus mission,

@@ -43,7 +43,7 @@ class GuidedTeam {
   std::vector<Vector3> hovering_local_m() const;
   bool all_ready() const;
   bool all_were_known() const;
-  /// [m] radius of the figure that the moving vehicle is requested to fly, to be found again; 0: none.
+  /// [m] Radius of the figure that the moving vehicle is requested to fly, so that it can be localized again; 0: none.
   double figure_m() const { return figure_m_; }
 
   bool has_more_goals() const;

@@ -34,7 +34,7 @@ TeamPlan LegPlanner::plan_leg(const GuidanceInput& input, const PlannedPose& fro
 }
 
 void LegPlanner::append_counters(std::vector<Counter>& counters) const {
-  const char* what = "searches for a path that were given up";
+  const char* what = "path searches that ended at their budget";
   counters.push_back({what, num_given_up_primary_, num_plans_, "planner.primary.max_expansions"});
   counters.push_back({what, num_given_up_secondary_, num_plans_, "planner.secondary.max_expansions"});
 }

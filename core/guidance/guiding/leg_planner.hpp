@@ -20,10 +20,10 @@ class LegPlanner {
   bool ready(TimeNs now) const { return worker_.due(now); }
   /// Plans a leg from the present poses.
   void start(const GuidanceInput& input, const PlannedPose& from, const PlannedPose& goal, const TeamTraffic& traffic);
-  /// Plans the leg after the present one. A plan by which no vehicle can move is dropped: the leg is planned again,
-  /// with its reason, when both hover.
+  /// Plans the leg after the present one. A plan by which no vehicle can move is dropped; the leg is planned again when
+  /// both hover, and then states the reason.
   void start_next(const GuidanceInput& input, const PlannedPose& goal, double yaw_rad, const TeamTraffic& traffic);
-  /// The plan that was ready has been taken.
+  /// Drops the finished plan, after the caller has taken it.
   void finish() { worker_.stop(); }
   void reset() {
     worker_.stop();
@@ -31,7 +31,7 @@ class LegPlanner {
   }
   const std::optional<TeamPlan>& plan() const { return plan_; }
   const std::optional<TeamPlan>& next() const { return next_; }
-  /// The next leg becomes the present one.
+  /// Makes the next leg the present one.
   void take_next();
   void append_counters(std::vector<Counter>& counters) const;
 

@@ -23,7 +23,8 @@ struct SharePathsConstants {
   static constexpr int kParts = 5;
   /// [s] interval between points of the path sent. Larger values save radio capacity.
   static constexpr double kReportInterval_s = 0.2;
-  /// [m], [m/s] distance from its end and speed at which a predicted path ends. Smaller values make paths longer.
+  /// [m], [m/s] distance to the goal and speed at which the prediction of a path ends. Smaller values make paths
+  /// longer.
   static constexpr double kAtRest_m = 0.05, kAtRest_mps = 0.02;
   /// [s] period of repeated messages, against losses. Larger values save radio capacity.
   static constexpr double kRepeat_s = 0.2;
@@ -260,18 +261,21 @@ double least_distance_m(const PathInTime& a, const PathInTime& b, TimeNs from, d
 
 void SharePathsConfig::visit(ConfigVisitor& v) {
   v.field("goal_m", goal_m, "[m] world");
-  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] highest speed", Range::positive());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] distance to the goal within which the mission is done",
+          Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
-  v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other", Range::positive());
+  v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
+          Range::positive());
   v.field("period_s", period_s, "[s] period of planning", Range::positive());
-  v.field("check_s", check_s, "[s] time for which a plan waits for conflicting ones: no less than the radio's delay",
+  v.field("check_s", check_s,
+          "[s] delay check: time in which a conflicting path cancels a plan; at least the delay of the radio",
           Range::non_negative());
   v.field("longest_s", longest_s, "[s] longest duration of a plan", Range::between(0.5, 60.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
-  v.field("planar", planar, "[-] fly at the height of the start");
+  v.field("planar", planar, "[-] flight at the height of the start");
   if (!planar) v.destinations("goal_m", goal_m);
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }

@@ -11,13 +11,13 @@
 namespace swiftlet {
 namespace {
 
-/// Shorter displacements have no direction.
+/// [m] Length below which a displacement has no direction; guards a division by 0.
 constexpr double kTouching_m = 1e-6;
-/// The begun side of an evasion is left only if the other one takes this many times less time. At 1 each sample of a
-/// head-on neighbor may change the side.
+/// [-] Factor on the duration of the best evasion below which the begun side is kept. At 1 each sample of a head-on
+/// neighbor may change the side; larger values keep a side that has become long.
 constexpr double kTurnsBack = 3.0;
 
-/// Limit along a direction, from limits of the horizontal and the vertical part.
+/// Limit along a unit direction, such that its horizontal and its vertical part keep their own limits.
 double along(const Vector3& direction, double level, double vertical) {
   const double level_share = elementary::hypot(direction.x(), direction.y()), vertical_share = std::abs(direction.z());
   return 1.0 / std::max(level_share / level, vertical_share / vertical);

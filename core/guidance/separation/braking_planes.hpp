@@ -30,7 +30,7 @@ HalfSpace braking_plane(const Braking& self, const Braking& other, double distan
 /// Half-space within which the vehicle stays until its next sighting of the other: a share of the gap at the last
 /// sighting.
 ///
-/// When both vehicles use less than half, they stay apart for any motion within it and any interval between sightings.
+/// When both vehicles use less than half, they stay apart for any motion within their half-spaces and any interval.
 /// No knowledge of speeds is required.
 /// @param uncertainty_m  uncertainty of the other's position at the last sighting
 /// @return relative to `p_local_m`, the present position of the vehicle

@@ -10,7 +10,7 @@ namespace swiftlet {
 
 /// Motion of a neighbor relative to the vehicle.
 struct Encounter {
-  /// Lowest closing speed of a neighbor that is evaded or kept in view. Lower values react to braking neighbors.
+  /// [m/s] Closing speed above which a neighbor is evaded or kept in view. Smaller values react to braking neighbors.
   static constexpr double kClosing_mps = 0.5;
 
   const Neighbor& neighbor;
@@ -20,7 +20,7 @@ struct Encounter {
   /// Speed of the neighbor towards the vehicle.
   double closing_mps = distance_m > 0.0 ? std::max(0.0, -v_local_mps.dot(to_local_m) / distance_m) : 0.0;
 
-  /// Standard deviation along the line of both.
+  /// Standard deviation along the line from the vehicle to the neighbor.
   double sigma(const Matrix3& covariance) const {
     return distance_m > 0.0 ? std::sqrt(to_local_m.dot(covariance * to_local_m)) / distance_m : 0.0;
   }

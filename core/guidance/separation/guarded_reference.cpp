@@ -6,19 +6,19 @@
 namespace swiftlet {
 namespace {
 
-/// Step of the simulated braking. Larger values cost less, and misjudge the stopping point by more.
+/// [s] Step of the simulated braking. Larger values cost less, and misjudge the stopping point by more.
 constexpr double kStep_s = 0.05;
-/// Steps of the simulated period, in which the goal glides.
+/// [-] Steps of the simulated period, in which the goal moves. More steps cost time and follow the goal more closely.
 constexpr int kParts = 4;
-/// Longest simulated braking: 20 s, within which every vehicle is at rest.
+/// [steps] Longest simulated braking: 20 s, within which every vehicle is at rest.
 constexpr int kMostSteps = 400;
-/// Speed at which the vehicle counts as at rest.
+/// [m/s] Speed below which the vehicle counts as at rest. Smaller values simulate longer.
 constexpr double kStanding_mps = 0.02;
-/// Pole of the speed near rest. Larger values stop later and harder.
+/// [1/s] Deceleration per speed near rest. Larger values stop later and harder.
 constexpr double kBrakingPole_radps = 5.0;
-/// Gain on the height of a planar vehicle that brakes: critically damped.
+/// [1/s^2] Gain on the height error of a planar vehicle that brakes; this value is critically damped.
 constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;
-/// Tolerated violation of a plane, above rounding errors.
+/// [m] Tolerated violation of a plane. Must exceed rounding errors; larger values reduce the kept distance.
 constexpr double kSlack_m = 1e-3;
 
 void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {
@@ -62,7 +62,7 @@ Vector3 GuardedReference::admit(const Vector3& last_goal_local_m, const Vector3&
   const Vector3 rest_m = rest_local_m();
   const auto crosses = [&](const Vector3& q_m) {
     return std::any_of(planes.begin(), planes.end(), [&](const HalfSpace& plane) {
-      // The bound is never stricter than braking at once, or staying.
+      // A plane that braking now, or staying, violates is relaxed by that violation: no goal can do better.
       const double least_m = std::max(0.0, plane.normal_local.dot(rest_m - p_local_m));
       return plane.normal_local.dot(q_m - p_local_m) > std::max(plane.offset_m, least_m) + kSlack_m;
     });

@@ -11,13 +11,13 @@
 namespace swiftlet {
 namespace {
 
-/// Rounds of projections onto the planes. With fewer, a goal among many neighbors stays farther behind some plane, and
-/// the vehicle waits.
+/// [-] Rounds of projections onto the planes. With fewer, a goal among many neighbors stays farther behind some plane,
+/// and the vehicle waits.
 constexpr int kProjections = 30;
-/// Tolerated violation of a plane.
+/// [m] Tolerated violation of a plane by the goal. Smaller values need more rounds.
 constexpr double kOnPlane_m = 1e-3;
 
-/// Moves the point into the half-spaces, plane by plane. Returns whether it is in all of them.
+/// Moves a point into the half-spaces, plane by plane. Returns whether the point lies in all of them.
 bool move_within(std::span<const HalfSpace> planes, Vector3& q_m) {
   for (int round = 0; round < kProjections; ++round) {
     bool inside = true;

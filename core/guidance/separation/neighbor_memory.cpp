@@ -10,15 +10,19 @@
 namespace swiftlet {
 namespace {
 
-/// Variance of positions reported by radio. Larger values smooth their velocities, and delay them.
+/// [m^2] Variance of positions received by radio, per axis. Larger values smooth the estimated velocities and delay
+/// them.
 constexpr double kRadioVariance_m2 = 1e-4;
-/// Longest prediction. Beyond it the position is held, and becomes uncertain with unseen_speed_mps.
+/// [ns] Longest prediction. After that the position is held, and its uncertainty grows with unseen_speed_mps. Larger
+/// values trust old velocities.
 constexpr TimeNs kLongestAhead = 1'000'000'000;
-/// Time beyond kLongestAhead after which an unmeasured neighbor counts as at rest.
+/// [ns] Time after kLongestAhead until an unmeasured neighbor counts as at rest. Larger values brake for lost
+/// neighbors.
 constexpr TimeNs kLongestMotion = 2'000'000'000;
-/// Time constant with which the longest sample interval decays. Larger values keep the team slow after a dropout.
+/// [s] Time constant with which the longest sample interval decays. Larger values keep the team slow after a dropout.
 constexpr double kFade_s = 20.0;
-/// Longest gap that counts as a sample interval; after a longer one the neighbor is lost.
+/// [s] Longest gap between two samples that counts as an interval; after a longer one, the neighbor counts as lost.
+/// Larger values slow the team down after a dropout.
 constexpr double kLongestInterval_s = 4.0;
 
 }  // namespace
@@ -34,8 +38,7 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
            "[-] neighbors from a `neighbors` sensor (ideal: the truth), from their messages, or from the own tracks");
   v.field("timeout_s", timeout_s,
-          "[s] a neighbor within the sensor's view is forgotten after this time without a measurement",
-          Range::positive());
+          "[s] time without a measurement in the sensor's view after which a neighbor is dropped", Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
           "[m/s^2] standard deviation of a neighbor's acceleration (process noise of its filter)", Range::positive());
   v.field("first_speed_sigma_mps", first_speed_sigma_mps,
@@ -44,10 +47,11 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("unseen_speed_mps", unseen_speed_mps,
           "[m/s] growth of the position's standard deviation of an unmeasured neighbor after the first second",
           Range::non_negative());
-  v.field("remember_hidden", remember_hidden,
-          "[-] the timeout counts only while the neighbor should be in view: one in the blind sector is not "
-          "forgotten");
-  v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
+  v.field(
+      "remember_hidden", remember_hidden,
+      "[-] whether the timeout counts only while the neighbor should be in view: a neighbor in the blind sector is not "
+      "forgotten");
+  v.field("predict", predict, "[-] whether positions are predicted to the present with the filtered velocity");
 }
 
 void NeighborMemory::update(const GuidanceInput& input) {

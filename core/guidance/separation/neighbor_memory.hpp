@@ -29,7 +29,7 @@ struct Neighbor {
 struct SampleTiming {
   double latency_s = 0.0;   ///< largest latency
   double shortest_s = 0.0;  ///< shortest interval between two samples of one neighbor
-  double longest_s = 0.0;   ///< longest recent interval; a neighbor in view without measurement counts
+  double longest_s = 0.0;   ///< longest recent interval; a running gap of a neighbor in view counts too
 };
 
 /// Tracks the neighbors of a mutual-localization sensor, of radio messages, or of tracks, each by a Kalman filter with

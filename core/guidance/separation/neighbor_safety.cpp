@@ -11,35 +11,38 @@ constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Constants of the rules.
 struct Rule {
-  /// Violation of a plane beyond which the vehicle evades. Smaller values evade on noise.
+  /// [m] Violation of a plane above which the vehicle evades. Smaller values evade for noise.
   static constexpr double kViolation_m = 0.01;
-  /// Neighbors unseen for longer no longer shrink the cell below kMinCellSize_m. Larger values slow the team down after
-  /// a dropout.
+  /// [s] Time without measurement after which a neighbor no longer shrinks the cell below kMinCellSize_m. Larger values
+  /// slow the team down after a dropout.
   static constexpr double kLongUnseen_s = 5.0;
-  /// Smallest cell radius left by a neighbor unseen for long. At 0 the vehicle retreats from it indefinitely.
+  /// [m] Smallest cell radius left by a neighbor unseen for kLongUnseen_s. At 0 the vehicle retreats indefinitely.
   static constexpr double kMinCellSize_m = 1.0;
-  /// Standard deviations of its speed that a neighbor's closing speed must exceed. Larger values evade later.
+  /// [-] Standard deviations of the speed of a neighbor that its closing speed must exceed. Larger values evade later.
   static constexpr double kClosing_sigmas = 0.5;
-  /// Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
+  /// [-] Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
   static constexpr double kFaster_sigmas = 0.5;
-  /// Time before the braking paths come too close at which evasion begins.
+  /// [s] Time before the braking paths come too close at which the evasion begins. Larger values evade earlier.
   static constexpr double kEvade_s = 0.5;
-  /// An evading vehicle's goal lies this many times as far away as planned. Larger values accelerate harder.
+  /// [-] Factor on the distance of the goal of an evading vehicle. Larger values accelerate harder.
   static constexpr double kGoalExtension = 3.0;
-  /// Time after the last approach until the side of evasion is forgotten and a planar vehicle returns to its plane.
+  /// [s] Time after the last approach until the side of evasion is dropped and a planar vehicle returns to its plane.
+  /// Smaller values may return below or above a neighbor.
   static constexpr double kOutOfPlane_s = 1.5;
-  /// A planar vehicle evades upwards unless the neighbor is higher by more than this.
+  /// [m] Height of a neighbor above a planar vehicle from which the vehicle evades downwards instead of upwards.
   static constexpr double kSameHeight_m = 0.3;
-  /// Neighbors that meet the vehicle within this time at their present velocities stay in view.
+  /// [s] Time to a meeting at the present velocities within which the heading keeps a neighbor in view. Larger values
+  /// restrict the heading more.
   static constexpr double kMeetingHorizon_s = 3.0;
-  /// Time for which the vehicle keeps its own pledge, beyond two samples and lost ones.
+  /// [s] Time for which the vehicle keeps its own pledge, in addition to two sample intervals. Larger values cover more
+  /// lost samples and slow the vehicle down.
   static constexpr double kPledged_s = 1.0;
-  /// Waiting time before the start, in longest sample intervals. At 1 a single lost sample hides a neighbor.
+  /// [longest sample intervals] Waiting time before the start. At 1 a single lost sample hides a neighbor.
   static constexpr double kLookAround = 2.0;
-  /// Shorter sample intervals do not delay the start.
+  /// [s] Longest sample interval that does not delay the start.
   static constexpr double kShortInterval_s = 0.5;
 };
-/// Reserved capacity: a track that is lost and found again takes a second entry.
+/// [-] Reserved number of evasions; a track that is lost and found again takes a second entry.
 constexpr std::size_t kEvasionCapacity = 64;
 
 double range_of(const std::vector<NeighborView>& views) {
@@ -123,8 +126,8 @@ void NeighborSafety::watch(const Encounter& met, const Vector3& v_own_local_mps)
     approaching_local_m_.push_back(met.p_local_m);
 }
 
-/// Evades a neighbor that approaches without braking. A braking one is already slow. A poorly measured one is taken to
-/// be faster: its filter starts at rest.
+/// Evades a neighbor that approaches without braking: a braking neighbor is already slow. A poorly measured neighbor is
+/// taken to be faster, because its filter starts at rest.
 void NeighborSafety::maybe_evade(const Encounter& met, TimeNs now) {
   const double speed_sigma_mps = met.speed_sigma_mps();
   if (met.closing_mps <= std::max(Encounter::kClosing_mps, Rule::kClosing_sigmas * speed_sigma_mps)) return;
@@ -158,7 +161,7 @@ void NeighborSafety::evade(const Encounter& met, TimeNs now) {
   }
 }
 
-/// Plane of the vehicle's own pledge; it leaves the point of rest to the vehicle.
+/// Adds the plane of the vehicle's own pledge, which contains the point of rest.
 void NeighborSafety::add_pledge_plane(const Encounter& met, const Situation& situation) {
   // Samples may be lost, so the vehicle keeps its pledge for longer than it relies on that of the neighbor.
   const double kept_s = 2.0 * sample_gap_s(situation.timing) + situation.timing.longest_s + Rule::kPledged_s;

@@ -17,8 +17,8 @@ namespace swiftlet {
 
 /// Keeps a vehicle apart from its neighbors, whatever goals its guidance wants.
 ///
-/// Guarantee: two vehicles that both use it keep the distance D = SeparationConfig::distance_m(), less twice the
-/// control error, if
+/// Guarantee: two vehicles that both use this class keep the distance D = SeparationConfig::distance_m(), less twice
+/// the control error, if
 /// - each knows the other before it is nearer than its braking path (range, and no blind sector on the course),
 /// - the other's position at the last sample is within `sigmas` standard deviations,
 /// - both start farther apart than D.
@@ -59,7 +59,7 @@ class NeighborSafety {
   void start(const StateEstimate& estimate, TimeNs now);
 
   /// Computes the planes of the next period.
-  /// @param certain  ignores the uncertainty of neighbors, for a vehicle that it leaves no room to evade
+  /// @param certain  ignores the uncertainty of neighbors, which may leave a vehicle no room to evade
   void update(const Situation& situation, bool certain = false);
 
   /// Half-spaces for the choice of a goal, relative to the vehicle. Neighbors unseen for long leave some room in them.
@@ -68,7 +68,7 @@ class NeighborSafety {
   bool evades() const { return evades_; }
 
   /// Goal and heading that keep the vehicle within the planes. The heading keeps neighbors in view; the goal moves
-  /// towards the point of rest as far as necessary.
+  /// toward the point of rest until it is admissible.
   /// @param obstacles  further planes, which bound an evasion; relative to the vehicle
   /// @param reach_m    largest distance of the goal of an evasion
   Goal admit(const Situation& situation, Goal wanted, std::span<const HalfSpace> obstacles = {},

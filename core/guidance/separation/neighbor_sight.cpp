@@ -13,20 +13,22 @@
 namespace swiftlet {
 namespace {
 
-/// Shorter displacements give no direction.
+/// [m] Displacement below which the flight direction is undefined. Larger values turn the sensor less in slow flight.
 constexpr double kNoDirection_m = 0.3;
-/// Tangent of the tolerated horizontal angle outside the view.
-constexpr double kBesideTheView = 0.2;
-/// Speed assumed in addition to the closing speed. Larger values rate distant neighbors as more urgent.
+/// [-] Tangent of the horizontal angle outside the view that still counts as in view. Larger values turn the vehicle
+/// less.
+constexpr double kViewTolerance = 0.2;
+/// [m/s] Speed added to the closing speed of a neighbor. Larger values rate distant neighbors as more urgent.
 constexpr double kSlow_mps = 1.0;
-/// Costs of a heading. A near neighbor out of view, unseen for 1 s, costs 2.
+/// Costs [-] of a heading; larger values favor headings that avoid the cost. For comparison, a near neighbor out of
+/// view that was seen 1 s ago costs 2.
 struct Cost {
-  static constexpr double kAheadUnseen = 2.0;  ///< flight direction out of view
-  static constexpr double kComesUnseen = 5.0;  ///< each approaching neighbor out of view
-  static constexpr double kGlancePerS = 2.0;   ///< azimuth to be viewed next out of view, by second
-  static constexpr double kFreshView_s = 1.0;  ///< time since that azimuth was in view that costs nothing
+  static constexpr double kAheadUnseen = 2.0;        ///< flight direction not in view
+  static constexpr double kApproachingUnseen = 5.0;  ///< each approaching neighbor not in view
+  static constexpr double kGlancePerS = 2.0;   ///< [1/s] azimuth to be viewed next not in view, per second since it was
+  static constexpr double kFreshView_s = 1.0;  ///< [s] first part of that time, without cost
   static constexpr double kGlance = 4.0;       ///< upper limit of that cost, below that of an approaching neighbor
-  static constexpr double kPerRad = 0.01;      ///< turn; decides among headings that are equally good
+  static constexpr double kPerRad = 0.01;      ///< [1/rad] turn from the last heading; decides between equal headings
 };
 
 /// Time until the neighbor could be here, at its closing speed plus kSlow_mps; at least 1 s.
@@ -54,9 +56,9 @@ void NeighborSight::look(const Matrix3& R_local_body, TimeNs now) {
 }
 
 bool NeighborSight::sees_beside(const Vector3& direction_body) const {
-  // The tolerance vanishes right above and below.
+  // The tolerance is 0 right above and below, where azimuths are undefined.
   const double level = elementary::hypot(direction_body.x(), direction_body.y());
-  return sees(direction_body + kBesideTheView * level * Vector3::UnitX());
+  return sees(direction_body + kViewTolerance * level * Vector3::UnitX());
 }
 
 bool NeighborSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const {
@@ -84,7 +86,7 @@ double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_
     for (int k = 0; k < kHeadings; ++k) shows[i][k] = sees(R_body_local[i] * azimuth_of(k, kHeadings));
     if (!is_blind[i]) within_reach |= shows[i];
   }
-  // Azimuths are viewed one after the other; the next one is chosen once the present one was in view.
+  // Azimuths are viewed one after another: when one is in view, the one not viewed for longest is next.
   if (glance_ >= 0 && (looked_[glance_] == now || !within_reach[glance_])) glance_ = -1;
   if (glance_ < 0) {
     for (int k = 0; k < kHeadings; ++k) {
@@ -100,10 +102,10 @@ double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_
         cost += (1.0 + to_seconds(now - neighbor.seen)) / time_to_meet_s(neighbor, to_m);
     }
     for (const Vector3& approaching_m : approaching_local_m) {
-      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += Cost::kComesUnseen;
+      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += Cost::kApproachingUnseen;
     }
     if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += Cost::kAheadUnseen;
-    // In flight, the heading leaves the flight direction only as far as that stays in view.
+    // In flight, only headings with the flight direction in view earn this term.
     if (glance_ >= 0 && (is_blind[i] || !shows[i][glance_])) {
       const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - Cost::kFreshView_s);
       cost += std::min(Cost::kGlance, Cost::kGlancePerS * overdue_s);

@@ -16,21 +16,21 @@ class NeighborSight {
   /// @param views  none: all around
   explicit NeighborSight(std::vector<NeighborView> views) : views_(std::move(views)) {}
 
-  /// The heading that keeps neighbors out of the blind sector, those unseen for longest and soonest here first, then
-  /// faces the flight direction. It turns to azimuths that were not viewed for long; in flight, only as far as the
-  /// flight direction stays in view.
+  /// Heading [rad] that keeps neighbors out of the blind sector, with priority for those unseen for longest and closest
+  /// in time, and then the flight direction in view. It turns to azimuths that were not viewed for long; in flight,
+  /// only as far as the flight direction stays in view.
   /// @param approaching_local_m  positions of neighbors that may have to be evaded; they stay in view
   double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
                  std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now);
 
-  /// Are neighbors in the flight direction in view? Tolerates directions slightly outside the view.
+  /// True if neighbors in the flight direction would be in view. Tolerates directions slightly outside the view.
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;
 
  private:
   static constexpr int kHeadings = 24;
 
   bool sees(const Vector3& p_body_m) const;
-  /// Is the unit direction in view, or slightly outside?
+  /// True if a unit direction is in view, or slightly outside.
   bool sees_beside(const Vector3& direction_body) const;
   void look(const Matrix3& R_local_body, TimeNs now);
 

@@ -15,12 +15,13 @@ MotionLimits SeparationConfig::within(MotionLimits limits) const {
 }
 
 void SeparationConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] braking planes, pledges and evasion keep vehicles apart; false: the guidance alone");
+  v.field("enabled", enabled,
+          "[-] whether braking planes, pledges and evasion keep vehicles apart; false: the guidance alone does");
   v.field("margin_m", margin_m, "[m] margin for the control error, added to the sum of the encumbrances",
           Range::non_negative());
-  v.field("sigmas", sigmas, "[-] standard deviations of a neighbor's position by which it counts as nearer",
+  v.field("sigmas", sigmas, "[-] standard deviations of a neighbor's position that are subtracted from its distance",
           Range::non_negative());
-  v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other: wakes push down",
+  v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
           Range::positive());
   v.field("reaction_s", reaction_s, "[s] delay before a vehicle brakes, added to the period of the updates",
           Range::non_negative());
@@ -38,7 +39,7 @@ void SeparationConfig::visit(ConfigVisitor& v) {
 void KeepApartConfig::visit(ConfigVisitor& v) {
   SeparationConfig::visit(v);
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
-  v.field("update_rate_hz", update_rate_hz, "[Hz] rate of the planes and of the admitted goal",
+  v.field("update_rate_hz", update_rate_hz, "[Hz] rate at which planes and admitted goal are computed",
           Range::between(1e-3, 1e5));
   v.field("z_min_m", z_min_m, "[m] lowest height of an evasion");
   v.field("z_max_m", z_max_m, "[m] highest height of an evasion");

@@ -21,11 +21,11 @@ struct FlockObstacleConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022). Informed vehicles fly to the goal. Uninformed ones
-/// follow the neighbor whose path is the most persistent and the most similar to the others'. All avoid collisions.
+/// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022). Informed vehicles fly to the goal. Uninformed vehicles
+/// follow the neighbor whose path is the most persistent and the most similar to the other paths. All avoid collisions.
 /// Both measures in their standard forms:
 /// - Persistence is the distance between the ends of the remembered path over its length.
-/// - Similarity is the mean cosine between its direction of motion and those of the other paths.
+/// - Similarity is the mean cosine between the displacement of the path and those of the other paths.
 ///
 /// All motion is horizontal.
 struct PacnavConfig : ModuleConfigOf<PacnavConfig> {

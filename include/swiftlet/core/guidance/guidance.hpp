@@ -15,7 +15,7 @@ namespace swiftlet {
 /// Data that guidance receives before the start.
 struct GuidanceSetup {
   const AgentSetup& agent;
-  MotionLimits limits;  ///< limits of the reference governor that follows
+  MotionLimits limits;  ///< limits of the reference governor, the next stage
 };
 
 /// Inputs of guidance in one tick; references are valid for this call only. All quantities are in the local frame,
@@ -43,7 +43,7 @@ struct GuidanceOutput {
   const char* note = "";  ///< reason of a failure or a wait
 };
 
-/// Inputs that guidance requires from the stages before it.
+/// Inputs that guidance requires from earlier stages.
 struct GuidanceNeeds {
   bool clouds = false;
   bool map = false;

@@ -29,8 +29,8 @@ struct GuidedVehicleConfig {
 
 /// Guides another vehicle without exteroceptive sensors along a path that is clear in the guide's map [Pritzl 2024].
 /// The guide plans for both vehicles while both hover, and flies to a viewpoint from which it observes the path. Then
-/// it sends the path in the other's body frame, repeatedly, until the goal is reached. With several guided vehicles,
-/// one moves and the others hover.
+/// it sends the path in the guided vehicle's body frame, repeatedly, until the goal is reached. With several guided
+/// vehicles, one moves and the others hover.
 struct GuideConfig : ModuleConfigOf<GuideConfig> {
   /// When the next leg is planned. kAlternate: while both hover [Pritzl 2024]. kAhead: while the guided vehicle flies.
   /// kTogether: as kAhead, and both fly at the same time; the guide sends the part of the path that it observes.

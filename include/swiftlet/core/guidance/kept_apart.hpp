@@ -8,8 +8,9 @@
 
 namespace swiftlet {
 
-/// A guidance whose goals NeighborSafety admits: behind a plane, the goal moves to a point before it. The vehicle
-/// yields, waits and evades, but does not resolve deadlocks. The guidance itself if `config` is not enabled.
+/// Wraps a guidance so that NeighborSafety admits its goals: a goal behind a plane is moved in front of the plane. The
+/// vehicle yields, waits and evades, but does not resolve deadlocks. Returns the guidance itself if `config` is
+/// disabled.
 /// @param planar  the guidance flies at one height
 std::unique_ptr<Guidance> kept_apart(std::unique_ptr<Guidance> guidance, const KeepApartConfig& config,
                                      const GuidanceSetup& setup, bool planar = false);

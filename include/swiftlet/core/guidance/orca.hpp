@@ -39,10 +39,10 @@ struct OrcaPlane {
   Vector3 normal_local = Vector3::UnitX();  ///< unit length
 };
 
-/// Constraint of a vehicle on its velocity due to another vehicle.
+/// Constraint on the velocity of a vehicle by another vehicle [van den Berg et al. 2011, sec. 4].
 /// @param to_other_local_m  position of the other relative to the vehicle
 /// @param distance_m        distance to keep
-/// @param horizon_s         time for which to keep it
+/// @param horizon_s         time for which the velocities keep this distance
 /// @param step_s            time in which vehicles that are already too near separate
 OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps, const Vector3& other_v_local_mps,
                      double distance_m, double horizon_s, double step_s);

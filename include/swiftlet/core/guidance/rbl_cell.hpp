@@ -41,10 +41,10 @@ class RblCell {
   int num_samples() const { return num_samples_; }  ///< number of samples of S
   int num_partitioned() const;                      ///< number of samples of A
   Vector3 point(int sample) const { return at(first_sample_ + sample); }
-  bool contains(int sample) const;  ///< is the sample in A?
+  bool contains(int sample) const;  ///< whether the sample is in A
   /// Sample of A that is nearest to `wanted_agent_m`; -1 when A is empty.
   int nearest_partitioned(const Vector3& wanted_agent_m) const;
-  /// Sample of S with the smallest maximum violation of the half-spaces; the target when A is empty.
+  /// Sample of S whose largest violation of a half-space is the smallest; replaces the centroid when A is empty.
   /// @param num_soft  number of soft half-spaces at the beginning; violations of the others weigh more
   Vector3 least_violating(const std::vector<HalfSpace>& cuts,
                           std::size_t num_soft = std::numeric_limits<std::size_t>::max()) const;

@@ -21,7 +21,8 @@ struct RblDetourConfig {
   int retries = 3;
   ClearPathConfig planner;
 
-  /// The exit of a dead end is unseen, so unknown space counts as free, and any path serves rather than the shortest.
+  /// The exit of a dead end is not in view, so unknown space counts as free. Any path suffices, so the search is
+  /// greedy.
   RblDetourConfig() {
     planner.clearance_m = 0.75;
     planner.unknown_is_free = true;

@@ -50,7 +50,7 @@ class ObstacleCutter {
     float distance_sq;
   };
 
-  std::vector<Candidate> left_;
+  std::vector<Candidate> remaining_;
 };
 
 /// Field of view of the tilted sensor (3.2-3.4) as two half-spaces relative to the vehicle: the region ahead between

@@ -32,15 +32,15 @@ struct RblCellConfig {
 /// @param Delta_m        sum of the two encumbrances
 HalfSpace neighbor_cut(const Vector3& to_neighbor_local_m, double Delta_m, double eta, RblCellConfig::Cut cut);
 
-/// Distance that an agent may advance toward an obstacle point at this distance and keep its encumbrance clear.
+/// Distance [m] that an agent may advance toward an obstacle point at distance `d` with its encumbrance kept clear.
 inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
   return distance_m >= 2.0 * encumbrance_m ? encumbrance_m + eta * (distance_m - 2.0 * encumbrance_m)
                                            : distance_m - encumbrance_m;
 }
-/// Half-space of obstacle_offset_m() toward the point.
+/// Half-space of the cell on the agent's side of an obstacle point, at obstacle_offset_m().
 HalfSpace obstacle_cut(const Vector3& to_point_local_m, double encumbrance_m, double eta);
 
-/// Cells, centroids and rules of one agent: all of (2.3) to (2.20). Its only memory is beta, theta and phi.
+/// Cells, centroids and rules of one agent: all of (2.3) to (2.20). Between updates it only stores beta, theta and phi.
 class RblPlanner {
  public:
   RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);

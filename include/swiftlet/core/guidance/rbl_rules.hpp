@@ -11,7 +11,7 @@ namespace swiftlet {
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
-  double weight_goal_m = 3.5;       ///< beta also falls for goals nearer than this; not in the document (0: off)
+  double weight_goal_m = 3.5;       ///< goal distance below which beta falls too; 0: never, as in the document
   double azimuth_near_m = 0.5;      ///< d_3
   double azimuth_gap_m = 1.0;       ///< d_4
   double elevation_near_m = 0.5;    ///< d_5
@@ -69,7 +69,7 @@ Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, cons
 /// @param phi_rad  elevation of the present destination
 double vertical_influence(const RblRules& rules, const RblSituation& now, double phi_rad = 0.0);
 
-/// Omega (2.15): the condition for leaving the level of the goal.
+/// Omega (2.15): condition for flight above or below the direct path to the goal.
 bool wants_elevation(const RblRules& rules, const RblSituation& now);
 
 }  // namespace swiftlet

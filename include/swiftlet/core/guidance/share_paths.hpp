@@ -36,13 +36,14 @@ std::unique_ptr<Guidance> make_share_paths(const ModuleConfig& config, const Gui
 struct PathInTime {
   TimeNs t = 0;
   double interval_s = 0.1;
-  std::vector<Vector3> places_local_m;  ///< at least one
+  std::vector<Vector3> places_local_m;  ///< [m] positions every interval_s from t on; at least one
 
   Vector3 at_local_m(TimeNs now) const;
   TimeNs end() const { return t + from_seconds(interval_s * static_cast<double>(places_local_m.size() - 1)); }
 };
 
-/// Smallest distance between two paths from a time on. Heights are scaled by `distance_m / vertical_m`.
+/// Smallest distance [m] between two paths from a time on. Heights are scaled by `distance_m / vertical_m`, so that a
+/// vertical separation of vertical_m counts as distance_m: downwash needs more room.
 double least_distance_m(const PathInTime& a, const PathInTime& b, TimeNs from, double distance_m, double vertical_m);
 
 }  // namespace swiftlet
