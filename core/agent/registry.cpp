@@ -15,7 +15,7 @@ constexpr AgentType kAgentTypes[] = {
      stack_needs,
      stack_guidance,
      stack_overlays},
-    {{"none", "motors at idle: a dummy", make_module_config<NoneConfig>}, make_none, nullptr, nullptr, draws_nothing},
+    {{"none", "idle motors, no flight", make_module_config<NoneConfig>}, make_none, nullptr, nullptr, draws_nothing},
 };
 
 }  // namespace

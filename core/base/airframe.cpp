@@ -8,7 +8,7 @@
 namespace swiftlet {
 
 void Rotor::visit(ConfigVisitor& v) {
-  v.field("position_m", position_m, "[m] hub in the body frame", Range::between(-10.0, 10.0));
+  v.field("position_m", position_m, "[m] position of the hub in the body frame", Range::between(-10.0, 10.0));
   v.choice("spin", spin, {"ccw", "cw"}, "[-] sense of rotation seen from above");
 }
 
@@ -16,29 +16,30 @@ void Airframe::visit(ConfigVisitor& v) {
   v.field("mass_kg", mass_kg, "[kg] take-off mass with payload; the rotors must be able to carry 1.1 times its weight",
           Range::between(0.001, 1000.0));
   v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2,
-          "[kg m^2] principal moments about the body axes; none exceeds the sum of the other two",
+          "[kg m^2] principal moments of inertia about the body axes; none exceeds the sum of the other two",
           Range::between(1e-8, 1000.0));
-  v.field("arm_length_m", arm_length_m, "[m] center to rotor hub", Range::between(0.001, 10.0));
+  v.field("arm_length_m", arm_length_m, "[m] distance from center to rotor hub", Range::between(0.001, 10.0));
   v.field("body_height_m", body_height_m, "[m] height of the body", Range::between(0.001, 10.0));
   v.field("body_radius_m", body_radius_m, "[m] radius of the central plates", Range::between(0.001, 10.0));
-  v.field("leg_height_m", leg_height_m, "[m] center of mass to the ground when standing on the legs",
+  v.field("leg_height_m", leg_height_m,
+          "[m] height of the center of mass above the ground when the vehicle stands on the legs",
           Range::between(0.001, 10.0));
   v.field("propeller_radius_m", propeller_radius_m, "[m]", Range::between(0.001, 10.0));
   v.field("propeller_blades", propeller_blades, "[-] blades of a propeller", Range::between(2, 6));
-  v.field("thrust_constant_N_per_radps2", thrust_constant_N_per_radps2, "[N/(rad/s)^2] thrust = constant * speed^2",
-          Range::between(1e-12, 1.0));
-  v.field("torque_to_thrust_m", torque_to_thrust_m, "[m] drag torque of a rotor = this * thrust",
-          Range{0.0, 10.0, true});
+  v.field("thrust_constant_N_per_radps2", thrust_constant_N_per_radps2,
+          "[N/(rad/s)^2] thrust of a rotor per squared rotor speed", Range::between(1e-12, 1.0));
+  v.field("torque_to_thrust_m", torque_to_thrust_m, "[m] drag torque of a rotor per thrust", Range{0.0, 10.0, true});
   v.field("rotor_inertia_kgm2", rotor_inertia_kgm2,
           "[kg m^2] moment of inertia of motor bell and propeller about the axis", Range::between(0.0, 1.0));
   v.field("motor_time_constant_up_s", motor_time_constant_up_s, "[s] first-order lag when speeding up",
           Range::between(1e-4, 10.0));
   v.field("motor_time_constant_down_s", motor_time_constant_down_s, "[s] first-order lag when slowing down",
           Range::between(1e-4, 10.0));
-  v.field("rotor_speed_min_radps", rotor_speed_min_radps, "[rad/s] at command 0", Range::between(0.0, 1e5));
-  v.field("rotor_speed_max_radps", rotor_speed_max_radps, "[rad/s] at command 1", Range{0.0, 1e5, true});
+  v.field("rotor_speed_min_radps", rotor_speed_min_radps, "[rad/s] rotor speed at command 0", Range::between(0.0, 1e5));
+  v.field("rotor_speed_max_radps", rotor_speed_max_radps, "[rad/s] rotor speed at command 1", Range{0.0, 1e5, true});
   v.field("rotor_drag_N_per_radps_mps", rotor_drag_N_per_radps_mps,
-          "[N/((rad/s)(m/s))] in-plane drag of a rotor = this * speed * velocity", Range::between(0.0, 1.0));
+          "[N/((rad/s)(m/s))] in-plane drag of a rotor per rotor speed and velocity in the rotor plane",
+          Range::between(0.0, 1.0));
   v.field("body_drag_area_m2", body_drag_area_m2, "[m^2] drag coefficient times area along the body axes",
           Range::between(0.0, 100.0));
   v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the frame at the LiDAR's wavelength",

@@ -10,7 +10,7 @@ namespace swiftlet {
 
 void CaptureVolume::visit(ConfigVisitor& v) {
   v.field("offset_m", offset_m,
-          "[m] center of the volume relative to the vehicle's: ahead, left, up; level at any tilt");
+          "[m] center of the volume relative to that of the vehicle: ahead, left, up; level at any tilt");
   v.field("radius_m", radius_m, "[m] radius of the opening", Range::positive());
   v.field("height_m", height_m, "[m] height of the volume; 0: a disc", Range::non_negative());
   v.field("rearm_m", rearm_m, "[m] distance from the center beyond which a captured target can be captured again",

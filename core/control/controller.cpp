@@ -17,7 +17,8 @@ constexpr double kAirDensity_kgpm3 = 1.225;
 /// Gains derived from the airframe's motors; numbers in the configuration override them.
 ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {
   const auto given_or = [](double given, double derived) { return given > 0.0 ? given : derived; };
-  // Delay in the rate loop: the part of the lag that is not compensated, and one and a half ticks.
+  // Delay in the rate loop [s]: the part of the motors' lag that is not compensated, and one and a half ticks. Each
+  // outer loop is slower than the loop inside by a fixed factor.
   const double motor_lag_s = 0.5 * (airframe.motor_time_constant_up_s + airframe.motor_time_constant_down_s);
   const double lag_s = (1.0 - config.motor_lead) * motor_lag_s + 1.5 * tick_s;
   const double rate = given_or(config.rate_radps, std::clamp(0.5 / lag_s, 4.0, 35.0));
@@ -35,17 +36,17 @@ ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& co
   return gains;
 }
 
-Vector3 cut(const Vector3& vector, double longest) {
+Vector3 limit_norm(const Vector3& vector, double longest) {
   const double length = vector.norm();
   return length > longest ? Vector3(vector * (longest / length)) : vector;
 }
 
-/// Rotation with b3 along `thrust` and heading `yaw` (Mellinger and Kumar, sec. III).
+/// Attitude with the body's z axis along a unit vector and heading `yaw` [rad] (Mellinger and Kumar 2011, sec. III).
 Matrix3 attitude_for(const Vector3& thrust_direction, double yaw) {
   const Vector3 heading_left(-elementary::sin(yaw), elementary::cos(yaw), 0.0);
   Matrix3 R;
   R.col(2) = thrust_direction;
-  R.col(0) = heading_left.cross(R.col(2)).normalized();  // thrust points up, so this never vanishes
+  R.col(0) = heading_left.cross(R.col(2)).normalized();  // nonzero, since the thrust points up
   R.col(1) = R.col(2).cross(R.col(0));
   return R;
 }
@@ -84,17 +85,20 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("attitude_radps", attitude_radps, "[rad/s] commanded rate per rad of tilt error; 0: from the airframe",
           range);
-  v.field("rate_radps", rate_radps, "[1/s] acceleration per roll or pitch rate error; 0: from the airframe", range);
+  v.field("rate_radps", rate_radps, "[1/s] angular acceleration per error of roll or pitch rate; 0: from the airframe",
+          range);
   v.field("yaw_attitude_radps", yaw_attitude_radps, "[rad/s] rate per rad of heading error; 0: from the airframe",
           range);
-  v.field("yaw_rate_radps", yaw_rate_radps, "[1/s] acceleration per yaw rate error; 0: from the airframe", range);
+  v.field("yaw_rate_radps", yaw_rate_radps,
+          "[1/s] angular acceleration per error of the yaw rate; 0: from the airframe", range);
   v.field("tilt_max_deg", tilt_max_deg, "[deg] limit of the angle between thrust and vertical",
           Range{0.0, 85.0, true, false});
   v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] limit of commanded roll and pitch rates",
           Range::positive());
   v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] limit of the commanded yaw rate", Range::positive());
   v.field("motor_lead", motor_lead, "[-] share of the motors' lag that is compensated", Range::between(0.0, 0.9));
-  v.field("drag_compensation", drag_compensation, "[-] feed forward the airframe's drag in still air");
+  v.field("drag_compensation", drag_compensation,
+          "[-] whether the commanded thrust compensates the airframe's drag in still air");
 }
 
 MultirotorController::MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s)
@@ -108,7 +112,7 @@ MultirotorController::MultirotorController(const Airframe& airframe, const Contr
 }
 
 const MultirotorController::Commands& MultirotorController::idle(double dt_s) {
-  follow_motors(dt_s);
+  predict_rotor_speeds(dt_s);
   integral_mps2_.setZero();
   wanted_ = {};
   saturated_ = false;
@@ -127,9 +131,10 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
                       std::isfinite(reference.yaw_rate_radps) && jerk_local_mps3.allFinite() && std::isfinite(dt_s);
   if (!usable) return idle(std::isfinite(dt_s) ? dt_s : 0.0);
   dt_s = std::clamp(dt_s, 1e-4, 0.1);
-  follow_motors(dt_s);
+  predict_rotor_speeds(dt_s);
 
-  // Specific thrust in the local frame for the wanted acceleration and the weight, bounded to stay near upright.
+  // Specific thrust [m/s^2] in the local frame for the wanted acceleration and against gravity. Its vertical part stays
+  // above 0.2 g, so that the vehicle stays upright.
   const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
   thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
@@ -169,37 +174,39 @@ Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate,
   const Vector3 p_error = reference.position_m - estimate.T_local_body.translation();
   const Vector3 v_error = reference.velocity_mps - estimate.v_local_mps;
   const Vector3 feedback = gains_.position * p_error + gains_.velocity * v_error;
-  const Vector3 limited = cut(feedback, config_.feedback_max_mps2);
+  const Vector3 limited = limit_norm(feedback, config_.feedback_max_mps2);
 
   // Anti-windup: integrate only while neither the feedback nor the thrust is at its limit, and never beyond the bound.
   if (!saturated_ && feedback.squaredNorm() <= config_.feedback_max_mps2 * config_.feedback_max_mps2) {
-    integral_mps2_ = cut(integral_mps2_ + gains_.integral * dt_s * p_error, config_.integral_max_mps2);
+    integral_mps2_ = limit_norm(integral_mps2_ + gains_.integral * dt_s * p_error, config_.integral_max_mps2);
   }
   Vector3 wanted = reference.acceleration_mps2 + limited + integral_mps2_;
   if (config_.drag_compensation) wanted -= drag_mps2(estimate.T_local_body.linear(), reference.velocity_mps);
   return wanted;
 }
 
-/// Acceleration by body and rotor drag in still air, in the plane of the rotors and along the present axis.
+/// Acceleration [m/s^2] by the drag of body and rotors in still air at the present attitude and rotor speeds, local
+/// axes; at most 5 m/s^2.
 Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const {
   const Vector3 v_body = R_local_body.transpose() * v_local_mps;
   double speed_sum = 0.0;
   for (int i = 0; i < airframe_.num_rotors(); ++i) speed_sum += rotor_speed_radps_[i];
   Vector3 force_body = -0.5 * kAirDensity_kgpm3 * v_body.norm() * airframe_.body_drag_area_m2.cwiseProduct(v_body);
   force_body.head<2>() -= airframe_.rotor_drag_N_per_radps_mps * speed_sum * v_body.head<2>();
-  return cut(R_local_body * force_body / airframe_.mass_kg, 5.0);
+  return limit_norm(R_local_body * force_body / airframe_.mass_kg, 5.0);
 }
 
 /// Predicts the rotor speeds under the last command (first-order lag, exact over the step).
-void MultirotorController::follow_motors(double dt_s) {
+void MultirotorController::predict_rotor_speeds(double dt_s) {
   if (dt_s != decay_dt_s_) {
     decay_dt_s_ = dt_s;
     decay_up_ = elementary::exp(-dt_s / airframe_.motor_time_constant_up_s);
     decay_down_ = elementary::exp(-dt_s / airframe_.motor_time_constant_down_s);
-    // A motor that is commanded this share of the difference has an effective lag of (1 - lead) of its own.
-    const double rest = 1.0 - config_.motor_lead;
+    // Factor of the commanded change of speed with which the motor's effective time constant is (1 - motor_lead) times
+    // its own.
+    const double lag_share = 1.0 - config_.motor_lead;
     const auto lead = [&](double tau, double decay) {
-      return (1.0 - elementary::exp(-dt_s / (rest * tau))) / (1.0 - decay);
+      return (1.0 - elementary::exp(-dt_s / (lag_share * tau))) / (1.0 - decay);
     };
     lead_up_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_up_s, decay_up_) : 1.0;
     lead_down_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_down_s, decay_down_) : 1.0;

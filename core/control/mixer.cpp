@@ -60,19 +60,20 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const int n = num_rotors_;
   Column tilt = inverse_.col(1) * wanted.torque_body_Nm.x() + inverse_.col(2) * wanted.torque_body_Nm.y();
 
-  // Roll and pitch are scaled together if they exceed the span of a rotor.
+  // Roll and pitch torque are scaled together, so that their direction is kept: their forces must span no more than a
+  // rotor's range, and must not take a rotor below its least force while the vehicle's weight is lifted.
   const double span = max_force_N_ - min_force_N_;
   const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
-  double part = std::min(1.0, span / std::max(tilt_span, 1e-12));
+  double scale = std::min(1.0, span / std::max(tilt_span, 1e-12));
   const double lifted_N = std::max(wanted.thrust_N, lift_N);
   for (int i = 0; i < n; ++i) {
     const double room_N = std::max(lifted_N * inverse_(i, 0) - min_force_N_, 0.0);
-    if (tilt[i] < 0.0 && inverse_(i, 0) > 1e-9) part = std::min(part, -room_N / tilt[i]);
+    if (tilt[i] < 0.0 && inverse_(i, 0) > 1e-9) scale = std::min(scale, -room_N / tilt[i]);
   }
-  tilt *= part;
+  tilt *= scale;
 
-  // Thrust is shifted so that roll and pitch fit. Column 0 has the share of each rotor, so the bounds are taken per
-  // rotor.
+  // Thrust is moved into the range in which no rotor exceeds its limits with roll and pitch. Column 0 of the inverse is
+  // each rotor's share of the thrust.
   double least = 0.0, greatest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < n; ++i) {
     const double share = inverse_(i, 0);

@@ -21,16 +21,19 @@ void replace_if_given(double& value, double given) {
 
 void MotionLimitsConfig::visit(ConfigVisitor& v) {
   v.choice("set", set, {"slow", "medium", "fast", "agile"},
-           "[-] the limits to start from; a number other than 0 below replaces one");
+           "[-] set of limits; a value other than 0 of a key below replaces a limit of the set");
   const Range range = Range::non_negative();
-  v.field("horizontal_speed_mps", horizontal_speed_mps, "[m/s] 0: as the set", range);
-  v.field("horizontal_acceleration_mps2", horizontal_acceleration_mps2, "[m/s^2] 0: as the set", range);
-  v.field("horizontal_jerk_mps3", horizontal_jerk_mps3, "[m/s^3] 0: as the set", range);
-  v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] 0: as the set", range);
-  v.field("vertical_acceleration_mps2", vertical_acceleration_mps2, "[m/s^2] 0: as the set", range);
-  v.field("vertical_jerk_mps3", vertical_jerk_mps3, "[m/s^3] 0: as the set", range);
-  v.field("heading_rate_degps", heading_rate_degps, "[deg/s] 0: as the set", range);
-  v.field("heading_acceleration_degps2", heading_acceleration_degps2, "[deg/s^2] 0: as the set", range);
+  v.field("horizontal_speed_mps", horizontal_speed_mps, "[m/s] largest horizontal speed; 0: from the set", range);
+  v.field("horizontal_acceleration_mps2", horizontal_acceleration_mps2,
+          "[m/s^2] largest horizontal acceleration; 0: from the set", range);
+  v.field("horizontal_jerk_mps3", horizontal_jerk_mps3, "[m/s^3] largest horizontal jerk; 0: from the set", range);
+  v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] largest vertical speed; 0: from the set", range);
+  v.field("vertical_acceleration_mps2", vertical_acceleration_mps2,
+          "[m/s^2] largest vertical acceleration; 0: from the set", range);
+  v.field("vertical_jerk_mps3", vertical_jerk_mps3, "[m/s^3] largest vertical jerk; 0: from the set", range);
+  v.field("heading_rate_degps", heading_rate_degps, "[deg/s] largest rate of the heading; 0: from the set", range);
+  v.field("heading_acceleration_degps2", heading_acceleration_degps2,
+          "[deg/s^2] largest angular acceleration of the heading; 0: from the set", range);
 }
 
 MotionLimits MotionLimitsConfig::resolve() const {

@@ -4,8 +4,9 @@
 namespace swiftlet {
 namespace {
 
-/// [s] Longest time since the last measurement at which a track that meets the net is a capture. The net hangs where a
-/// level LiDAR sees nothing; shorter times miss captures, after longer ones a maneuvering target may be elsewhere.
+/// [s] Longest time since the last measurement at which a track that meets the net is a capture. The net hangs below
+/// the field of view of a level LiDAR: shorter times miss captures, and after longer ones a maneuvering target has
+/// moved on.
 constexpr double kBlindTimeout_s = 1.0;
 
 }  // namespace

@@ -15,7 +15,7 @@ struct NetSighting {
 };
 
 /// Decides from the own track whether the net has captured the target: by the rule of the true captures, applied to a
-/// track that was measured a moment ago. A target counts again once it has been farther than the net's `rearm_m`.
+/// track that was measured recently. A target counts again once it has been farther than the net's `rearm_m`.
 class CaptureJudge {
  public:
   explicit CaptureJudge(const CaptureVolume& net) : net_(net) {}

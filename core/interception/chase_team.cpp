@@ -13,12 +13,16 @@ namespace {
 using Status = ChaseReport::Status;
 
 struct TeamTuning {
-  double report_timeout_s = 1.0;  ///< [s] age beyond which a report is ignored
-  double report_period_s = 0.1;   ///< [s] period of reports
-  /// [s] Advantage in arrival time that another interceptor needs to take the lead. At 0 the lead alternates.
+  /// [s] Age from which a report is ignored. Larger values bridge longer dropouts, but avoid teammates where they were.
+  double report_timeout_s = 1.0;
+  /// [s] Period of reports. Smaller values load the radio and follow teammates more closely.
+  double report_period_s = 0.1;
+  /// [s] Advantage in arrival time that another interceptor needs to take the lead. At 0 the lead alternates
+  /// between vehicles with similar arrival times; larger values keep a slower leader.
   double lead_hold_s = 0.3;
-  /// [m] Largest distance between a report and a track for the track to be that teammate's: of any track, and of the
-  /// own target's, which may hang in the teammate's net.
+  /// [m] Distance between a teammate's reported position and a track up to which the track is taken for the teammate.
+  /// The second gate is that of the own target's track: the target may hang in the teammate's net, close to it. Larger
+  /// gates take intruders near a teammate for the teammate.
   double track_gate_m = 2.5, target_gate_m = 1.0;
   /// [-] Share of the clearance that a leader keeps from yielding interceptors. At 1 they can block it.
   double leader_share = 0.5;
@@ -83,12 +87,13 @@ void ChaseTeam::recognize(std::span<const Track> tracks, std::uint32_t target) {
     if (!received.fresh) continue;
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const Track& track : tracks) {
-      const Vector3 off_m = track.position_m - received.teammate.at(track.t);
-      if (off_m.norm() > (track.id == target ? kTeam.target_gate_m : kTeam.track_gate_m) || off_m.norm() >= nearest_m)
+      const Vector3 offset_m = track.position_m - received.teammate.at(track.t);
+      if (offset_m.norm() > (track.id == target ? kTeam.target_gate_m : kTeam.track_gate_m) ||
+          offset_m.norm() >= nearest_m)
         continue;
-      nearest_m = off_m.norm();
+      nearest_m = offset_m.norm();
       received.track = track.id;
-      received.teammate.offset_local_m = off_m;
+      received.teammate.offset_local_m = offset_m;
     }
   }
 }
@@ -121,12 +126,12 @@ void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
   for (std::size_t i = 0; i < teammates_.size(); ++i) {
     const Teammate& teammate = teammates_[i].teammate;
     if (!teammates_[i].fresh || !teammate.same_target || !teammate.chases()) continue;
-    // A leader has come nearer since its report, a yielding interceptor has not.
+    // The time since a report counts for a leader, which flies to the target, but not for a yielding interceptor.
     const bool led = teammate.status == Status::kLeads;
-    const double its_s = rank_s(teammate.arrival_s - (led ? to_seconds(now - teammate.t) : 0.0), led);
+    const double teammate_s = rank_s(teammate.arrival_s - (led ? to_seconds(now - teammate.t) : 0.0), led);
     const auto id = static_cast<VehicleId>(i);
-    if (its_s > least_s || (its_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
-    least_s = its_s;
+    if (teammate_s > least_s || (teammate_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
+    least_s = teammate_s;
     leader_ = id;
   }
   leads_ = leader_ == self_;

@@ -21,14 +21,15 @@ struct Teammate {
   ChaseReport::Status status = ChaseReport::Status::kIdle;
   TimeNs t = 0;  ///< time of the report
   double arrival_s = 0.0;
-  PathAhead path;                            ///< from the report's time on
-  PointState target;                         ///< at the report's time
-  bool same_target = false;                  ///< has the same target as this vehicle
-  Vector3 offset_local_m = Vector3::Zero();  ///< offset of its track from its reported position
+  PathAhead path;            ///< from the report's time on
+  PointState target;         ///< at the report's time
+  bool same_target = false;  ///< has the same target as this vehicle
+  Vector3 offset_local_m =
+      Vector3::Zero();  ///< displacement from the reported position to the track of the interceptor
 
   Vector3 at(TimeNs now) const { return path.at(to_seconds(now - t)); }
   PointState target_at(TimeNs now) const;
-  /// Sees a target and chases it.
+  /// True if the interceptor tracks a target and chases it.
   bool chases() const { return status == ChaseReport::Status::kLeads || status == ChaseReport::Status::kYields; }
   bool has_target() const { return chases() || status == ChaseReport::Status::kSearches; }
 };
@@ -45,7 +46,7 @@ class ChaseTeam {
   /// @param target  id of the own target; 0: none
   void recognize(std::span<const Track> tracks, std::uint32_t target);
   bool is_teammate(std::uint32_t track) const;
-  /// Does another interceptor lead the chase of the target at this position?
+  /// True if another interceptor leads the chase of the target at this position.
   bool has_leader(const Vector3& p_local_m, TimeNs now) const;
   /// Marks interceptors with the same target.
   /// @param tolerance_m  between both estimates
@@ -56,13 +57,13 @@ class ChaseTeam {
   void decide(TimeNs now, std::optional<double> arrival_s);
   bool leads() const { return leads_; }
   bool yields() const { return leader_ != kNoVehicle && leader_ != self_; }
-  /// Appends all interceptors, to be kept clear of. A leader keeps half the clearance from those that yield to it, and
-  /// these plan with more.
+  /// Appends all interceptors as moving obstacles. A leader keeps half the clearance from yielding interceptors, which
+  /// plan with more.
   void append_moving_obstacles(TimeNs now, double clearance_m, double yield_clearance_m,
                                std::vector<MovingObstacle>& moving_obstacles) const;
-  /// Has a teammate captured the own target?
+  /// True if a teammate has captured the own target.
   bool has_captured() const;
-  /// An interceptor that sees a target; null: none. One that takes this vehicle for its target does not count.
+  /// Interceptor that tracks a target other than this vehicle; null: none.
   const Teammate* chasing(const Vector3& own_local_m, TimeNs now) const;
 
   bool is_report_due(TimeNs now) const { return !teammates_.empty() && now >= next_report_; }

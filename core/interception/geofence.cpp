@@ -6,9 +6,10 @@
 namespace swiftlet {
 
 void GeofenceConfig::visit(ConfigVisitor& v) {
-  v.field("min_m", min_m, "[m] lowest corner, world; its height keeps vehicle and net off the ground");
-  v.field("max_m", max_m, "[m] highest corner, world");
-  v.field("patience_s", patience_s, "[s] time outside the fence after which a target is given up",
+  v.field("min_m", min_m,
+          "[m] corner of smallest coordinates, world frame; the height keeps vehicle and net off the ground");
+  v.field("max_m", max_m, "[m] corner of largest coordinates, world frame");
+  v.field("patience_s", patience_s, "[s] time outside the fence after which a target is abandoned",
           Range::non_negative());
   v.check((max_m.array() > min_m.array()).all(), "max_m", "more than min_m in each direction");
 }

@@ -7,17 +7,18 @@ namespace swiftlet {
 void ChasePlanConfig::visit(ConfigVisitor& v) {
   v.field("steps", steps, "[-] number of steps of the plan", Range::between(2, ChaseMpc::kMaxSteps));
   v.field("meeting_s", meeting_s, "[s] duration of the meeting", Range::positive());
-  v.field(
-      "reach_share", reach_share,
-      "[-] share of the net's radius within which plans meet the target; at larger ones sooner, but nearer to the rim",
-      Range{0.0, 1.0, true, false});
+  v.field("reach_share", reach_share,
+          "[-] share of the net's radius within which plans meet the target; larger values meet earlier, but nearer to "
+          "the rim",
+          Range{0.0, 1.0, true, false});
   v.object("solver", solver, "solver of the condensed problem");
 }
 
 void InterceptConfig::visit(ConfigVisitor& v) {
   v.choice("method", method, {"mpc", "frpn", "proportional_navigation", "pure_pursuit"},
-           "[-] plan by model predictive control, or one of the laws with which that is compared");
-  v.field("target", target, "[-] vehicle to catch, with tracker ground_truth only; empty: the nearest track");
+           "[-] method: plan by model predictive control, or a pursuit law as a baseline");
+  v.field("target", target,
+          "[-] name of the vehicle to capture, with the tracker ground_truth only; empty: the nearest track");
   v.field("captures", captures, "[-] number of captures until the mission is done; 0: without end",
           Range::non_negative());
   v.object("net", net, "the capture volume");
@@ -33,9 +34,10 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.field("yield_clearance_m", yield_clearance_m, "[m] distance of plans from another interceptor that arrives sooner",
           Range::non_negative());
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});
-  v.field("track_timeout_s", track_timeout_s, "[s] age beyond which a track is lost", Range::positive());
+  v.field("track_timeout_s", track_timeout_s, "[s] age above which a track counts as lost", Range::positive());
   v.field("after_capture_s", after_capture_s,
-          "[s] longest time for which a captured target is left before the next approach", Range::non_negative());
+          "[s] longest time for which the vehicle flies away from a captured target before the next approach",
+          Range::non_negative());
   v.object("plan", plan, "plan of method mpc");
   v.object("prediction", prediction, "prediction of the target");
   v.object("gains", gains, "gains of the other methods");

@@ -13,8 +13,8 @@ class InterceptStates {
 
   /// Observations of one tick.
   struct Inputs {
-    bool sees_target = false;        ///< there is a track of the target
-    bool had_target = false;         ///< there was one before; false: a teammate reported the target
+    bool sees_target = false;        ///< the target has a track
+    bool had_target = false;         ///< the target has had a track before; false: a teammate reported it
     bool is_outside = false;         ///< the target is outside the fence
     bool is_reported = false;        ///< a teammate sees a target, and this vehicle goes there
     bool is_armed = false;           ///< the net may capture again
@@ -26,14 +26,14 @@ class InterceptStates {
   explicit InterceptStates(const InterceptConfig& config);
 
   void step(const Inputs& inputs, double dt_s);
-  /// The target was a teammate: waits for another one.
+  /// The target was a teammate: waits for another target.
   void drop_target();
 
   State state() const { return state_; }
   bool is(State state) const { return state_ == state; }
   /// Pursues a target, or leaves it after a capture.
   bool has_target() const { return is(State::kChasing) || is(State::kLeaving); }
-  /// Some state was entered since the last call.
+  /// True if a state was entered since the last call.
   bool take_entry();
   /// Time for which the target has been outside the fence.
   double outside_s() const { return outside_s_; }

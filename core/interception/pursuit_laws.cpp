@@ -7,9 +7,10 @@
 namespace swiftlet {
 
 void PursuitGains::visit(ConfigVisitor& v) {
-  v.field("pure_pursuit", pure_pursuit, "[1/s^2] acceleration toward the target by distance", Range::positive());
-  v.field("proportional_navigation", proportional_navigation, "[-] navigation constant", Range::positive());
-  v.field("frpn", frpn, "[-] G of FRPN", Range::positive());
+  v.field("pure_pursuit", pure_pursuit, "[1/s^2] G of pure pursuit: acceleration toward the target per distance",
+          Range::positive());
+  v.field("proportional_navigation", proportional_navigation, "[-] N of proportional navigation", Range::positive());
+  v.field("frpn", frpn, "[-] G of FRPN: gain of the acceleration", Range::positive());
 }
 
 double time_to_go_s(const PursuitGains& gains, const RelativeMotion& relative) {

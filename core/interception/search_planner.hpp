@@ -6,14 +6,14 @@
 
 namespace swiftlet {
 
-/// Goal of a vehicle that searches its lost target, or goes where a teammate sees one. Local frame.
+/// Goals of a vehicle that searches its lost target, or a target reported by a teammate. Local frame.
 class SearchPlanner {
  public:
   explicit SearchPlanner(const TargetSearchConfig& config) : search_(config) {}
 
   /// Begins at the last prediction of a lost target.
   void begin(const TargetPrediction& lost);
-  /// Begins where a teammate reports its target by now.
+  /// Begins at the present position of a target reported by a teammate.
   void begin(const Teammate& teammate, TimeNs now);
   /// Counts the time of a tick. True when update() is due.
   bool tick(double dt_s);

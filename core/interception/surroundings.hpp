@@ -29,10 +29,10 @@ struct MovingObstacle {
   }
 };
 
-/// All that an interceptor must keep clear of, as of now.
+/// Present obstacles of an interceptor: fence, map and moving obstacles.
 struct Surroundings {
   Geofence fence;
-  const OccupancyView* map = nullptr;  ///< null: no obstacles are known
+  const OccupancyView* map = nullptr;  ///< null: no map
   double clearance_m = 1.0;            ///< from the vehicle's center to occupied cells
   std::vector<MovingObstacle> moving_obstacles;
 
@@ -49,7 +49,7 @@ struct Surroundings {
 Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
                      const MotionLimits& limits);
 
-/// Does braking from here keep clear of everything?
+/// True if braking from here keeps clear of everything.
 /// @param allowed_m  present intrusion, which may stay
 bool can_stop(ReferenceGovernor governor, const Surroundings& surroundings, double ahead_s, double allowed_m);
 

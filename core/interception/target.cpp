@@ -230,10 +230,10 @@ void TargetConfig::visit(ConfigVisitor& v) {
       "[-] hover at the start; straight from point to point; a curve through the start; random smooth flight; away "
       "from objects that the tracker follows");
   v.field("seed", seed, "[-] random seed of the flight");
-  v.field("speed_mps", speed_mps, "[m/s] greatest speed", Range::positive());
-  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest acceleration", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] lowest corner of the box of the flight, world");
-  v.field("area_max_m", area_max_m, "[m] highest corner of the box, world");
+  v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
+  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] largest acceleration", Range::positive());
+  v.field("area_min_m", area_min_m, "[m] corner of smallest coordinates of the box of the flight, world frame");
+  v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
   v.field("radius_m", radius_m, "[m] radius of circle and figure eight; larger if the speed requires it",
           Range::positive());
   v.field("leg_min_m", leg_min_m, "[m] least distance between successive points of line, random and evasive",

@@ -20,7 +20,7 @@ constexpr ParticleTuning kParticle;
 }  // namespace
 
 void TargetSearchConfig::visit(ConfigVisitor& v) {
-  v.field("timeout_s", timeout_s, "[s] time of a search after which the target is given up", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] duration of a search after which it has failed", Range::positive());
   v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] standard deviation of the lost target's acceleration",
           Range::positive());
   v.field("speed_max_mps", speed_max_mps, "[m/s] upper limit of the lost target's speed", Range::positive());

@@ -21,7 +21,7 @@ class TargetSelection {
   void forget() { id_.reset(); }
 
   bool is_named() const { return named_id_.has_value(); }
-  /// Track of the present or lost target; empty: there was none.
+  /// Track of the present or lost target; empty: no target so far.
   std::optional<std::uint32_t> id() const { return id_; }
   /// Prediction from the present time on; of a lost target from its last track on.
   const TargetPrediction& prediction() const { return prediction_; }

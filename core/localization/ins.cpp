@@ -124,7 +124,7 @@ class InsEstimator : public StateEstimator {
   InsConfig config_;
   InsFilter filter_;  // in the local frame
   Vector3 start_m_;
-  bool heading_known_, place_known_;  // is the pose of the local frame in the world known?
+  bool heading_known_, place_known_;  // whether heading and position of the local frame in the world are known
   StateEstimate estimate_;
   const char* fault_ = "";
 };
@@ -326,10 +326,10 @@ void InsConfig::visit(ConfigVisitor& v) {
   v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] standard deviation of the start pose's heading", positive);
   v.field("start_ground_sigma_m", start_ground_sigma_m,
           "[m] standard deviation of the height of the ground below the start", positive);
-  v.field("use_gnss", use_gnss, "[-] position and velocity");
-  v.field("use_altimeter", use_altimeter, "[-] height above the surface below");
+  v.field("use_gnss", use_gnss, "[-] whether position and velocity of GNSS are used");
+  v.field("use_altimeter", use_altimeter, "[-] whether the height above the surface below is used");
   v.field("use_compass", use_compass, "[-] heading");
-  v.field("use_odometry", use_odometry, "[-] velocity in body axes");
+  v.field("use_odometry", use_odometry, "[-] whether the velocity of odometry, in body axes, is used");
   v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps,
           "[m/s] standard deviation of the odometry's velocity", positive);
   v.field("ground_walk_m_sqrt_m", ground_walk_m_sqrt_m,

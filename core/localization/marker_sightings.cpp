@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; racks and signs shine, too
+constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; also racks and signs are bright
 constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
 // iterations that center a body on its returns: markers lie below and before the center
 constexpr int kRecenterings = 2;

@@ -42,12 +42,12 @@ void RelativeFilterConfig::visit(ConfigVisitor& v) {
   v.field("drift_factor_max", drift_factor_max,
           "[-] largest factor of the odometry's drift that is estimated from sightings; 1: drift as configured",
           Range::between(1.0, 1000.0));
-  v.field("odometry_sigma_m", odometry_sigma_m, "[m] white noise of its odometry's position, by axis",
-          Range::positive());
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] white noise of its odometry's velocity",
-          Range::positive());
-  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] white noise of its odometry's heading",
-          Range::non_negative());
+  v.field("odometry_sigma_m", odometry_sigma_m,
+          "[m] white noise of the position of the other vehicle's odometry, by axis", Range::positive());
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps,
+          "[m/s] white noise of the velocity of the other vehicle's odometry", Range::positive());
+  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg,
+          "[deg] white noise of the heading of the other vehicle's odometry", Range::non_negative());
   v.field("history_s", history_s, "[s] largest delay of a sighting or an odometry sample", Range::between(0.1, 60.0));
 }
 

@@ -280,41 +280,44 @@ void check_names(ConfigVisitor& v, const std::string& other, const std::vector<s
 }  // namespace
 
 void SlidingWindowConfig::visit(ConfigVisitor& v) {
-  v.field("other", other,
-          "[-] name of the vehicle to localize, which reports its odometry (follow_guide); empty: the first other one");
+  v.field(
+      "other", other,
+      "[-] name of the vehicle to localize, which reports its odometry (follow_guide); empty: the first other vehicle");
   v.field("others", others,
-          "[-] names, when there are several; they are distinguished by their motion and must move differently");
+          "[-] names of several vehicles, which are distinguished by their motion and must move differently");
   v.choice("source", source, {"detections", "tracks", "markers"},
            "[-] source of sightings: detections, the clusters on which tracks were corrected, or all bright returns of "
            "a scan");
   v.field("marker_reflectivity", marker_reflectivity,
-          "[-] least reflectivity of a sighting's brightest return for it to be of the other's markers (1: white "
+          "[-] least reflectivity of the brightest return of a sighting of markers (1: white "
           "Lambertian, retro-reflectors 10 and more); 0: no markers, all sightings count",
           Range::non_negative());
   v.field("body_radius_m", body_radius_m,
           "[m] with markers: radius around a vehicle's center in which all returns belong to it",
           Range{0.0, 2.0, true});
-  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of that center, by axis",
+  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of the center of a sighting, by axis",
           Range::positive());
   v.field("marker_memory_s", marker_memory_s,
-          "[s] with tracks: time after its last bright return in which a track still counts as the other's",
+          "[s] with tracks: time after its last bright return for which a track counts as the marked vehicle",
           Range::non_negative());
   v.field("center_behind_m", center_behind_m,
           "[m] distance from the middle of the returns to the center of the other, along the line of sight: only its "
           "near side is seen",
           Range::between(-1.0, 1.0));
-  v.field("center_above_m", center_above_m, "[m] height of that center above the middle of the returns",
+  v.field("center_above_m", center_above_m, "[m] height of the center of the vehicle above the middle of the returns",
           Range::between(-1.0, 1.0));
   v.choice("clock", clock, {"synchronized", "one_way"},
-           "[-] the other's clock: synchronized with the own one (NTP), or any, estimated from the fastest message");
+           "[-] clock of the other vehicle: synchronized with the own one (NTP), or any, estimated from the fastest "
+           "message");
   v.field("position_sigma_max_m", position_sigma_max_m,
-          "[m] standard deviation of its position above which it counts as lost", Range::positive());
-  v.field("reacquire_s", reacquire_s,
-          "[s] time with bright sightings elsewhere, but none at the expected position, after which it counts as lost",
-          Range::positive());
+          "[m] standard deviation of its position above which the other vehicle is lost", Range::positive());
+  v.field(
+      "reacquire_s", reacquire_s,
+      "[s] time with bright sightings elsewhere, but none at the expected position, after which the vehicle is lost",
+      Range::positive());
   v.object("alignment", alignment, "sliding window that estimates the transform between the local frames");
-  v.object("filter", filter, "Kalman filter of its position, velocity and alignment");
-  v.object("drift", drift, "drift of its odometry");
+  v.object("filter", filter, "Kalman filter of position, velocity and alignment of the other vehicle");
+  v.object("drift", drift, "drift of the other vehicle's odometry");
   v.check(source != Source::kMarkers || marker_reflectivity > 0.0, "marker_reflectivity", "more than 0 with markers");
   check_names(v, other, others);
 }
@@ -322,11 +325,12 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
 void SharedWorldConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
           "[-] name of the vehicle to localize, which reports its odometry and started from a known pose; empty: the "
-          "first other one");
-  v.field("others", others, "[-] names, when there are several");
-  v.field("sigma_m", sigma_m, "[m] standard deviation of its position, by axis", Range::positive());
-  v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] standard deviation of its heading", Range::positive());
-  v.field("timeout_s", timeout_s, "[s] time without a message after which its position is unknown", Range::positive());
+          "first other vehicle");
+  v.field("others", others, "[-] names of several vehicles");
+  v.field("sigma_m", sigma_m, "[m] standard deviation of the reported position, by axis", Range::positive());
+  v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] standard deviation of the reported heading", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] time without a message after which a vehicle's position is unknown",
+          Range::positive());
   check_names(v, other, others);
 }
 

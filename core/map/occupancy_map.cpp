@@ -288,10 +288,13 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1.0, true, true});
   v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
   v.field("p_max", p_max, "[-] upper limit of a cell's probability", Range{0.5, 1.0, true, true});
-  v.field("range_max_m", range_max_m, "[m] length up to which rays hit and clear", Range{0.0, 1000.0, true});
-  v.field("keep_radius_m", keep_radius_m, "[m] cells farther from the vehicle are dropped", Range{0.0, 1e5, true});
+  v.field("range_max_m", range_max_m,
+          "[m] largest length of rays; longer ones clear cells up to this length, without a hit",
+          Range{0.0, 1000.0, true});
+  v.field("keep_radius_m", keep_radius_m, "[m] distance from the vehicle above which cells are dropped",
+          Range{0.0, 1e5, true});
   v.field("distance_max_m", distance_max_m,
-          "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
+          "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
           Range{0.0, 1000.0, true});
   v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < p_max, "p_occupied",
           "more than p_miss and less than p_max");

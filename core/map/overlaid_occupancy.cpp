@@ -66,7 +66,7 @@ CellState OverlaidOccupancy::state(const Vector3& p_local_m) const {
   for (const KeepOut& keep_out : keep_outs_) {
     if (keep_out.contains(center_local_m)) return CellState::kOccupied;
   }
-  return below_.state(p_local_m);
+  return map_.state(p_local_m);
 }
 
 template <class Accept>
@@ -86,7 +86,7 @@ void OverlaidOccupancy::append_cells(const Vector3& min_local_m, const Vector3& 
           if (!keep_out.contains(cell_local_m) || !accept(cell_local_m)) continue;
           const bool listed = std::any_of(keep_outs_.begin(), keep_outs_.begin() + static_cast<std::ptrdiff_t>(i),
                                           [&](const KeepOut& other) { return other.contains(cell_local_m); });
-          if (!listed && below_.state(cell_local_m) != CellState::kOccupied) centers_local_m.push_back(cell_local_m);
+          if (!listed && map_.state(cell_local_m) != CellState::kOccupied) centers_local_m.push_back(cell_local_m);
         }
       }
     }
@@ -95,7 +95,7 @@ void OverlaidOccupancy::append_cells(const Vector3& min_local_m, const Vector3& 
 
 void OverlaidOccupancy::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
                                         std::vector<Vector3>& centers_local_m) const {
-  below_.occupied_within(center_local_m, radius_m, since, centers_local_m);
+  map_.occupied_within(center_local_m, radius_m, since, centers_local_m);
   const double half_m = 0.5 * edge_m();
   append_cells(center_local_m.array() - radius_m - edge_m(), center_local_m.array() + radius_m + edge_m(),
                centers_local_m, [&](const Vector3& cell_local_m) {
@@ -106,7 +106,7 @@ void OverlaidOccupancy::occupied_within(const Vector3& center_local_m, double ra
 
 void OverlaidOccupancy::occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
                                     std::vector<Vector3>& centers_local_m) const {
-  below_.occupied_in(min_local_m, max_local_m, centers_local_m);
+  map_.occupied_in(min_local_m, max_local_m, centers_local_m);
   const double half_m = 0.5 * edge_m();
   append_cells(min_local_m, max_local_m, centers_local_m, [&](const Vector3& cell_local_m) {
     return (cell_local_m.array() + half_m >= min_local_m.array()).all() &&
@@ -115,20 +115,20 @@ void OverlaidOccupancy::occupied_in(const Vector3& min_local_m, const Vector3& m
 }
 
 double OverlaidOccupancy::distance_m(const Vector3& p_local_m, double max_m) const {
-  double least_m = below_.distance_m(p_local_m, max_m);
+  double least_m = map_.distance_m(p_local_m, max_m);
   for (const KeepOut& keep_out : keep_outs_) least_m = std::min(least_m, keep_out.distance_m(p_local_m));
   return least_m;
 }
 
 double OverlaidOccupancy::clearance_m(const Vector3& p_local_m, double max_m) const {
-  double least_m = below_.clearance_m(p_local_m, max_m);
+  double least_m = map_.clearance_m(p_local_m, max_m);
   const Vector3 center_local_m = center_of_cell(p_local_m);
   for (const KeepOut& keep_out : keep_outs_) least_m = std::min(least_m, keep_out.distance_m(center_local_m));
   return least_m;
 }
 
 std::optional<SegmentHit> OverlaidOccupancy::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
-  std::optional<SegmentHit> first = below_.first_hit(from_local_m, to_local_m);
+  std::optional<SegmentHit> first = map_.first_hit(from_local_m, to_local_m);
   const double length_m = (to_local_m - from_local_m).norm();
   for (const KeepOut& keep_out : keep_outs_) {
     const std::optional<double> hit_distance_m = keep_out.entered_after_m(from_local_m, to_local_m);

@@ -22,8 +22,8 @@ std::vector<OccupancyMap::Ray>& ScanRays::take(const LocalCloud& cloud, const Ve
   return rays_;
 }
 
-/// Adds clearing rays for beams without return: nothing is near along them. The own body's beams have a return or a
-/// mask.
+/// Adds clearing rays for beams without return: nothing is near along such beams. Beams that hit the own body have a
+/// return or a mask.
 void ScanRays::take_without_return(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const auto far_m = static_cast<float>(rules_.clear_range_m);

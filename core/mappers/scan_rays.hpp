@@ -25,7 +25,7 @@ class ScanRays {
   /// Rays of a scan, valid until the next call.
   std::vector<OccupancyMap::Ray>& take(const LocalCloud& cloud, const VehiclesAround& vehicles);
   void append_counters(std::vector<Counter>& counters) const {
-    counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
+    counters.push_back({"returns beyond the range of the map", num_far_, num_returns_, "range_max_m"});
   }
 
  private:

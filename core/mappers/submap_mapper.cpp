@@ -56,7 +56,7 @@ class SubmapMapper : public Mapper {
 
   void append_counters(std::vector<Counter>& counters) const override {
     scan_rays_.append_counters(counters);
-    counters.push_back({"pieces of the map that were forgotten", num_forgotten_, num_finished_, "pieces_max"});
+    counters.push_back({"pieces of the map that were dropped", num_forgotten_, num_finished_, "pieces_max"});
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
@@ -313,14 +313,19 @@ class SubmapMapper : public Mapper {
 }  // namespace
 
 void SubmapMapperConfig::visit(ConfigVisitor& v) {
-  v.field("every_column", every_column, "[-] stride of the columns of a scan that are used", Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] stride of the rows of a scan that are used", Range::between(1, 10000));
-  v.field("range_min_m", range_min_m, "[m] nearer returns are the own body", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] length up to which rays hit and clear", Range{0.0, 1000.0, true});
-  v.field("clear_range_m", clear_range_m, "[m] length up to which beams without return clear; 0: they are ignored",
+  v.field("every_column", every_column, "[-] every n-th column of a scan is used", Range::between(1, 10000));
+  v.field("every_row", every_row, "[-] every n-th row of a scan is used", Range::between(1, 10000));
+  v.field("range_min_m", range_min_m, "[m] range below which returns are of the own vehicle and ignored",
+          Range::non_negative());
+  v.field("range_max_m", range_max_m,
+          "[m] largest length of rays; longer ones clear cells up to this length, without a hit",
+          Range{0.0, 1000.0, true});
+  v.field("clear_range_m", clear_range_m,
+          "[m] length up to which beams without return clear cells; 0: such beams are ignored",
           Range::between(0.0, 1000.0));
   v.field("tracked_radius_m", tracked_radius_m,
-          "[m] returns within this distance of another vehicle are left out, and farther ones with its uncertainty; 0: "
+          "[m] distance from another vehicle below which returns are ignored, extended by the uncertainty of its "
+          "position; 0: "
           "none",
           Range::non_negative());
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
@@ -339,11 +344,11 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("piece_m", piece_m, "[m] distance from its start after which a submap continues in another piece",
           Range{0.0, 200.0, true});
   v.field("covered_share", covered_share,
-          "[-] share of a piece's cells in newer pieces from which on it keeps only the others; 1: keeps all",
+          "[-] share of the cells of a piece known in newer pieces above which those cells are dropped; 1: none are",
           Range::probability());
-  v.field("pieces_max", pieces_max, "[-] most pieces; beyond, the oldest is dropped", Range::between(2, 1'000'000));
+  v.field("pieces_max", pieces_max, "[-] most pieces; a further one replaces the oldest", Range::between(2, 1'000'000));
   v.field("distance_max_m", distance_max_m,
-          "[m] largest distance to the nearest occupied cell that is cached; larger ones are searched",
+          "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
           Range{0.0, 1000.0, true});
   v.check(p_occupied < p_max, "p_occupied", "less than p_max");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");

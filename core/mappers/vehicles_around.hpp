@@ -19,7 +19,7 @@ class VehiclesAround {
   /// Call in every tick before contains().
   void update(const MapperInput& input);
 
-  /// Does a point measured at that time belong to a vehicle?
+  /// True if a point measured at that time belongs to a vehicle.
   bool contains(const Eigen::Vector3f& p_local_m, TimeNs t) const {
     return !vehicles_.empty() && marked_[cell_of(p_local_m.x(), p_local_m.y())] && is_one(p_local_m.cast<double>(), t);
   }

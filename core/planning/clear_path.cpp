@@ -244,8 +244,8 @@ bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const 
 }
 
 void ClearPathConfig::visit(ConfigVisitor& v) {
-  v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
-          Range{0.0, 20.0, true});
+  v.field("clearance_m", clearance_m,
+          "[m] least distance between cells of the path and occupied cells, center to center", Range{0.0, 20.0, true});
   v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));

@@ -222,7 +222,7 @@ class ViewpointSearch {
     return found;
   }
 
-  /// Is the region so narrow that a guide slightly off any viewpoint in it would leave it?
+  /// True if the region is so narrow that a guide slightly off any viewpoint would leave the region.
   bool is_narrow(const PlaneRegion& region) const {
     return rules_.margin_m > 0.0 && pole_of_inaccessibility(region, 0.25 * map_.edge_m()).distance_m < rules_.margin_m;
   }
@@ -270,12 +270,13 @@ GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector
 }
 
 void ViewpointRules::visit(ConfigVisitor& v) {
-  v.field("ray_max_m", ray_max_m, "[m] greatest horizontal distance from which a waypoint is watched",
+  v.field("ray_max_m", ray_max_m, "[m] largest horizontal distance from which a waypoint is observed",
           Range{0.0, 200.0, true});
-  v.field("margin_m", margin_m, "[m] radius around a viewpoint within which as much is in view; 0: as in the document",
+  v.field("margin_m", margin_m,
+          "[m] radius around a viewpoint in which all positions see the same waypoints; 0: as in the document",
           Range::between(0.0, 10.0));
   v.field("unseen_start", unseen_start,
-          "[-] if no safe point sees the beginning of the path, the rest is watched; otherwise planning fails");
+          "[-] whether the rest of the path is observed if no safe position sees its beginning; false: planning fails");
   v.choice("sight", sight, {"at_waypoint", "in_space"},
            "[-] visibility of a waypoint: in the plane at its height, or along the straight line");
   v.choice("safe_space", safe_space, {"closest", "most_visible"},

@@ -175,10 +175,10 @@ void NextViewConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 90.0));
   v.field("down_deg", down_deg, "[deg] lower edge of the LiDAR's field of view, below the horizon",
           Range::between(0.0, 90.0));
-  v.field("share_min", share_min, "[-] least share of rays that meet unknown space for a view to be flown to",
+  v.field("share_min", share_min, "[-] least share of a view's rays that meet unknown space for a flight to the view",
           Range{0.0, 1.0, true});
   v.field("step_m", step_m, "[m] spacing of the lattice that is searched", Range{0.0, 100.0, true});
-  v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is given up", Range{0.0, 100.0, true});
+  v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is abandoned", Range{0.0, 100.0, true});
   v.field("max_expansions", max_expansions, "[-] largest number of expanded points", Range::between(1, 1e9));
   v.object("path", path, "limits of the path");
   v.check(up_deg + down_deg > 0.0, "up_deg", "more than 0, or down_deg");

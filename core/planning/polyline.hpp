@@ -11,7 +11,7 @@
 namespace swiftlet {
 
 /// Joins each corner with the farthest one that a free segment reaches, found by doubling.
-/// @param is_free  (a, b): is the segment from a to b free?
+/// @param is_free  (a, b): whether the segment from a to b is free
 template <class IsFree>
 std::vector<Vector3> cut_corners(const std::vector<Vector3>& path_m, IsFree&& is_free) {
   std::vector<Vector3> corners_m = {path_m.front()};

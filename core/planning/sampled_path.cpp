@@ -236,7 +236,7 @@ ClearPath find_sampled_path(const OccupancyView& view, const ClearPathConfig& co
 }
 
 void SamplingConfig::visit(ConfigVisitor& v) {
-  v.field("step_m", step_m, "[m] greatest length of a new branch", Range::between(0.01, 100.0));
+  v.field("step_m", step_m, "[m] largest length of a new branch", Range::between(0.01, 100.0));
   v.field("margin_m", margin_m, "[m] margin around the box of start and goal in which samples lie",
           Range::between(0.0, 1e4));
   v.field("max_samples", max_samples, "[-] largest number of samples", Range::between(1, 20'000));

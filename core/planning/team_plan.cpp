@@ -99,7 +99,7 @@ class TeamPlanning {
     append_columns({&primary_local_m_, 1}, config_.primary_width_m, config_.primary_height_m, keep_outs);
     const OverlaidOccupancy map_both(map_, std::move(keep_outs));
     ClearPath path = find_clear_path(map_both, config_.secondary, secondary.p_local_m, plan_.goal_local_m);
-    // A primary in the way leaves first: its viewpoint keeps clear of the path. It cannot when both fly at once.
+    // A primary on the path leaves first, to a viewpoint clear of the path. When both fly at once, it cannot.
     const bool searched = path.status == ClearPathStatus::kFound || path.status == ClearPathStatus::kBudgetSpent;
     if (!searched && flying_.empty()) {
       path = find_clear_path(map_hovering, config_.secondary, secondary.p_local_m, plan_.goal_local_m);
@@ -189,10 +189,12 @@ void TeamPlannerConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 10.0));
   v.field("primary_width_m", primary_width_m, "[m] width of the box around the guide that is kept free",
           Range::positive());
-  v.field("primary_height_m", primary_height_m, "[m] height of that box, half of it above", Range::positive());
+  v.field("primary_height_m", primary_height_m, "[m] height of that box, with the vehicle in the middle",
+          Range::positive());
   v.field("secondary_width_m", secondary_width_m, "[m] width of the box around the guided vehicle that is kept free",
           Range::positive());
-  v.field("secondary_height_m", secondary_height_m, "[m] height of that box, half of it above", Range::positive());
+  v.field("secondary_height_m", secondary_height_m, "[m] height of that box, with the vehicle in the middle",
+          Range::positive());
   v.object("primary", primary, "limits and search of the guide's path");
   v.object("secondary", secondary, "limits and search of the guided vehicle's path");
   v.object("viewpoint", viewpoint, "viewpoints of the path");

@@ -235,7 +235,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   TimeNs latency_;
   SlamToNow slam_;
   Vector3 start_m_;
-  bool heading_known_, place_known_;  // is the pose of the local frame in the world known?
+  bool heading_known_, place_known_;  // whether heading and position of the local frame in the world are known
   std::optional<GlobalSlam> global_;
   std::optional<MapSharing> sharing_;
   CorrectionBlend blend_;

@@ -43,7 +43,7 @@ constexpr DetectorType kDetectorTypes[] = {
      make_track_before_detect,
      need_for_track_before_detect,
      "detections"},
-    {{"ground_truth", "measurements of a mutual-localization sensor; an ideal one is added if there is none",
+    {{"ground_truth", "measurements of a mutual-localization sensor; an ideal sensor is added if the vehicle has none",
       make_module_config<GroundTruthDetectorConfig>},
      make_ground_truth_detector,
      need_neighbors_to_detect,

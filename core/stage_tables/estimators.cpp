@@ -24,7 +24,7 @@ void need_lidar_and_imu(const ModuleConfig& config, AgentNeeds& needs) {
 }
 
 constexpr EstimatorType kEstimatorTypes[] = {
-    {{"ground_truth", "pose from outside: the simulator's truth, motion capture, RTK",
+    {{"ground_truth", "external pose: the simulator's truth, motion capture, RTK",
       make_module_config<GroundTruthConfig>},
      make_ground_truth_estimator,
      need_pose,

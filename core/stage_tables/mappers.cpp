@@ -28,7 +28,7 @@ constexpr MapperType kMapperTypes[] = {
      make_occupancy_mapper,
      need_for_occupancy,
      "mapping.cells"},
-    {{"submaps", "cells of the submaps of SLAM's pose graph, which move with it [Orsulic 2021]",
+    {{"submaps", "cells attached to the submaps of SLAM's pose graph, which move with the submaps [Orsulic 2021]",
       make_module_config<SubmapMapperConfig>},
      make_submap_mapper,
      need_for_submaps,

@@ -61,7 +61,7 @@ struct ShiftedPoses {
 
   /// Index of the shift with the most points on surfaces.
   std::size_t best() const;
-  /// Does the submap fit about as well after a shift? Then the apparent constraint along that direction comes from
+  /// True if the submap fits about as well after a shift: the apparent constraint along that direction then comes from
   /// errors of normals, or from ledges that meet other ledges.
   bool fits_elsewhere() const;
   /// Distance of another pose from the line of the shifted poses. A pure rotation has no line: there it is the distance

@@ -180,28 +180,31 @@ std::size_t GlobalSlam::num_points() const {
 
 void GlobalSlamConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  v.field("enabled", enabled, "[-] are loops closed and GNSS fixes used?");
-  v.field("latency_s", latency_s, "[s] time from a scan to its correction: search and optimization",
+  v.field("enabled", enabled, "[-] whether closures and GNSS fixes correct the pose of the local frame in the world");
+  v.field("latency_s", latency_s, "[s] time from a scan to its correction, for search and optimization",
           Range::between(0.0, 60.0));
   v.field("covered_share", covered_share,
-          "[-] share of a submap's points in older joined ones from which on it keeps only the others; 1: keeps all",
+          "[-] share of a submap's points in older submaps joined with it above which those points are dropped; 1: "
+          "none are",
           Range::probability());
-  v.field("visits_kept", visits_kept,
-          "[-] submaps that begin within half of submap_m of each other, at most: another one is dropped if these know "
-          "covered_share of its points; more take more memory",
-          Range::between(1, 1000));
+  v.field(
+      "visits_kept", visits_kept,
+      "[-] most submaps that begin within half of submap_m of each other; a further one is dropped if those contain "
+      "covered_share of its points; more take more memory",
+      Range::between(1, 1000));
   v.field("searches", searches, "[-] most searches for a finished submap", Range::between(0, 100));
-  v.field("use_gnss", use_gnss, "[-] do GNSS fixes constrain the trajectory?");
-  v.field("optimize_every_s", optimize_every_s, "[s] interval of optimizations with new fixes; a closure does not wait",
-          positive);
+  v.field("use_gnss", use_gnss, "[-] whether GNSS fixes constrain the trajectory");
+  v.field("optimize_every_s", optimize_every_s,
+          "[s] interval of optimizations for new fixes; a closure is optimized at once", positive);
   v.field("fit_spread_m", fit_spread_m, "[m] extent of the path from which an unknown start is fitted to GNSS",
           positive);
   v.file("map", map,
-         "map of an earlier flight, as the recorder `slam_map` writes it: the vehicle localizes itself in it");
+         "map of an earlier flight, as written by the recorder `slam_map`, in which the vehicle localizes itself");
   v.field("locate_every_m", locate_every_m,
-          "[m] flown distance between searches of a vehicle of unknown start in that map", positive);
-  v.field("locate_every_s", locate_every_s, "[s] interval of such searches while it hovers; at most ten from one place",
+          "[m] flown distance between searches in the map of the earlier flight, for a vehicle of unknown start",
           positive);
+  v.field("locate_every_s", locate_every_s,
+          "[s] interval of those searches for a hovering vehicle; at most ten from one place", positive);
   v.object("gnss", gnss, "weight of a fix");
   v.object("closures", closures,
            "search for closures and their verification, also in a saved map and between vehicles");

@@ -15,7 +15,7 @@ namespace swiftlet {
 /// Chooses the submaps that the newest one is compared with, adds the closures to the graph, and counts the verdicts.
 class LoopCloser {
  public:
-  /// @param located  is the pose of this flight in its saved map known?
+  /// @param located  whether the pose of this flight in its saved map is known
   LoopCloser(const GlobalSlamConfig& config, bool located) : config_(config), located_(located) {}
 
   /// Compares the newest submap with the nearest older ones that the vehicle left long ago, or that an earlier flight
@@ -24,7 +24,7 @@ class LoopCloser {
   /// Relocalizes a vehicle of unknown start in the saved map by its present submap: at intervals along its path and
   /// while it hovers.
   void relocalize(TimeNs t, TrajectoryGraph& trajectory);
-  /// Does a hovering vehicle search the saved map again? It turns meanwhile and sees more.
+  /// True if a hovering vehicle searches the saved map again, with the surroundings seen while turning.
   bool is_search_due(TimeNs t, double path_length_m, const TrajectoryGraph& trajectory) const;
   bool located() const { return located_; }
   /// Relocalization has reached its limit of attempts from one place; it resumes when the vehicle moves on.

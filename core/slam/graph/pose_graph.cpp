@@ -357,7 +357,8 @@ Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, doubl
 
 void GnssFactorConfig::visit(ConfigVisitor& v) {
   v.choice("weighting", weighting, {"isotropic", "per_axis", "released"},
-           "weight of a fix per axis: by the largest deviation, by each axis's own, or by its square");
+           "weight of a fix along each axis: by the largest deviation of all axes, by its own deviation, or by the "
+           "square of that");
   v.field("a", a, "[-] weight of the inverse deviation [Orsulic 2021, eq. 7]", Range::non_negative());
   v.field("b_1_m", b_1_m, "[1/m] constant weight of every fix", Range::non_negative());
   v.field("huber", huber, "[-] Huber threshold of weighted residuals; larger ones count less", Range::positive());

@@ -42,7 +42,7 @@ double AdaptiveVoxelFilter::thin(std::span<const Eigen::Vector3f> points_m, cons
 }
 
 void AdaptiveVoxelConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] farther points are left out", Range::between(0.5, 1000.0));
+  v.field("range_max_m", range_max_m, "[m] distance above which points are ignored", Range::between(0.5, 1000.0));
 }
 
 }  // namespace swiftlet

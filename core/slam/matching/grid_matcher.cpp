@@ -136,12 +136,12 @@ void GridMatcher::clear() {
 }
 
 void GridMatchingConfig::visit(ConfigVisitor& v) {
-  v.field("range_min_m", range_min_m, "[m] nearer returns are left out", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
+  v.field("range_min_m", range_min_m, "[m] range below which returns are ignored", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
   v.object("high", high, "points that are matched to the finer grid");
   v.object("low", low, "points that are matched to the coarser grid");
   v.object("cost", cost, "cost of a pose");
-  v.object("submaps", submaps, "pairs of grids that scans go into");
+  v.object("submaps", submaps, "alternating pairs of grids into which scans are inserted");
 }
 
 }  // namespace swiftlet

@@ -49,7 +49,7 @@ std::size_t GridSubmaps::bytes() const {
 }
 
 void GridSubmapConfig::visit(ConfigVisitor& v) {
-  v.field("scans", scans, "[-] scans after which the next submap begins; each takes twice as many",
+  v.field("scans", scans, "[-] scans after which the next submap begins; a submap receives twice as many",
           Range::between(1, 100000));
 }
 

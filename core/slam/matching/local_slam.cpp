@@ -19,7 +19,7 @@ constexpr double kTimeShift_s = 1e-4;
 constexpr double kClear_mps = 0.5, kClear_radps = 0.1;
 // Shortest interval over which the motion of a scan without duration is measured.
 constexpr TimeNs kMotionInterval = 20'000'000;
-// most IMU samples kept for a second start; with later scans there is none
+// most IMU samples kept for a second start, which is skipped if the first scans need more
 constexpr std::size_t kMostStartSamples = 4096;
 // longest age of a sighting of another vehicle at which its position is extrapolated
 constexpr double kVehicleKnown_s = 1.0;
@@ -169,7 +169,7 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
   return outcome;
 }
 
-/// Corrects the state by the scan, and the scan's points by what that changed of the motion during the sweep.
+/// Corrects the state by the scan, and then the points of the scan by the corrected motion during the sweep.
 void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, double smear_m, ScanOutcome& outcome) {
   const NavState before = filter_.state().nav;
   const double offset_before_s = filter_.state().time_offset_s;
@@ -262,20 +262,20 @@ Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
 }
 
 void LocalSlamConfig::visit(ConfigVisitor& v) {
-  v.object("imu", imu, "noise of the IMU and what is known at the start");
-  v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
-  v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes in which one return goes into the map",
+  v.object("imu", imu, "noise of the IMU, and uncertainty at the start");
+  v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
+  v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes of which each contributes one return to the map",
           Range::between(0.01, 5.0));
-  v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes in which one return is matched",
+  v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes of which each contributes one return to the matching",
           Range::between(0.01, 10.0));
   v.field("start_scans", start_scans,
-          "[-] first scans, which are matched a second time with the biases estimated from them; 0: matched once",
+          "[-] number of first scans that are matched again with the biases estimated from them; 0: none",
           Range::between(0, 100));
   v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
   v.field("known_share_min", known_share_min,
           "[-] least share of a scan's points near surfaces of the map for the scan to be used", Range::probability());
   v.field("vehicle_radius_m", vehicle_radius_m,
-          "[m] returns nearer than this to a tracked vehicle are left out; 0: none are", Range::non_negative());
+          "[m] distance to a tracked vehicle below which returns are ignored; 0: none are", Range::non_negative());
   v.object("matching", matching, "matching of a scan to the map");
   v.object("map", map, "map of surfaces");
 }

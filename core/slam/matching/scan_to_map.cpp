@@ -205,9 +205,9 @@ bool is_bare(const PlacedScan& scan, const Vector3& at_m) {
          aside_m * aside_m > kNear_sq * (scan.floor_m2 + cell->narrow_variance_m2);
 }
 
-/// Does a beam pass beside a point, ahead or behind along a direction, through the continuation of a smooth surface?
-/// Then the surface ends there. `aside` is the other direction within that surface. Directions are unit vectors of the
-/// body frame, from whose origin the beams are assumed to come.
+/// True if a beam passes beside a point, ahead or behind along a direction, through the continuation of a smooth
+/// surface: the surface then ends there. `aside` is the other direction within that surface. Directions are unit
+/// vectors of the body frame, from whose origin the beams are assumed to come.
 bool is_passed(const PlacedScan& scan, const Vector3& x_body_m, const Vector3& along, const Vector3& aside) {
   const Vector3 normal = along.cross(aside);
   const double here_m = -normal.dot(x_body_m);  // signed distance of the sensor from the surface

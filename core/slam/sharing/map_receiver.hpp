@@ -8,10 +8,10 @@
 
 namespace swiftlet {
 
-/// Is it a topic of map sharing?
+/// True for a topic of map sharing.
 bool is_map_topic(const std::string& topic);
 
-/// Takes the content of a message of map sharing, as of time t.
+/// Processes a message of map sharing, as of time t.
 /// @return false when the message is implausible; nothing is changed then
 bool receive_map_message(TimeNs t, const Message& message, OwnMap& own, PeerMap& from);
 

@@ -261,14 +261,14 @@ void MapSharing::append_counters(std::vector<Counter>& counters) const {
 }
 
 void CompactCloudConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] points farther from the submap's center are left out",
+  v.field("range_max_m", range_max_m, "[m] distance from the submap's center above which points are ignored",
           Range::between(2.0, 200.0));
   v.field("bits", bits, "[-] bits of each coordinate within its voxel", Range::between(1, 10));
 }
 
 void MapSharingConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  v.field("enabled", enabled, "[-] is the map joined with those of other vehicles by radio?");
+  v.field("enabled", enabled, "[-] whether the map is joined with those of other vehicles by radio");
   v.field("latency_s", latency_s, "[s] duration of a search for one submap", Range::between(0.0, 60.0));
   v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included", positive);
   v.field(

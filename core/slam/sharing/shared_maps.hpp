@@ -16,13 +16,13 @@ struct OwnSubmap {
   SubmapLook look;
   std::uint32_t num_points = 0;
   std::vector<PackedPoints> chunks;
-  bool is_due = true;  ///< has its descriptor to be sent?
+  bool is_due = true;  ///< its descriptor has not been sent yet
 };
 
 struct OwnMap {
   std::vector<OwnSubmap> submaps;   ///< finished ones
   std::vector<SubmapPlace> places;  ///< poses of all submaps
-  bool places_due = false;          ///< have the places to be sent?
+  bool places_due = false;          ///< the places have changed since they were last sent
 };
 
 /// Finished submap of another vehicle. Its points are in its own frame (T_local_submap).
@@ -39,7 +39,7 @@ struct PeerSubmap {
 
 /// Map of another vehicle, as far as it was received, and the exchange with that vehicle.
 struct PeerMap {
-  /// Does the own vehicle search for closures with it? Of two vehicles, the one with the lower number does.
+  /// True if the own vehicle searches for closures with the other. Of two vehicles, the one with the lower number does.
   bool is_searched_here = false;
   std::vector<SubmapPlace> places;
   std::vector<PeerSubmap> submaps;  ///< finished submaps that were reported
@@ -63,7 +63,7 @@ struct PeerMap {
   std::vector<int> agreeing;
   std::vector<Pose> T_local_other;
 
-  /// Has the vehicle reported within this time?
+  /// True if the vehicle has reported within the time limit.
   bool is_about(TimeNs t, double timeout_s) const { return has_reported && to_seconds(t - last_report) <= timeout_s; }
 };
 

@@ -27,7 +27,7 @@ struct Reference {
   double yaw_rate_radps = 0.0;
 
   static void visit(auto& r, auto& v) {
-    v.field("*_m", r.position_m, "[m] in the vehicle's estimated world frame");
+    v.field("*_m", r.position_m, "[m] position in the world frame as estimated by the vehicle");
     v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the axes of that frame");
     v.field("a*_mps2", r.acceleration_mps2, "[m/s^2] acceleration, in the same axes");
     v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from east");
@@ -63,10 +63,10 @@ struct Action {
     StateEstimate::visit(a.estimate, v);
     Reference::visit(a.reference, v);
     v.list("messages", a.messages, "[-] messages sent in this tick");
-    v.field("has_detections", a.has_detections, "[-] did the detector finish a scan?");
+    v.field("has_detections", a.has_detections, "[-] 1: the detector finished a scan in this tick");
     v.time("detections_stamp_s", a.detections_stamp, "[s] start of that scan's sweep");
     v.list("detections", a.detections, "[-] detections of that scan");
-    v.field("has_tracks", a.has_tracks, "[-] did the tracker take a cloud?");
+    v.field("has_tracks", a.has_tracks, "[-] 1: the tracker processed a cloud in this tick");
     v.list("tracks", a.tracks, "[-] tracks");
     v.list("relatives", a.relatives, "[-] estimates of teammates");
     v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] mission state");

@@ -32,8 +32,8 @@ struct Airframe {
   double leg_height_m = 0.2;    ///< height of the center of mass above the ground when the vehicle stands on its legs
   double propeller_radius_m = 0.15;
   int propeller_blades = 2;
-  double thrust_constant_N_per_radps2 = 2.47e-5;  ///< thrust of a rotor = this * speed^2
-  double torque_to_thrust_m = 0.016;              ///< drag torque of a rotor = this * thrust
+  double thrust_constant_N_per_radps2 = 2.47e-5;  ///< thrust of a rotor per squared rotor speed
+  double torque_to_thrust_m = 0.016;              ///< drag torque of a rotor per thrust
   double rotor_inertia_kgm2 = 6e-5;
   double motor_time_constant_up_s = 0.0125;
   double motor_time_constant_down_s = 0.025;

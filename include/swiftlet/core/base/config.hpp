@@ -203,7 +203,7 @@ class ConfigVisitor {
   virtual void end_element() = 0;
   virtual void end_list() = 0;
   virtual bool wants_example() const { return false; }
-  /// Does the list that has just begun replace the default elements?
+  /// True if the list that has just begun replaces the default elements.
   virtual bool starts_afresh() const { return false; }
   /// One of destinations(): key, as "goals_m[2]", and position.
   virtual void destination(const std::string& /*key*/, const Eigen::Vector3d& /*place_world_m*/) {}

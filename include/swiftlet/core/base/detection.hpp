@@ -17,13 +17,13 @@ struct Detection {
   double reflectivity = 0.0;  ///< maximum over the returns; 1 = white Lambertian, markers are far brighter
 
   static void visit(auto& d, auto& v) {
-    v.time("t_s", d.t, "[s] mean firing time of its points");
-    v.field("*_m", d.position_m, "[m] in the world of the estimate");
+    v.time("t_s", d.t, "[s] mean firing time of the points");
+    v.field("*_m", d.position_m, "[m] position in the world frame as estimated by the vehicle");
     v.covariance("cov_*_m2", d.covariance, "[m^2] covariance of the position");
-    v.field("extent_*_m", d.extent_m, "[m] edges of its box");
-    v.field("num_points", d.num_points, "[-] points of the scan");
+    v.field("extent_*_m", d.extent_m, "[m] edges of the bounding box");
+    v.field("num_points", d.num_points, "[-] number of points of the scan in the detection");
     v.field("confidence", d.confidence, "[-] 0 to 1");
-    v.field("reflectivity", d.reflectivity, "[-] greatest among its returns; 1: white Lambertian");
+    v.field("reflectivity", d.reflectivity, "[-] maximum reflectivity of the returns; 1: white Lambertian");
   }
 };
 

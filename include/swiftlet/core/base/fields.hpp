@@ -21,7 +21,7 @@
 ///     double height_m = 0.0;
 ///     static void visit(auto& s, auto& v) {  // const or not: one list writes and reads
 ///       v.time("t_s", s.t, "[s] when it was measured");
-///       v.field("height_m", s.height_m, "[m] above the surface below");
+///       v.field("height_m", s.height_m, "[m] height above the surface below the vehicle");
 ///     }
 ///   };
 ///

@@ -26,10 +26,10 @@ struct Message {
     v.time("t_s", m.received, "[s] time of reception");
     v.vehicle("sender", m.from, "[-] sender");
     v.vehicle("receiver", m.to, "[-] receiver; empty: broadcast");
-    v.time("sent_s", m.sent, "[s] when it was handed to the radio");
+    v.time("sent_s", m.sent, "[s] time of sending");
     v.field("topic", m.topic, "[-] message kind");
     v.field("version", m.version, "[-] version of the message kind");
-    v.field("payload_bytes", m.payload, "[B] size of its content");
+    v.field("payload_bytes", m.payload, "[B] size of the content");
   }
 
   std::size_t size_bytes() const { return kHeaderBytes + topic.size() + payload.size(); }

@@ -20,10 +20,10 @@ struct NeighborView {
   double sin_elevation_min = -1.0, sin_elevation_max = 1.0;
   double range_min_m = 0.0, range_max_m = std::numeric_limits<double>::infinity();
 
-  /// Is the position in the field of view and in range? Occlusion is not considered.
+  /// True if the position is in the field of view and in range, regardless of occlusion.
   bool contains(const Vector3& p_body_m) const { return p_body_m.norm() <= range_max_m && looks_at(p_body_m); }
 
-  /// Is the position in the field of view, at any range above range_min_m?
+  /// True if the position is in the field of view, at any range above range_min_m.
   bool looks_at(const Vector3& p_body_m) const {
     const double range_m = p_body_m.norm();
     if (range_m < range_min_m || range_m <= 0.0) return false;

@@ -25,13 +25,13 @@ struct RelativeEstimate {
   static void visit(auto& r, auto& v) {
     v.time("t_s", r.t, "[s] time of validity");
     v.vehicle("other", r.other, "[-] localized vehicle");
-    v.field("*_m", r.position_m, "[m] in the world of the estimate");
+    v.field("*_m", r.position_m, "[m] position in the world frame as estimated by the vehicle");
     v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the same axes");
     v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from the x axis of that world");
     v.covariance("cov_*_m2", r.covariance, "[m^2] covariance of the position");
     v.time("seen_s", r.seen, "[s] time of the last sighting");
-    v.time("heard_s", r.report_t, "[s] time of validity of its newest odometry");
-    v.time("heard_stamp_s", r.report_stamp, "[s] time of validity of that odometry, by the teammate's clock");
+    v.time("heard_s", r.report_t, "[s] time of validity of the newest odometry report");
+    v.time("heard_stamp_s", r.report_stamp, "[s] time of validity of that report, by the teammate's clock");
     v.field("heard_*_m", r.report_position_m, "[m] position at that instant, in the same world");
     v.field("heard_yaw_rad", r.report_yaw_rad, "[rad] heading at that instant");
   }

@@ -63,7 +63,7 @@ struct AltimeterSample {
 
   static void visit(auto& s, auto& v) {
     v.time("t_s", s.t, "[s] time of validity");
-    v.field("height_m", s.height_m, "[m] above the surface below");
+    v.field("height_m", s.height_m, "[m] height above the surface below the vehicle");
     v.field("sigma_m", s.sigma_m, "[m] standard deviation");
   }
 };
@@ -82,7 +82,7 @@ struct CompassSample {
   }
 };
 
-/// Pose in the world from an external source: motion capture, RTK, or the simulator's truth (the named bypass).
+/// Pose in the world from an external source: motion capture, RTK, or the simulator's truth.
 struct PoseSample {
   static constexpr const char* kName = "pose";
   TimeNs t = 0;

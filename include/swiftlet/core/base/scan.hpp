@@ -52,8 +52,8 @@ struct Scan {
     v.field("sensor", s.sensor, "[-] name of the sensor on its vehicle");
     v.time("t_s", s.stamp, "[s] start of the sweep");
     v.time("duration_s", s.duration, "[s] length of the sweep; 0 for a frozen scan");
-    v.field("mount_*", s.T_body_lidar, "[m, -] mounting, as calibrated");
-    v.field("range_max_m", s.range_max_m, "[m] beyond this the sensor returns nothing");
+    v.field("mount_*", s.T_body_lidar, "[m, -] mounting pose, as calibrated");
+    v.field("range_max_m", s.range_max_m, "[m] largest range of the sensor");
     v.field("sigma_range_m", s.sigma_range_m, "[m] standard deviation of the range noise");
     v.field("range_m", s.range_m, "[m] along each beam; 0: no return");
     v.field("intensity", s.intensity, "[-] received power of each beam");

@@ -32,7 +32,7 @@ struct StateEstimate {
   }
 
   static void visit(auto& e, auto& v) {
-    v.valid("valid", e.valid, "[-] is there an estimate?");
+    v.valid("valid", e.valid, "[-] 1: the estimate is valid");
     v.time("t_s", e.t, "[s] time of validity");
     v.field("local_*", e.T_local_body, "[m, -] pose of the body in the local frame");
     v.field("local_v*_mps", e.v_local_mps, "[m/s] velocity, in local axes");
@@ -53,7 +53,7 @@ struct WorldEstimate {
   Matrix6 covariance = Matrix6::Zero();  ///< position in world axes [m], rotation vector in body axes [rad]
 
   static void visit(auto& e, auto& v) {
-    v.valid("valid", e.valid, "[-] is there an estimate?");
+    v.valid("valid", e.valid, "[-] 1: the estimate is valid");
     v.time("t_s", e.t, "[s] time of validity");
     v.field("*", e.T_world_body, "[m, -] pose of the body in the vehicle's estimated world frame");
     v.field("v*_mps", e.v_world_mps, "[m/s] velocity, in the axes of that frame");

@@ -25,15 +25,15 @@ struct Track {
   double reflectivity = 0.0;                          ///< maximum over the returns of that measurement; 0: not known
 
   static void visit(auto& t, auto& v) {
-    v.time("t_s", t.t, "[s] when its target was seen in the newest cloud");
-    v.field("id", t.id, "[-] its identity");
-    v.field("*_m", t.position_m, "[m] in the world of the estimate");
+    v.time("t_s", t.t, "[s] time of validity, in the newest cloud");
+    v.field("id", t.id, "[-] identity of the track");
+    v.field("*_m", t.position_m, "[m] position in the world frame as estimated by the vehicle");
     v.field("v*_mps", t.velocity_mps, "[m/s] velocity, in the same axes");
     v.field("a*_mps2", t.acceleration_mps2, "[m/s^2] acceleration, in the same axes");
     v.covariance("cov_*_m2", t.covariance, "[m^2] covariance of the position");
     v.field("num_detections", t.num_detections, "[-] detections associated so far");
     v.field("corrected", t.corrected, "[-] 1: a measurement was found in the newest cloud");
-    v.field("measured_*_m", t.measured_m, "[m] the newest measured position");
+    v.field("measured_*_m", t.measured_m, "[m] newest measured position");
     v.covariance("measured_cov_*_m2", t.measured_covariance, "[m^2] covariance of the measured position");
     v.field("reflectivity", t.reflectivity,
             "[-] maximum over the returns of the measurement; 1: white Lambertian, 0: not known");

@@ -12,7 +12,7 @@ struct ControlConfig {
   ControlGainsConfig gains;
 
   void visit(ConfigVisitor& v) {
-    v.object("limits", limits, "how fast the reference may move");
+    v.object("limits", limits, "motion limits of the reference");
     v.object("gains", gains, "controller gains");
   }
 };

@@ -33,8 +33,8 @@ struct PursuitGains {
   double proportional_navigation = 3.0;
   double frpn = 19.7;
   double frpn_weight = 0.051;      ///< [-] W of FRPN: share of pure pursuit
-  double time_to_go_min_s = 0.05;  ///< [s] a shorter time to go counts as this
-  double time_to_go_max_s = 30.0;  ///< [s] a longer time to go counts as this
+  double time_to_go_min_s = 0.05;  ///< [s] lower bound of the time to go
+  double time_to_go_max_s = 30.0;  ///< [s] upper bound of the time to go
 
   void visit(ConfigVisitor& v);
 };
@@ -65,7 +65,7 @@ struct ChasePlanConfig {
   int steps = 20;
   double horizon_min_s = 1.0;   ///< [s] shortest horizon of the plan
   double horizon_max_s = 2.5;   ///< [s] longest horizon; between both, 1.3 times the time to go
-  double weight_before = 0.02;  ///< [-] weight of squared distances before the meeting, relative to 1 at it
+  double weight_before = 0.02;  ///< [-] weight of squared distances before the meeting; 1: as at the meeting
   /// [-] weight after the meeting; at 1 the vehicle stays with the target, and arrives later
   double weight_after = 0.02;
   double meeting_s = 0.5;

@@ -65,7 +65,7 @@ struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
   Clock clock = Clock::kSynchronized;
   double clock_sigma_s = 0.005;  ///< [s] standard deviation of that clock offset, which the alignment refines; 0: exact
   double least_delay_s = 0.01;   ///< [s] with one_way: delay of the fastest message
-  double odometry_gap_max_s = 2.0;  ///< [s] longest gap of its odometry in which sightings are paired
+  double odometry_gap_max_s = 2.0;  ///< [s] longest gap of the other vehicle's odometry in which sightings are paired
   double position_sigma_max_m = 1.0;
   double reacquire_s = 3.0;
   RelativeAlignmentConfig alignment;

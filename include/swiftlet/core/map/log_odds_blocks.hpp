@@ -87,7 +87,7 @@ class LogOddsBlocks {
   /// Adds a block in a free place.
   int make(const Cell& block);
   void remove(int i);
-  /// Gives counted cells of a layer a log-odds value of their own.
+  /// Converts cells of a layer from a count of misses to a log-odds value.
   void give_values(int i, int z, std::uint64_t cells);
   float log_odds(int i, int in_block) const;
 

@@ -18,9 +18,9 @@ class OccupiedChanges {
   /// Forgets the changed cells of the last scan.
   /// @param revision  the one before the scan
   void begin_scan(const LogOddsBlocks& blocks, std::uint64_t revision);
-  /// Notes changed cells of a layer, after the change.
+  /// Records changed cells of a layer, after the change.
   void note(const LogOddsBlocks& blocks, int i, int z, std::uint64_t cells, std::uint64_t revision);
-  /// Notes that a block will be removed. Its cells are no longer occupied.
+  /// Records that a block will be removed, with its occupied cells.
   void note_removed(const LogOddsBlocks& blocks, int i, std::uint64_t revision);
   /// True when a block in this place has an occupied cell.
   bool any_in(std::size_t place) const { return (any_occupied_[place >> 6] >> (place & 63) & 1U) != 0; }

@@ -35,10 +35,11 @@ struct ChaseReport {
   static void visit(auto& m, auto& v) {
     v.time("t_s", m.t, "[s] time of the first place");
     v.choice("status", m.status, kStatuses,
-             "[-] leads: intercepts first; yields: gives way; searches: target lost; captured: target in the net");
+             "[-] leads: intercepts first; yields: keeps clear of the leader; searches: target lost; captured: target "
+             "in the net");
     v.field("arrival_s", m.arrival_s, "[s] from now to the earliest interception");
-    v.field("target_*_m", m.target_world_m, "[m] position of its target, in the sender's world frame");
-    v.field("target_v*_mps", m.target_world_mps, "[m/s] velocity of its target, in the same axes");
+    v.field("target_*_m", m.target_world_m, "[m] position of the target, in the sender's world frame");
+    v.field("target_v*_mps", m.target_world_mps, "[m/s] velocity of the target, in the same axes");
     v.field("interval_s", m.interval_s, "[s] time between places");
     v.list("num_places", m.places, "[-] predicted positions [m], in the same frame; straight flight afterwards");
   }

@@ -25,7 +25,7 @@ struct GuidingWaypoint {
 struct GuidingPath {
   static constexpr const char* kTopic = "guiding_path";
   static constexpr int kVersion = 2;
-  static constexpr const char* kDoc = "waypoints for its receiver, in the receiver's own level body frame";
+  static constexpr const char* kDoc = "waypoints for the receiver, in the receiver's level body frame";
 
   /// kMove: the guide has lost sight of the receiver, which may fly a small pattern to be detected again.
   enum class Command { kGuide, kMove, kDone, kFailed };

@@ -18,10 +18,10 @@ enum class Reading { kDone, kOtherKind, kOtherVersion, kTooShort, kTooLong, kBad
 /// Reason of a rejection; empty for kDone.
 constexpr const char* reason_of(Reading reading) {
   constexpr const char* kReasons[] = {"",
-                                      "it is of another kind",
-                                      "it has another version than this program knows",
-                                      "it is shorter than its fields",
-                                      "it is longer than its fields",
+                                      "the message is of another kind",
+                                      "the message has an unknown version",
+                                      "the message is shorter than its fields",
+                                      "the message is longer than its fields",
                                       "a value is out of range"};
   return kReasons[static_cast<std::size_t>(reading)];
 }

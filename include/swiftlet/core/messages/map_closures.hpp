@@ -12,7 +12,7 @@ namespace swiftlet {
 struct MapClosures {
   static constexpr const char* kTopic = "map_closures";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "closures between submaps of its sender and of its receiver";
+  static constexpr const char* kDoc = "closures between submaps of the sender and of the receiver";
 
   /// T_own_other, as position and rotation vector.
   struct Closure {
@@ -23,8 +23,9 @@ struct MapClosures {
     static void visit(auto& c, auto& v) {
       v.field("own", c.own, "[-] number of the sender's submap");
       v.field("other", c.other, "[-] number of the receiver's submap");
-      v.field("*_m", c.p_own_m, "[m] origin of the receiver's submap in the sender's");
-      v.field("turn_*_rad", c.turn_own_rad, "[rad] rotation vector of its axes there");
+      v.field("*_m", c.p_own_m, "[m] origin of the receiver's submap in the frame of the sender's");
+      v.field("turn_*_rad", c.turn_own_rad,
+              "[rad] rotation vector from the axes of the receiver's submap to those of the sender's");
     }
   };
 

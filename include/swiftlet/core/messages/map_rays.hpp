@@ -24,7 +24,7 @@ struct MapRay {
 struct MapRays {
   static constexpr const char* kTopic = "map_rays";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "the beams of a scan, for the map of its receiver";
+  static constexpr const char* kDoc = "beams of a scan, for the map of the receiver";
 
   TimeNs t = 0;
   std::vector<MapRay> rays;

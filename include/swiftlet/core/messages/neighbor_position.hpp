@@ -9,7 +9,7 @@ namespace swiftlet {
 struct NeighborPosition {
   static constexpr const char* kTopic = "neighbor";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "estimated position of its sender";
+  static constexpr const char* kDoc = "estimated position of the sender";
 
   TimeNs t = 0;
   Vector3 p_world_m = Vector3::Zero();

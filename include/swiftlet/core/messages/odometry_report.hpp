@@ -9,7 +9,7 @@ namespace swiftlet {
 struct OdometryReport {
   static constexpr const char* kTopic = "odometry";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "pose of its sender in the sender's own local frame, and visited waypoints";
+  static constexpr const char* kDoc = "pose of the sender in its local frame, and visited waypoints";
 
   TimeNs t = 0;
   Pose T_local_body = Pose::Identity();

@@ -12,7 +12,7 @@ namespace swiftlet {
 struct SharedPath {
   static constexpr const char* kTopic = "shared_path";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "predicted path of its sender for the next seconds";
+  static constexpr const char* kDoc = "predicted path of the sender for the next seconds";
 
   /// kPlan: will be flown unless another vehicle reports a conflicting path.
   enum class Kind { kPlan, kFlown };

@@ -12,7 +12,7 @@ namespace swiftlet {
 struct SubmapPlaces {
   static constexpr const char* kTopic = "submap_places";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "poses of its sender's submaps in the sender's own local frame";
+  static constexpr const char* kDoc = "poses of the sender's SLAM submaps in its local frame";
 
   struct Place {
     Eigen::Vector3f p_local_m = Eigen::Vector3f::Zero();
@@ -21,8 +21,8 @@ struct SubmapPlaces {
 
     static void visit(auto& p, auto& v) {
       v.field("*_m", p.p_local_m, "[m] origin of the submap");
-      v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector of its axes");
-      v.field("way_m", p.path_length_m, "[m] path length of the flight at its beginning");
+      v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector from the submap's axes to that frame");
+      v.field("way_m", p.path_length_m, "[m] length of the path flown before the submap began");
     }
   };
 

@@ -23,8 +23,8 @@ struct SubmapRequest {
 
   static void visit(auto& m, auto& v) {
     v.choice("content", m.content, kContents, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
-    v.field("submap", m.submap, "[-] the submap, or the first of them");
-    v.field("missing", m.missing, "[-] a bit for each chunk, or for each submap from that one on, lowest bit first");
+    v.field("submap", m.submap, "[-] number of the submap, or of the first submap");
+    v.field("missing", m.missing, "[-] one bit for each chunk, or for each submap from the first on, lowest bit first");
   }
 };
 

@@ -12,7 +12,7 @@ namespace swiftlet {
 struct TrackReport {
   static constexpr const char* kTopic = "told_tracks";
   static constexpr int kVersion = 1;
-  static constexpr const char* kDoc = "tracks and own state of its sender, in the sender's own local frame";
+  static constexpr const char* kDoc = "tracks and own state of the sender, in its local frame";
 
   /// A track of 120 bytes. Single precision resolves a tenth of a millimeter at a kilometer.
   struct Entry {
@@ -24,9 +24,9 @@ struct TrackReport {
     Eigen::Matrix<float, 6, 6> covariance = Eigen::Matrix<float, 6, 6>::Identity();
 
     static void visit(auto& t, auto& v) {
-      v.field("identity", t.identity, "[-] its identity at the sender");
+      v.field("identity", t.identity, "[-] identity of the track at the sender");
       v.field("age_s", t.age_s, "[s] age of the track at the message's time");
-      v.field("existence", t.existence, "[-] probability that it exists");
+      v.field("existence", t.existence, "[-] probability that the target exists");
       v.field("*_m", t.p_local_m, "[m] position in the sender's local frame");
       v.field("v*_mps", t.v_local_mps, "[m/s] velocity, in the axes of that frame");
       v.covariance("cov_*_m2", t.covariance, "[m^2] covariance of position and velocity");

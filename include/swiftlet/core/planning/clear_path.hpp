@@ -75,7 +75,7 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
 std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
 
 /// True when the map has changed so that the rest of a path is no longer clear. The clearance is one cell edge less
-/// than in planning, so that flickering obstacle cells do not cause replanning.
+/// than in planning, so that obstacle cells that change at random do not cause replanning.
 /// @param p_local_m     position of the vehicle
 /// @param next          index of the next corner; the vehicle is between the previous one and this
 bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,

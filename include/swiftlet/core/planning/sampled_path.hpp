@@ -27,7 +27,7 @@ enum class SampledSearch { kRrt, kInformedRrtStar };
 ///
 /// Corners are cut at the end as in find_clear_path. The search cannot prove that no path exists: it stops at its
 /// budget. A pure function: equal views and draws give equal paths.
-/// @param draw  selects the random samples
+/// @param draw  number of the search; searches with other numbers draw other samples
 ClearPath find_sampled_path(const OccupancyView& view, const ClearPathConfig& config, const SamplingConfig& sampling,
                             SampledSearch search, const Vector3& start_local_m, const Vector3& goal_local_m,
                             std::uint32_t draw = 0);

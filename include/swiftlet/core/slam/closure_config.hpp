@@ -14,11 +14,13 @@ struct ClosureConfig {
   double range_max_m = 25.0;  ///< [m] points farther from the submap's center are ignored; more points cost memory
   int max_points = 400;       ///< [-] points of the newer submap in the search; its time is proportional to them
   int levels = 4;             ///< [-] levels of the search grid; the coarsest cells have 2^(levels - 1) edges of cell_m
-  int budget = 3000000;       ///< [-] nodes of all searches for one submap, beyond which it is given up
+  /// [-] most nodes of all searches for one submap; larger values find more closures and take longer
+  int budget = 3000000;
   double search_radius_m = 8.0;      ///< [m] largest horizontal displacement that is searched; a guess narrows it
   double guess_yaw_error_deg = 8.0;  ///< [deg] largest heading error of a guess; without one all headings are searched
-  double heading_similarity_min = 0.6;  ///< [-] headings whose rotational histograms agree less are not searched
-  double score_min = 0.5;               ///< [-] share of the points that must lie in occupied cells
+  double heading_similarity_min =
+      0.6;                 ///< [-] similarity of the rotational histograms below which a heading is not searched
+  double score_min = 0.5;  ///< [-] share of the points that must lie in occupied cells
 
   // Verification: fit to the surfaces of the older submap.
   /// [-] share of the newer submap that the older one must contain. Lower values accept less overlap.
@@ -32,7 +34,7 @@ struct ClosureConfig {
   // Verification: rivals, that is other poses that match about as well.
   double rival_score = 0.9;       ///< [-] a pose with this share of the best score is a rival; 1: none is
   double rival_examined = 0.7;    ///< [-] poses with this share of the best score are aligned and compared by their fit
-  double rival_fit = 0.8;         ///< [-] such a pose is a rival if it reaches this share of the best fit
+  double rival_fit = 0.8;         ///< [-] a compared pose with this share of the best fit is a rival
   double rival_distance_m = 1.5;  ///< [m] distance from which two poses are different places
   double rival_heading_deg = 20.0;  ///< [deg] heading difference from which poses at one place are different
 

@@ -11,7 +11,7 @@ namespace swiftlet {
 /// Pose of another vehicle's local frame in the own one, from submaps of the same places. Both frames have z up.
 struct JoinedMap {
   VehicleId other = kNoVehicle;
-  TimeNs joined = 0;  ///< time at which enough closures agreed first
+  TimeNs joined = 0;  ///< time at which enough closures agreed for the first time
   Pose T_local_otherlocal = Pose::Identity();
   /// Covariance of the position of the other's newest submap [m] and of the heading [rad], in the own local frame.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();

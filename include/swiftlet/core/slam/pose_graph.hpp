@@ -80,7 +80,7 @@ class PoseGraph {
   std::span<const PositionFactor> position_factors() const { return positions_; }
   /// Removes all poses except the first ones, and every factor that refers to a removed one.
   void truncate(int num_poses);
-  /// Removes the priors of all poses from this one on.
+  /// Removes the priors of a pose and of all later ones.
   void clear_priors(int from = 0) {
     std::erase_if(priors_, [from](const PriorFactor& f) { return f.pose >= from; });
   }
