@@ -20,7 +20,7 @@ bool is_word(const std::string& text) {
   });
 }
 
-/// Is it valid within one line of a job script?
+/// True for a text that is valid within one line of a job script.
 bool is_line(const std::string& text) {
   return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
@@ -49,8 +49,9 @@ std::string element(const char* list, std::size_t index, const char* key) {
 
 void VariantConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] unique name of the variant");
-  v.field("scenario", scenario,
-          "[-] file or name of its scenario, normally one with `base:`; empty: the batch's scenario");
+  v.field(
+      "scenario", scenario,
+      "[-] file or name of the scenario of the variant, normally one with `base:`; empty: the scenario of the batch");
   v.changes("set", set, "[-] changes to the scenario");
 }
 
@@ -58,9 +59,9 @@ void ParameterConfig::visit(ConfigVisitor& v) {
   v.field("key", key, "[-] key of the scenario: world.stems_per_ha, vehicles[*].agent.guidance.speed_mps, ...");
   v.field("name", name, "[-] name of the column in the results; empty: the last word of the key");
   v.choice("law", law, kLaws, "[-] source of the values: the list, or a distribution");
-  v.field("values", values, "[-] law values: the list; drawn with equal probability when sampled");
-  v.field("min", min, "[-] uniform, log_uniform, integer: least value, in the unit of the key");
-  v.field("max", max, "[-] uniform, log_uniform, integer: greatest value");
+  v.field("values", values, "[-] law values: the list, from which samples are drawn with equal probability");
+  v.field("min", min, "[-] uniform, log_uniform, integer: smallest value, in the unit of the key");
+  v.field("max", max, "[-] uniform, log_uniform, integer: largest value");
   v.field("mean", mean, "[-] normal: mean, in the unit of the key");
   v.field("sd", sd, "[-] normal: standard deviation before truncation", Range::positive());
   v.field("cut_sd", cut_sd, "[-] normal: truncated at mean -+ cut_sd * sd", Range{0.0, 8.0, true});
@@ -95,9 +96,9 @@ void SweepConfig::visit(ConfigVisitor& v) {
 }
 
 void SeedsConfig::visit(ConfigVisitor& v) {
-  v.field("first", first, "[-] seeds are first, first + 1, ...");
+  v.field("first", first, "[-] first seed; the others follow by steps of 1");
   v.field("count", count, "[-] number of seeds", Range::between(1, 10'000'000));
-  v.field("list", list, "[-] these seeds instead");
+  v.field("list", list, "[-] explicit list of seeds, instead of first and count");
   v.choice("pairing", pairing, kPairings, "[-] every point of the sweep with every seed; or point i with seed i alone");
   for (std::size_t i = 0; i < list.size(); ++i) {
     v.check(is_seed(list[i]), ("list[" + std::to_string(i) + "]").c_str(), "a whole number in [0, 2^63)");
@@ -106,18 +107,18 @@ void SeedsConfig::visit(ConfigVisitor& v) {
 }
 
 void SlurmConfig::visit(ConfigVisitor& v) {
-  v.field("partition", partition, "[-] empty: the cluster's default");
-  v.field("account", account, "[-] empty: the user's default");
+  v.field("partition", partition, "[-] partition of the cluster; empty: the default");
+  v.field("account", account, "[-] account of the job; empty: the default of the user");
   v.field("episodes_per_task", episodes_per_task, "[-] episodes per array task; 0: 20 for each of its processors",
           Range::non_negative());
   v.field("cpus_per_task", cpus_per_task, "[-] worker processes of a task", Range::between(1, 4096));
   v.field("max_running_tasks", max_running_tasks, "[-] largest number of concurrent tasks; 0: no limit",
           Range::non_negative());
-  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] requested memory; workers are limited to 90 % of it",
+  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] requested memory, of which workers may use 90 %",
           Range::positive());
   v.field("time_limit_min", time_limit_min,
           "[min] time limit of one task; 0: sufficient if each episode takes timeout_s", Range::non_negative());
-  v.field("options", options, "[-] more options of sbatch, such as --constraint=avx2");
+  v.field("options", options, "[-] further options of sbatch, such as --constraint=avx2");
   v.check(is_slurm_name(partition), "partition", "names of letters, digits, '_', '-' and '.', separated by commas");
   v.check(is_slurm_name(account), "account", "names of letters, digits, '_', '-' and '.', separated by commas");
   for (std::size_t i = 0; i < options.size(); ++i) {

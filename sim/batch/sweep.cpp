@@ -14,12 +14,13 @@
 namespace swiftlet::sim {
 namespace {
 
+/// [-] Most points of a parameter sweep; larger ones are refused before they exhaust the memory.
 constexpr std::size_t kMaxPoints = 10'000'000;
 
 /// Decimal text with 12 digits: short in tables, and equal on every machine despite different rounding in libraries.
 std::string to_text(double value) { return fmt::format("{:.12g}", value); }
 
-/// The evenly spaced values of a law, or its explicit list.
+/// Evenly spaced values of the distribution of a parameter, or its explicit list.
 std::vector<std::string> levels(const ParameterConfig& p) {
   if (p.law == ParameterConfig::Law::kValues) return p.values;
   std::vector<std::string> values;

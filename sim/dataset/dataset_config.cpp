@@ -76,8 +76,8 @@ void VariationConfig::visit(ConfigVisitor& v) {
   v.choice(
       "law", law, kLaws,
       "[-] uniform in [min, max]; log_uniform: uniform in the logarithm; whole: whole numbers; choice: one of choices");
-  v.field("min", min, "[-] least value, in the unit of the key");
-  v.field("max", max, "[-] greatest value");
+  v.field("min", min, "[-] smallest value, in the unit of the key");
+  v.field("max", max, "[-] largest value, in the unit of the key");
   v.field("choices", choices, "[-] values of law choice, in the syntax of the scenario");
   v.check(!key.empty(), "key", "a key path of the scenario");
   v.check(min <= max, "max", "a number that is not below min");
@@ -89,20 +89,22 @@ void VariationConfig::visit(ConfigVisitor& v) {
 }
 
 void FlightConfig::visit(ConfigVisitor& v) {
-  v.field("speed_min_mps", speed_min_mps, "[m/s] least cruise speed, drawn for each vehicle", Range::positive());
-  v.field("speed_max_mps", speed_max_mps, "[m/s] greatest cruise speed", Range::positive());
-  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] greatest horizontal acceleration", Range::positive());
-  v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] greatest", Range::positive());
-  v.field("vertical_acceleration_mps2", vertical_acceleration_mps2, "[m/s^2] greatest", Range::positive());
-  v.field("height_min_m", height_min_m, "[m] lowest flight above the ground", Range::positive());
-  v.field("height_max_m", height_max_m, "[m] highest flight above the ground", Range::positive());
+  v.field("speed_min_mps", speed_min_mps, "[m/s] smallest cruise speed; that of a vehicle is drawn between both",
+          Range::positive());
+  v.field("speed_max_mps", speed_max_mps, "[m/s] largest cruise speed", Range::positive());
+  v.field("acceleration_mps2", acceleration_mps2, "[m/s^2] largest horizontal acceleration", Range::positive());
+  v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] largest vertical speed", Range::positive());
+  v.field("vertical_acceleration_mps2", vertical_acceleration_mps2, "[m/s^2] largest vertical acceleration",
+          Range::positive());
+  v.field("height_min_m", height_min_m, "[m] lowest height of flight above the ground", Range::positive());
+  v.field("height_max_m", height_max_m, "[m] highest height of flight above the ground", Range::positive());
   v.field("margin_m", margin_m, "[m] least planned distance from the sphere around the vehicle to any surface",
           Range::positive());
   v.field("border_m", border_m, "[m] width of the excluded strip along the edge of the world", Range::non_negative());
   v.choice("indoors", indoors, {"auto", "true", "false"},
-           "[-] fly only inside walls; auto: in worlds whose walls enclose at least a tenth of the ground");
+           "[-] whether flights stay inside walls; auto: in worlds whose walls enclose at least a tenth of the ground");
   v.field("leg_min_m", leg_min_m, "[m] least straight-line distance between successive goals", Range::positive());
-  v.field("leg_max_m", leg_max_m, "[m] greatest straight-line distance between successive goals", Range::positive());
+  v.field("leg_max_m", leg_max_m, "[m] largest straight-line distance between successive goals", Range::positive());
   v.field("revisit_share", revisit_share, "[-] share of goals at already visited positions (closes loops)",
           Range::probability());
   v.field("separation_m", separation_m, "[m] least planned distance between the centers of two vehicles",
@@ -145,15 +147,15 @@ void SplitConfig::visit(ConfigVisitor& v) {
 }
 
 void ContentConfig::visit(ConfigVisitor& v) {
-  v.field("every", every, "[-] write every n-th scan", Range{1, 1e6, false, false});
+  v.field("every", every, "[-] every n-th scan is written", Range{1, 1e6, false, false});
   v.choice(
       "remission", remission, {"reflectivity", "intensity"},
       "[-] fourth number of a point: range-corrected, 1 = white Lambertian; or as received, 1 = such a wall at 10 m");
   v.field("deskew", deskew,
           "[-] transform each point to the true sensor pose at the start of the sweep (motion compensation)");
   v.field("point_truth", point_truth,
-          "[-] write point_truth/: time, ring, column, true range, incidence of each point");
-  v.field("images", images, "[-] write images/: range and intensity as 16-bit PNG, for LiDARs with rows");
+          "[-] whether point_truth/ is written: time, ring, column, true range and incidence of each point");
+  v.field("images", images, "[-] whether images/ is written: range and intensity as 16-bit PNG, for LiDARs with rows");
   v.field("range_unit_m", range_unit_m, "[m] range per unit of a range image", Range::positive());
   v.field("intensity_unit", intensity_unit,
           "[-] intensity per unit of an intensity image, 1 = white Lambertian wall at 10 m", Range::positive());
@@ -161,7 +163,7 @@ void ContentConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 1e5));
   v.check(trajectory_rate_hz == 0.0 || trajectory_rate_hz >= 1e-3, "trajectory_rate_hz", "0, or at least 0.001");
   v.field("tables", tables, "[-] csv/: topics of the recorder csv");
-  v.field("snapshots", snapshots, "[-] take the pictures of the scenario in every sequence");
+  v.field("snapshots", snapshots, "[-] whether the pictures of the scenario are taken in every sequence");
   v.check(!snapshots || !picture_library().empty(), "snapshots",
           "false in a program built without pictures (docs/pictures.md)");
 }

@@ -12,8 +12,8 @@
 
 namespace swiftlet::sim {
 
-/// Are flights of this configuration restricted to interiors? With `indoors: auto` they are when walls enclose a tenth
-/// of the ground, as in a hall or a courtyard. A building in a large area encloses less.
+/// True if flights of this configuration are restricted to interiors. With `indoors: auto` they are when walls enclose
+/// a tenth of the ground, as in a hall or a courtyard. A building in a large area encloses less.
 bool stays_indoors(const FlightConfig& config, const StaticScene& world);
 
 /// Collision-free paths for a team in a world. The first vehicle flies to random goals. The others mostly choose goals

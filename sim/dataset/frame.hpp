@@ -29,7 +29,7 @@ void encode_frame(const LabeledScan& scan, const ContentConfig& content, Frame& 
 void encode_images(const LabeledScan& scan, const ContentConfig& content, std::vector<std::uint16_t>& range,
                    std::vector<std::uint16_t>& intensity);
 
-/// Do the rows and columns of the scan form an image?
+/// True if the rows and columns of the scan form an image.
 bool is_image_shaped(const Scan& scan);
 
 /// Number of columns by which each row must be shifted to the right so that pixels of one column have the same azimuth.

@@ -12,7 +12,7 @@
 
 namespace swiftlet::sim {
 
-/// Is the position enclosed by walls? Horizontal rays in eight directions must end at walls, except one, as through a
+/// True if walls enclose the position. Horizontal rays in eight directions must end at walls, except one, as through a
 /// door. All surfaces are walls except ground and plants, which rays pass through.
 bool is_enclosed(const StaticScene& world, const Vector3& p_world_m);
 

@@ -69,8 +69,8 @@ void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
   write_file(directory / "dataset.yaml", write_dataset(config));
 }
 
-/// Is it a generation killed before its first manifest, with only files that are written anew? It creates `sequences`
-/// first; a folder with only a dataset.yaml belongs to the user.
+/// True for a generation that was killed before its first manifest, with only files that are written again. It creates
+/// `sequences` first; a folder with only a dataset.yaml belongs to the user.
 bool is_begun(const fs::path& directory) {
   std::error_code missing;
   if (!fs::is_empty(directory / "sequences", missing) || missing) return false;

@@ -27,8 +27,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// [-] Number of frames above which the description of a sequence is rejected as corrupt.
 constexpr std::int64_t kMaxFrames = 100'000'000;
+/// [-] Most problems in a report; further ones are left out.
 constexpr std::size_t kMaxProblems = 50;
+/// [-] Numbers in a line of poses.txt: a 3 x 4 matrix, row by row.
 constexpr int kPoseNumbers = 12;
 
 std::string read_text(const fs::path& path) {
@@ -42,13 +45,13 @@ std::int64_t count_files(const fs::path& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
 }
 
-/// Does a relative path stay below its base directory?
+/// True for a relative path that cannot leave its base directory.
 bool stays_within(const fs::path& path) {
   return path.is_relative() && path.native().find('\0') == std::string::npos && !path.empty() &&
          std::find(path.begin(), path.end(), "..") == path.end();
 }
 
-/// Number of numbers separated by single blanks; nullopt when the line contains anything else.
+/// Count of numbers in a line, separated by single blanks; nullopt when the line contains anything else.
 std::optional<int> count_numbers(std::string_view line) {
   int count = 0;
   while (!line.empty()) {
@@ -111,7 +114,8 @@ class Verification {
           return has(file, "path") && file["path"].is_string() && has(file, "bytes") &&
                  file["bytes"].is_number_unsigned() && has(file, "xxh128") && file["xxh128"].is_string();
         })) {
-      throw InputError(place + "expected the manifest of a dataset, found something else");
+      throw InputError(place +
+                       "expected the manifest of a dataset with the lists files and sequences, found something else");
     }
     for (const Json& file : manifest_.at("files")) {
       const auto name = file["path"].get<std::string>();
@@ -145,23 +149,25 @@ class Verification {
     const std::string place = "sequences/" + name + "/sequence.json: ";
     if (info.instance < 1 || static_cast<std::size_t>(info.instance) > info.vehicles.size() ||
         info.statistics.frames < 0 || info.statistics.frames > kMaxFrames) {
-      return problem(place + "expected the instance of one of its vehicles, and its frames");
+      return problem(place + "expected instance 1 to " + std::to_string(info.vehicles.size()) + " and 0 to " +
+                     std::to_string(kMaxFrames) + " frames, found instance " + std::to_string(info.instance) + " and " +
+                     std::to_string(info.statistics.frames) + " frames");
     }
     if (info.sequence != *number) {
-      return problem(place + "expected the sequence " + name + ", found " + sequence_name(info.sequence));
+      return problem(place + "expected sequence " + name + ", found " + sequence_name(info.sequence));
     }
     if (info.fingerprint != fingerprint || info.state_hash != state_hash)
-      problem(place + "belongs to another dataset than manifest.json");
+      problem(place + "belongs to another dataset: its fingerprint or state_hash differs from manifest.json");
     sequences_.push_back(std::move(info));
   }
 
   void check_files() {
-    std::set<std::string> named = {"manifest.json", ".lock"};
+    std::set<std::string> listed = {"manifest.json", ".lock"};
     const std::size_t all = manifest_.at("files").size();
     for (const Json& file : manifest_.at("files")) {
       if (canceled()) return;
       const auto name = file["path"].get<std::string>();
-      named.insert(name);
+      listed.insert(name);
       check_file(name, file["bytes"].get<std::uint64_t>(), file["xxh128"].get<std::string>());
       ++report_.files;
       if (report_.files % 64 == 0) {
@@ -171,7 +177,7 @@ class Verification {
     for (const auto& entry : fs::recursive_directory_iterator(directory_)) {
       if (entry.is_directory()) continue;
       const std::string name = entry.path().lexically_relative(directory_).generic_string();
-      if (!named.contains(name)) problem(name + ": the manifest does not name it");
+      if (!listed.contains(name)) problem(name + ": not listed in manifest.json");
     }
   }
 
@@ -199,10 +205,10 @@ class Verification {
     std::vector<const char*> folders = {"velodyne", "labels"};
     if (fs::exists(root / "point_truth")) folders.push_back("point_truth");
     if (fs::exists(root / "images")) folders.insert(folders.end(), {"images/range", "images/intensity"});
-    std::int64_t most = 0;  // largest number of files in a folder; frames beyond it are not checked
+    std::int64_t most_files = 0;  // largest number of files in a folder; frames beyond it are not checked
     for (const char* folder : folders) {
       const std::int64_t found = count_files(root / folder);
-      most = std::max(most, found);
+      most_files = std::max(most_files, found);
       if (found != frames) {
         problem(name + "/" + folder + ": expected " + std::to_string(frames) + " files, found " +
                 std::to_string(found));
@@ -211,7 +217,8 @@ class Verification {
     check_lines(root / "poses.txt", name + "/poses.txt", frames, kPoseNumbers);
     check_lines(root / "times.txt", name + "/times.txt", frames, 1);
     std::int64_t points = 0;
-    for (int i = 0; i < std::min<std::int64_t>(frames, most) && !canceled(); ++i) points += check_frame(root, name, i);
+    for (int i = 0; i < std::min<std::int64_t>(frames, most_files) && !canceled(); ++i)
+      points += check_frame(root, name, i);
     if (points != info.statistics.points) {
       problem(name + ": expected " + std::to_string(info.statistics.points) + " points, found " +
               std::to_string(points));
@@ -236,8 +243,10 @@ class Verification {
     const std::string scan = frame_file("velodyne", frame, "bin"), label = frame_file("labels", frame, "label");
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(root / scan, error);
-    if (error) return 0;  // reported as a problem of the folder
-    if (bytes % kPointBytes != 0) problem(name + "/" + scan + ": expected four float32 a point");
+    if (error) return 0;  // check_layout() reports missing files of the folder
+    if (bytes % kPointBytes != 0)
+      problem(name + "/" + scan + ": expected a multiple of " + std::to_string(kPointBytes) +
+              " bytes (four float32 per point), found " + std::to_string(bytes) + " bytes");
     const std::string labels = read_text(root / label);
     const std::size_t points = bytes / kPointBytes;
     if (labels.size() != points * kLabelBytes) {
@@ -270,8 +279,8 @@ class Verification {
       std::from_chars(line.data(), line.data() + line.size(), frame);
       if (frame < 0 || frame >= frames ||
           static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) != columns) {
-        return problem(name + ":" + std::to_string(number) + ": expected a box of one of " + std::to_string(frames) +
-                       " frames");
+        return problem(name + ":" + std::to_string(number) + ": expected " + std::to_string(columns + 1) +
+                       " columns, the first a frame below " + std::to_string(frames));
       }
     }
     const std::int64_t expected = std::int64_t{frames} * (static_cast<std::int64_t>(info.vehicles.size()) - 1);
@@ -291,10 +300,10 @@ class Verification {
       drawn.insert(static_cast<std::int64_t>(random.uniform(i, 0) * static_cast<double>(all)));
     }
     std::map<std::size_t, std::set<int>> frames;
-    for (std::int64_t place : drawn) {
+    for (std::int64_t frame : drawn) {
       std::size_t sequence = 0;
-      while (place >= sequences_[sequence].statistics.frames) place -= sequences_[sequence++].statistics.frames;
-      frames[sequence].insert(static_cast<int>(place));
+      while (frame >= sequences_[sequence].statistics.frames) frame -= sequences_[sequence++].statistics.frames;
+      frames[sequence].insert(static_cast<int>(frame));
     }
     return frames;
   }
@@ -306,7 +315,7 @@ class Verification {
     for (const auto& [sequence, frames] : drawn) {
       if (canceled()) return;
       report_progress(0.5 + 0.5 * done / static_cast<double>(drawn.size()),
-                      "sequence " + sequence_name(sequences_[sequence].sequence) + " again");
+                      "simulating sequence " + sequence_name(sequences_[sequence].sequence) + " again");
       resimulate(sequences_[sequence], content, frames);
       done += 1.0;
     }
@@ -316,14 +325,14 @@ class Verification {
     const fs::path root = directory_ / "sequences" / sequence_name(info.sequence);
     const PreparedFlight prepared = restore_flight(root, info);
     Simulation simulation(prepared.scenario, 0, prepared.world);
-    const auto carrier = static_cast<std::size_t>(info.instance - 1);
+    const auto observer = static_cast<std::size_t>(info.instance - 1);
     std::int64_t num_scans = 0;
     const std::int64_t last_scan = std::int64_t{*frames.rbegin()} * content.every;
     Frame frame;
     while (!simulation.finished() && num_scans <= last_scan) {
       if (canceled()) return;
       simulation.tick();
-      for (const auto& scan : simulation.view().scans[carrier]) {
+      for (const auto& scan : simulation.view().scans[observer]) {
         if (scan->scan.sensor != info.sensor) continue;
         const std::int64_t number = num_scans++;
         const auto frame_number = static_cast<int>(number / content.every);
@@ -333,20 +342,20 @@ class Verification {
       }
     }
     if (num_scans <= last_scan) {
-      problem("sequences/" + sequence_name(info.sequence) + ": simulated again, it ends before frame " +
+      problem("sequences/" + sequence_name(info.sequence) + ": the flight simulated again ends before frame " +
               std::to_string(*frames.rbegin()));
     }
   }
 
   void compare(const fs::path& root, int number, const ContentConfig& content, const Frame& frame) {
-    const auto same = [&](const std::string& file, const ByteBuffer& bytes) {
+    const auto compare_file = [&](const std::string& file, const ByteBuffer& bytes) {
       const std::string stored = read_text(root / file);
       if (stored.size() == bytes.size() && std::memcmp(stored.data(), bytes.bytes().data(), bytes.size()) == 0) return;
       problem((root / file).lexically_relative(directory_).generic_string() + ": differs when simulated again");
     };
-    same(frame_file("velodyne", number, "bin"), frame.velodyne);
-    same(frame_file("labels", number, "label"), frame.labels);
-    if (content.point_truth) same(frame_file("point_truth", number, "bin"), frame.point_truth);
+    compare_file(frame_file("velodyne", number, "bin"), frame.velodyne);
+    compare_file(frame_file("labels", number, "label"), frame.labels);
+    if (content.point_truth) compare_file(frame_file("point_truth", number, "bin"), frame.point_truth);
     ++report_.resimulated;
   }
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Does another process hold the lock of the file? False where the file system has no locks.
+/// True if another process holds the lock of the file. False where the file system has no locks.
 bool is_held_by_another(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
 /// Removes an existing file with the partial name: of a killed run, or a link from an unpacked archive.

@@ -27,7 +27,8 @@ constexpr MetricDefinition kDetectionErrorMean = {
     "detection_error_mean_m", "m",
     "mean of |estimated - true position| of found vehicles; truth at the time of the detection, transformed to the "
     "observer's estimated world [Vrba 2025, eq. 68]"};
-constexpr MetricDefinition kDetectionErrorStd = {"detection_error_std_m", "m", "standard deviation of that error"};
+constexpr MetricDefinition kDetectionErrorStd = {"detection_error_std_m", "m",
+                                                 "standard deviation of the position error"};
 constexpr MetricDefinition kDetectionLatency = {
     "detection_latency_s", "s", "mean time from the time of validity of a detection to the tick of its report"};
 constexpr MetricDefinition kFalseDetections = {"false_detections_per_min", "1/min",
@@ -50,7 +51,7 @@ constexpr MetricDefinition kTrackErrorMean = {
     "track_error_mean_m", "m",
     "mean of |estimated - true position| of found vehicles; truth at the time of the track, transformed to the "
     "observer's estimated world [Vrba 2025, eq. 68]"};
-constexpr MetricDefinition kTrackErrorStd = {"track_error_std_m", "m", "standard deviation of that error"};
+constexpr MetricDefinition kTrackErrorStd = {"track_error_std_m", "m", "standard deviation of the position error"};
 constexpr MetricDefinition kTrackLatency = {"track_latency_s", "s",
                                             "mean time from the time of validity of a track to the tick of its report"};
 constexpr MetricDefinition kTrackSpeedError = {"track_speed_error_mean_mps", "m/s",
@@ -73,9 +74,9 @@ constexpr MetricDefinition kTrackOspa = {
     "cut off at metrics.true_positive_m (Schuhmacher et al. 2008)"};
 constexpr MetricDefinition kTrackNees = {
     "track_nees", "", "mean normalized error squared of tracked positions; 3 for correct covariances"};
-constexpr MetricDefinition kTrackNeesWithin95 = {
-    "track_nees_within_95", "",
-    "share of these within the 95 % quantile of chi-square with 3 degrees of freedom; 0.95 for correct covariances"};
+constexpr MetricDefinition kTrackNeesWithin95 = {"track_nees_within_95", "",
+                                                 "share of normalized errors squared within the 95 % quantile of "
+                                                 "chi-square with 3 degrees of freedom; 0.95 for correct covariances"};
 constexpr MetricDefinition kDetectionDefinitions[] = {kDetectionRecall,    kDetectionRecallVisible,
                                                       kDetectionPrecision, kDetectionErrorMean,
                                                       kDetectionErrorStd,  kDetectionLatency,

@@ -13,7 +13,7 @@ constexpr MetricDefinition kPositionRmse = {
     "root mean square of |estimated - true position|, world frame, over all ticks with "
     "a valid estimate before a crash"};
 constexpr MetricDefinition kPositionMax = {"estimate_position_max_m", "m",
-                                           "greatest |estimated - true position| of these ticks"};
+                                           "largest |estimated - true position| over the same ticks"};
 constexpr MetricDefinition kAteRmse = {
     "ate_position_rmse_m", "m",
     "absolute trajectory error: root mean square after the best alignment in position and "

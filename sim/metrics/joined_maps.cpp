@@ -28,7 +28,7 @@ constexpr MetricDefinition kJoinedYawRmse = {
     "joined_yaw_rmse_rad", "rad", "root mean square error of that vehicle's heading relative to the own one"};
 constexpr MetricDefinition kJoinedYawEnd = {"joined_yaw_end_rad", "rad", "error in the last of these ticks"};
 constexpr MetricDefinition kJoinedNees = {"joined_nees", "",
-                                          "mean normalized error squared of that position; 3 for correct covariances"};
+                                          "mean normalized error squared of the position; 3 for correct covariances"};
 constexpr MetricDefinition kLooksSent = {"map_looks_bytes", "B", "sent descriptors of submaps, with headers"};
 constexpr MetricDefinition kCloudsSent = {"map_clouds_bytes", "B", "sent clouds of submaps, with headers"};
 constexpr MetricDefinition kMessagesSent = {

@@ -31,15 +31,16 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 }  // namespace
 
 void MetricsConfig::visit(ConfigVisitor& v) {
-  v.field("clearance_max_m", clearance_max_m, "[m] larger clearances are reported as this", Range::positive());
+  v.field("clearance_max_m", clearance_max_m, "[m] clearances above this value are reported as this value",
+          Range::positive());
   v.field("true_positive_m", true_positive_m,
           "[m] largest distance of a detection or track from the vehicle that it is assigned to", Range::positive());
-  v.field("detection_range_m", detection_range_m, "[m] vehicles within this distance count for recall",
+  v.field("detection_range_m", detection_range_m, "[m] distance up to which vehicles count for recall",
           Range::positive());
-  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
+  v.field("detection_bin_m", detection_bin_m, "[m] width of the distance bins of recall and errors",
           Range::between(0.001, 1e6));
-  v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
-  v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
+  v.field("stop_on_crash", stop_on_crash, "[-] whether the run ends at the first crash");
+  v.field("stop_when_done", stop_when_done, "[-] whether the run ends when every mission is done, failed or crashed");
 }
 
 std::vector<MetricType>& metric_registry() {

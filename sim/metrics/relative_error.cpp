@@ -14,12 +14,12 @@ namespace {
 constexpr MetricDefinition kRelativeMae = {"relative_position_mae_m", "m",
                                            "mean of |estimated - true position of the other vehicle|, both relative to "
                                            "the own body, over the ticks with an estimate"};
-constexpr MetricDefinition kRelativeRmse = {"relative_position_rmse_m", "m", "root mean square of these errors"};
+constexpr MetricDefinition kRelativeRmse = {"relative_position_rmse_m", "m", "root mean square of the position errors"};
 constexpr MetricDefinition kRelativeMax = {"relative_position_max_m", "m", "greatest of these errors"};
 constexpr MetricDefinition kRelativeYawRmse = {
     "relative_yaw_rmse_rad", "rad", "root mean square error of the other vehicle's heading relative to the own one"};
-constexpr MetricDefinition kRelativeNees = {
-    "relative_nees", "", "mean normalized error squared of that position; 3 for correct covariances"};
+constexpr MetricDefinition kRelativeNees = {"relative_nees", "",
+                                            "mean normalized error squared of the position; 3 for correct covariances"};
 constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "time with an estimate"};
 constexpr MetricDefinition kRelativeErrorDefinitions[] = {kRelativeMae,     kRelativeRmse, kRelativeMax,
                                                           kRelativeYawRmse, kRelativeNees, kRelativeKnown};

@@ -10,12 +10,12 @@ constexpr MetricDefinition kTrackingRms = {"tracking_error_rms_m", "m",
                                            "root mean square of |true position - reference| after the reference "
                                            "governor, in flight with a valid estimate; world frame"};
 constexpr MetricDefinition kTrackingMax = {"tracking_error_max_m", "m",
-                                           "greatest |true position - reference| of these ticks"};
+                                           "largest |true position - reference| over the same ticks"};
 constexpr MetricDefinition kControlRms = {
     "control_error_rms_m", "m",
     "root mean square of |estimated position - reference|: the contribution of the controller"};
 constexpr MetricDefinition kControlMax = {"control_error_max_m", "m",
-                                          "greatest |estimated position - reference| of these ticks"};
+                                          "largest |estimated position - reference| over the same ticks"};
 constexpr MetricDefinition kTrackingErrorDefinitions[] = {kTrackingRms, kTrackingMax, kControlRms, kControlMax};
 
 /// Position error against the reference after the reference governor, in flight with a valid estimate.

@@ -53,7 +53,7 @@ std::optional<NoRoom> FreePlaces::no_room_at(std::size_t i, const Vector3& p_wor
   return NoRoom{overlap.depth_m, surface ? surface->surface_class : SurfaceClass::kUnlabeled};
 }
 
-/// Is there ground above and no surface below?
+/// True with ground above and no surface below.
 bool FreePlaces::is_below_ground(const Vector3& p_world_m) const {
   const double down_m = p_world_m.z() - world_.bounds_m().min().z() + 1.0;
   const double up_m = world_.bounds_m().max().z() - p_world_m.z() + 1.0;

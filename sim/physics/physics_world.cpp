@@ -328,7 +328,7 @@ struct PhysicsWorld::Impl {
            state.omega_body_radps);
   }
 
-  /// Is this contact a crash?
+  /// True if the contact is a crash.
   void check_crash(const Touch& touch, TimeNs t) {
     VehicleState& state = states[touch.vehicle];
     if (state.crashed) return;

@@ -15,8 +15,8 @@ constexpr double kLeastCrossingSpeed_mps = 1.0;
 }  // namespace
 
 void WindConfig::visit(ConfigVisitor& v) {
-  v.field("mean_mps", mean_mps, "[m/s] mean wind in the world frame (blowing towards)", Range::between(-100.0, 100.0));
-  v.field("gusts", gusts, "[-] Dryden turbulence on top of the mean wind");
+  v.field("mean_mps", mean_mps, "[m/s] velocity of the mean wind in the world frame", Range::between(-100.0, 100.0));
+  v.field("gusts", gusts, "[-] whether Dryden turbulence is added to the mean wind");
   v.field("wind_at_6m_mps", wind_at_6m_mps,
           "[m/s] W20 of MIL-F-8785C, the strength of the turbulence: 7.7 light, 15.4 moderate, 23.2 severe",
           Range::between(0.0, 100.0));

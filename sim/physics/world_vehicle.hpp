@@ -50,7 +50,7 @@ struct WorldVehicle {
 
 /// Updates the distance to the nearest surface, searched within the radius.
 void measure_surface(WorldVehicle& vehicle, const Vector3& p_world, double radius_m, const StaticScene& scene);
-/// May the vehicle touch a surface before the prediction ends?
+/// True if the vehicle may touch a surface before the prediction ends.
 bool may_meet_surface(WorldVehicle& vehicle, const Vector3& p_world, const PhysicsConfig& config,
                       const StaticScene& scene);
 /// Distance from the vehicle's circumscribed sphere to the nearest surface [m], at most max_distance_m.

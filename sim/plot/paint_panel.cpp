@@ -97,7 +97,7 @@ bool has_kind(const Panel& panel, std::initializer_list<Kind> kinds) {
                      [&](const Series& s) { return std::find(kinds.begin(), kinds.end(), s.kind) != kinds.end(); });
 }
 
-/// Are there markers, which the edge of the frame would cut in half?
+/// True if a series has markers, which the edge of the frame would cut in half.
 bool marks_ends(const Panel& panel) {
   return std::any_of(panel.series().begin(), panel.series().end(),
                      [](const Series& s) { return s.kind == kLine && s.style.marker != Marker::kNone; });

@@ -14,7 +14,7 @@ struct Tick {
 /// Round numbers (1, 2 or 5 times a power of ten) from low to high, about `wanted` of them.
 std::vector<Tick> linear_ticks(double low, double high, int wanted);
 
-/// Decades with minor ticks between; over less than a decade and a half also labeled 2 and 5. 0 < low < high.
+/// Decades with minor ticks between; in ranges of less than 1.5 decades, 2 and 5 have labels too. 0 < low < high.
 std::vector<Tick> log_ticks(double low, double high, int wanted);
 
 /// Shortest decimal text with at most `decimals` places, "-0" as "0", equal on every machine.

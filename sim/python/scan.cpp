@@ -57,10 +57,10 @@ py::array points_lidar(const HeldScan& held) {
 using ScanClass = py::class_<HeldScan>;
 
 void bind_beams(ScanClass& scan) {
-  scan.def_property_readonly("range_m", beams_of(&Scan::range_m), "(rows, cols) float32, [m]; 0: no return.")
+  scan.def_property_readonly("range_m", beams_of(&Scan::range_m), "(rows, cols) float32, [m] range; 0: no return.")
       .def_property_readonly("intensity", beams_of(&Scan::intensity), "(rows, cols) float32, received power.")
       .def_property_readonly("reflectivity", beams_of(&Scan::reflectivity),
-                             "(rows, cols) float32; 1: white Lambertian.")
+                             "(rows, cols) float32, reflectivity; 1: white Lambertian.")
       .def_property_readonly(
           "directions_lidar", [](const HeldScan& h) { return vectors_of(h, h.scan->beams->directions_lidar); },
           "(rows, cols, 3) float32, unit vectors in the frame of the LiDAR.")
@@ -89,14 +89,14 @@ void bind_beams(ScanClass& scan) {
 
 void bind_truth(ScanClass& scan) {
   scan.def_property_readonly("true_range_m", truth_of(&sim::ScanTruth::range_m),
-                             "(rows, cols) float32, [m] without noise; 0: nothing in reach.")
+                             "(rows, cols) float32, [m] range without noise; 0: no surface in range.")
       .def_property_readonly("true_class", truth_of(&sim::ScanTruth::surface_class),
-                             "(rows, cols) uint16, what was hit: numbers of docs/conventions.md.")
+                             "(rows, cols) uint16, truth class of the surface: numbers of docs/conventions.md.")
       .def_property_readonly("true_instance", truth_of(&sim::ScanTruth::instance),
-                             "(rows, cols) uint16, which of its class; of vehicles, their number from 1.")
+                             "(rows, cols) uint16, instance within the class; of vehicles, their number from 1.")
       .def_property_readonly("true_part", truth_of(&sim::ScanTruth::part), "(rows, cols) uint8, part of a vehicle.")
       .def_property_readonly("true_incidence_rad", truth_of(&sim::ScanTruth::incidence_rad),
-                             "(rows, cols) float32, [rad] between beam and surface normal.")
+                             "(rows, cols) float32, [rad] angle between beam and surface normal.")
       .def_property_readonly(
           "true_T_world_lidar",
           [](const HeldScan& h) -> py::object {
@@ -125,8 +125,7 @@ void bind_scan(py::module_& module) {
       .def_property_readonly("rows", [](const HeldScan& h) { return h.scan->rows(); })
       .def_property_readonly("cols", [](const HeldScan& h) { return h.scan->cols(); })
       .def_property_readonly(
-          "range_max_m", [](const HeldScan& h) { return h.scan->range_max_m; },
-          "[m] beyond this the sensor returns nothing.")
+          "range_max_m", [](const HeldScan& h) { return h.scan->range_max_m; }, "[m] largest range of the sensor.")
       .def("__repr__", [](const HeldScan& h) {
         return "<Scan of " + h.scan->sensor + " at " + std::to_string(to_seconds(h.scan->stamp)) + " s, " +
                std::to_string(h.scan->rows()) + " x " + std::to_string(h.scan->cols()) + ">";

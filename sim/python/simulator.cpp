@@ -136,7 +136,7 @@ void bind_vehicle(py::module_& module) {
           "Detections of its detector; None in a tick without a finished scan.")
       .def_property_readonly(
           "has_tracks", [](const Vehicle& v) { return v.action().has_tracks; },
-          "Did the tracker update its tracks in this tick?")
+          "True if the tracker updated its tracks in this tick.")
       .def_property_readonly(
           "tracks", [](const Vehicle& v) { return copy_of(v.action().tracks); },
           "Tracks of its tracker, as of the last update.")
@@ -286,19 +286,19 @@ using SimulatorClass = py::class_<Simulator>;
 void bind_flight(SimulatorClass& simulator) {
   simulator
       .def("tick", &Simulator::tick, py::arg("count") = 1,
-           "Flies so many ticks, at most until the run is over; returns their number.")
+           "Runs `count` ticks, at most until the run is over; returns the number of ticks.")
       .def(
           "run",
           [](Simulator& s, std::optional<double> until_s) {
             s.run(until_s.value_or(std::numeric_limits<double>::infinity()));
           },
-          py::arg("until_s") = py::none(), "Flies until that simulated instant, or until the run is over.")
+          py::arg("until_s") = py::none(), "Runs until the simulated time `until_s`, or until the run is over.")
       .def("finish", &Simulator::finish, "Ends recording; the run directory appears under its name.");
 }
 
 /// State of the run.
 void bind_state(SimulatorClass& simulator) {
-  simulator.def_property_readonly("finished", &Simulator::finished, "Is the run over?")
+  simulator.def_property_readonly("finished", &Simulator::finished, "True when the run is over.")
       .def_property_readonly(
           "t_s", [](const Simulator& s) { return to_seconds(s.simulation()->now()); }, "[s] simulated time.")
       .def_property_readonly(

@@ -18,7 +18,7 @@
 
 namespace swiftlet::python {
 
-/// A world shared by simulators, and its configuration.
+/// World that several simulators share, with its configuration.
 struct BuiltWorld {
   sim::World world;
   std::string config;  ///< type and settings
@@ -42,9 +42,9 @@ class Simulator {
   Simulator(const ReadScenario& scenario, int threads, const BuiltWorld* world,
             const std::optional<std::filesystem::path>& out);
 
-  /// Runs up to `count` ticks, at most until the run is over. Returns their number.
+  /// Runs up to `count` ticks, at most until the run is over. Returns the number of ticks.
   int tick(int count);
-  /// Runs until that time or the end of the run. Ctrl-C ends it after the current tick.
+  /// Runs until the time `until_s` or the end of the run. Ctrl-C stops after the current tick.
   void run(double until_s);
   bool finished() const { return simulation_->finished(); }
   /// Ends recording and moves the run directory to its place.
@@ -74,7 +74,7 @@ class Simulator {
   double setup_wall_s_ = 0.0;
   double wall_s_ = 0.0;
   std::shared_ptr<std::atomic<bool>> in_use_ = std::make_shared<std::atomic<bool>>(false);
-  bool broken_ = false;
+  bool broken_ = false;  // a tick threw an exception, so further calls are refused
 };
 
 }  // namespace swiftlet::python

@@ -384,7 +384,7 @@ void bind_map(InputClass& input) {
           [](const Lent& l, const py::object& at, double max_m) {
             return l.mapped().distance_m(finite(vector_from(at, "p_local_m"), "p_local_m"), finite(max_m, "max_m"));
           },
-          py::arg("p_local_m"), py::arg("max_m") = 5.0, "[m] to the nearest occupied cell; at most max_m.")
+          py::arg("p_local_m"), py::arg("max_m") = 5.0, "[m] distance to the nearest occupied cell; at most max_m.")
       .def(
           "map_state",
           [](const Lent& l, const py::object& at) {

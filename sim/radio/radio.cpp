@@ -16,12 +16,12 @@ void RadioConfig::visit(ConfigVisitor& v) {
           "[kbit/s] transmission rate of each sender; a message occupies the sender for size / rate",
           Range::positive());
   v.field("delay_s", delay_s, "[s] fixed part of the delay", Range::non_negative());
-  v.field("jitter_s", jitter_s, "[s] standard deviation of the random part, whose absolute value is added",
+  v.field("jitter_s", jitter_s, "[s] standard deviation of the random part of the delay, whose absolute value is added",
           Range::non_negative());
   v.field("loss_probability", loss_probability, "[-] probability that a receiver loses a message",
           Range::probability());
   v.field("range_m", range_m, "[m] largest distance of reception", Range::positive());
-  v.field("line_of_sight", line_of_sight, "[-] surfaces of the static world block reception");
+  v.field("line_of_sight", line_of_sight, "[-] whether surfaces of the static world block reception");
   v.field("queue_limit_kB", queue_limit_kB,
           "[kB] transmission queue of a sender; beyond it the oldest messages are dropped", Range::positive());
 }

@@ -57,7 +57,7 @@ class ExactQuery {
   void trace_together();
   /// Finds them for rays with different directions; best with a tree for scattered rays.
   void trace_scattered();
-  /// Does the ray of lane 0 meet any triangle?
+  /// True if the ray of lane 0 meets any triangle.
   bool is_blocked();
 
   bool met(int lane) const { return triangle_[lane] != kNone; }

@@ -223,7 +223,7 @@ Rays SweepScene::Impl::rays_of(const Vehicle& vehicle, const BeamPacket& beams, 
 
 // ---- intersection with vehicles ----
 
-// Does any ray meet the vehicle's sweep sphere before its current intersection?
+// True if any ray meets the vehicle's sweep sphere before its current intersection.
 bool SweepScene::Impl::near(const Vehicle& vehicle, const Rays& rays,
                             const std::array<float, kPacketSize>& tfar) const {
   const float cx = vehicle.sweep_center_m.x(), cy = vehicle.sweep_center_m.y(), cz = vehicle.sweep_center_m.z();

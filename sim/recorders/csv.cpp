@@ -254,7 +254,7 @@ std::vector<TableType> csv_tables() {
 
 void CsvConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
-  v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::between(0.0, 1e5));
+  v.field("rate_hz", rate_hz, "[Hz] rows of the topic state per second; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   static const std::vector<std::string> names = csv_topic_names();
   static const std::string doc = "[-] tables to write: " + listed(names_but_of_kinds_of_messages(names)) +

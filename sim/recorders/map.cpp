@@ -148,7 +148,7 @@ void MapConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles whose maps are written; empty: all");
   v.field("maps", maps, "[-] names of the stages whose maps are written (detector, mapping); empty: all");
   v.field("times_s", times_s, "[s] times of recording", Range::non_negative());
-  v.field("at_end", at_end, "[-] also record at the end of the run");
+  v.field("at_end", at_end, "[-] whether maps are recorded at the end of the run too");
   v.choice("voxels", voxels, {"all", "occupied"}, "[-] every observed voxel, or only occupied ones");
   v.choice("format", format, kFormats,
            "[-] file format: points with x, y, z, state and value (ply, pcd), or octrees of OctoMap (ot with log-odds, "

@@ -28,7 +28,8 @@ std::string pcd_header(const CloudLayout& layout) {
 
 void PcdConfig::visit(ConfigVisitor& v) {
   visit_common(v);
-  v.field("organized", organized, "[-] keep the rows and columns of the scan, empty returns as NaN");
+  v.field("organized", organized,
+          "[-] whether rows and columns of the scan are kept, with NaN for beams without return");
 }
 
 std::unique_ptr<Recorder> make_pcd_recorder(const ModuleConfig& config) {

@@ -6,6 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
+/// [bytes] Header of a CDR message, to which alignment does not apply.
 constexpr std::size_t kEncapsulationBytes = 4;
 
 }  // namespace
@@ -24,7 +25,7 @@ void RosEncoder::text(std::string_view text) {
 
 void RosEncoder::time(TimeNs t) {
   t = recorded(t);
-  // ROS 1 has no time before zero; ROS 2 has negative seconds, with nanoseconds that still count upwards.
+  // ROS 1 has no time before zero; ROS 2 has negative seconds, with nanoseconds that always count forward.
   if (dialect_ == RosDialect::kRos1) t = std::max<TimeNs>(t, 0);
   const TimeNs nanoseconds = (t % kNsPerSecond + kNsPerSecond) % kNsPerSecond;
   put(static_cast<std::int32_t>((t - nanoseconds) / kNsPerSecond));

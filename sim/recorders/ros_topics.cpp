@@ -129,7 +129,7 @@ RosType type_of(const Sample&) {
   return row_type(Sample::kName, columns_of<Sample>());
 }
 
-/// Is it a valid name in a topic? ROS 2 allows no leading digit.
+/// True for a valid name in a topic. ROS 2 allows no leading digit.
 bool begins_as_topic(const std::string& name) { return !name.empty() && (name[0] < '0' || name[0] > '9'); }
 
 }  // namespace
@@ -153,7 +153,7 @@ void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
   v.field("sensors", sensors, "[-] names of the LiDARs to write; empty: all");
   static const std::vector<std::string> names = ros_topic_names();
-  static const std::string doc = "[-] what to write: " + listed(names);
+  static const std::string doc = "[-] topics to write: " + listed(names);
   v.field("topics", topics, doc.c_str());
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
     return std::find(names.begin(), names.end(), topic) != names.end();
@@ -161,12 +161,12 @@ void RosConfig::visit_common(ConfigVisitor& v) {
   v.check(known, "topics", "a list of " + listed(names));
   v.field("rate_hz", rate_hz, "[Hz] rate of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
-  v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
+  v.field("every", every, "[-] every n-th scan of each LiDAR is written", Range{1, 1e9, false, false});
   v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
            "[-] point layout of the manufacturer's driver; auto: selected by the rows; small: only returns, as x, y, "
            "z, intensity");
   v.field("points_step_m", points_step_m,
-          "[m] coordinates are rounded to multiples of this for better compression; 0: no rounding",
+          "[m] step to which coordinates are rounded, for better compression; 0: no rounding",
           Range::between(0.0, 1.0));
   v.field("world_triangles", world_triangles,
           "[-] largest number of triangles of the world; a larger world is coarsened", Range{1000, 1e7, false, false});

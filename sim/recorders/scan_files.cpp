@@ -166,7 +166,7 @@ class ScanFilesRecorder : public Recorder {
 void ScanFilesConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles whose scans are written; empty: all");
   v.field("sensors", sensors, "[-] names of the LiDARs on those vehicles; empty: all");
-  v.field("every", every, "[-] write every n-th scan", Range{1, 1e9, false, false});
+  v.field("every", every, "[-] every n-th scan is written", Range{1, 1e9, false, false});
   v.choice("frame", frame, kFrames,
            "[-] frame of the points: as measured, the world by the true poses, the world as the vehicle estimates it");
   v.field("folder", folder, "[-] folder in the run directory; two recorders of the same format need two");

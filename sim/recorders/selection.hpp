@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 /// Throws InputError on a name that no vehicle has.
 std::vector<bool> select_vehicles(const std::vector<std::string>& wanted, const std::vector<std::string>& names);
 
-/// Is `word` in the list? An empty list contains every word.
+/// True if `word` is in the list. An empty list contains every word.
 bool selects(const std::vector<std::string>& wanted, const std::string& word);
 
 /// True in the first tick at or after every multiple of the period; a rate of 0 selects every tick.

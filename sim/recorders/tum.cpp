@@ -85,9 +85,9 @@ class TumRecorder : public Recorder {
 
 void TumConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
-  v.field("rate_hz", rate_hz, "[Hz] poses a second; 0: every tick", Range::between(0.0, 1e5));
+  v.field("rate_hz", rate_hz, "[Hz] poses per second; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
-  v.field("estimate", estimate, "[-] also write each vehicle's own estimate");
+  v.field("estimate", estimate, "[-] whether the vehicles' estimates are written too");
 }
 
 std::unique_ptr<Recorder> make_tum_recorder(const ModuleConfig& config) {

@@ -30,7 +30,7 @@ const RecorderType kRecorderTypes[] = {
      make_slam_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
     {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
-    {{"replay", "the run as one page for a browser", make_module_config<ReplayConfig>}, make_replay_recorder},
+    {{"replay", "replay of the run as one page for a browser", make_module_config<ReplayConfig>}, make_replay_recorder},
 };
 
 }  // namespace

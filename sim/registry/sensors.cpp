@@ -16,12 +16,12 @@ namespace {
 
 // All sensors: a new sensor needs one line here.
 constexpr SensorType kSensorTypes[] = {
-    {{"pose", "pose from outside: motion capture, RTK, or the truth itself", make_module_config<PoseConfig>},
+    {{"pose", "external pose: motion capture, RTK, or the truth itself", make_module_config<PoseConfig>},
      make_pose_sensor},
     {{"imu", "rates and specific force, with bias and noise", make_module_config<ImuConfig>}, make_imu_sensor},
     {{"gnss", "satellite navigation with drift, outages and multipath", make_module_config<GnssConfig>},
      make_gnss_sensor},
-    {{"altimeter", "laser rangefinder that looks down", make_module_config<AltimeterConfig>}, make_altimeter_sensor},
+    {{"altimeter", "laser rangefinder that points down", make_module_config<AltimeterConfig>}, make_altimeter_sensor},
     {{"compass", "heading from a magnetometer", make_module_config<CompassConfig>}, make_compass_sensor},
     {{"odometry", "visual-inertial odometry in a local frame that drifts", make_module_config<OdometryConfig>},
      make_odometry_sensor},

@@ -36,7 +36,7 @@ const WorldType kWorldTypes[] = {
     row<WarehouseConfig, make_warehouse>(
         "warehouse", "racks, aisles, pallets, pillars, and a door of any width [Pritzl 2024, sec. III-C]"),
     row<TwoRoomsGapConfig, make_two_rooms_gap>("two_rooms_gap", "two rooms joined by a gap [Pritzl 2024, sec. III-A]"),
-    row<HallConfig, make_hall>("hall", "an indoor area with a wall to hide behind [Vrba 2025, sec. V-B]"),
+    row<HallConfig, make_hall>("hall", "an indoor area with a wall as cover [Vrba 2025, sec. V-B]"),
     row<CampusConfig, make_campus>("campus",
                                    "a small building to circle, trees, paths with kerbs, lamp posts [Orsulic 2021]"),
     row<WallsConfig, make_walls>("walls", "straight walls on a flat ground, and a maze"),

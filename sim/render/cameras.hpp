@@ -38,7 +38,7 @@ View perspective_view(const Eigen::Vector3d& eye_world_m, const Eigen::Vector3d&
 View top_view(const Eigen::Vector2d& center_world_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px);
 
-/// Does the world block the line of sight between two points [m]?
+/// True if the world blocks the line of sight between two points [m].
 using BlocksSight = std::function<bool(const Eigen::Vector3d& a_world_m, const Eigen::Vector3d& b_world_m)>;
 
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view(). By

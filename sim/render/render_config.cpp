@@ -9,51 +9,53 @@
 namespace swiftlet::sim {
 
 void CameraConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "name of the camera, in the names of its pictures");
+  v.field("name", name, "name of the camera, part of the names of the pictures");
   v.choice("type", type, kTypes, "kind of picture: a view of the world, metric depth, or measurements of a LiDAR");
   v.field("vehicle", vehicle,
           "follow, top, onboard, depth, lidar_*: name of the vehicle; empty: the first (follow, top: all)");
   v.field("sensor", sensor, "lidar_*: name of the vehicle's LiDAR; empty: the first");
-  v.field(
-      "position_m", position_m,
-      "[m] fixed: world; follow: offset from the vehicles along the world's axes; onboard, depth: body frame; zero as "
-      "target_m: by type");
+  v.field("position_m", position_m,
+          "[m] fixed: world; follow: offset from the vehicles along the world's axes; onboard, depth: body frame; both "
+          "zero: "
+          "chosen by the type");
   v.field("target_m", target_m,
-          "[m] point looked at. fixed: world; onboard, depth: body frame; top: center, when span_m is given");
+          "[m] point in the middle of the view. fixed: world; onboard, depth: body frame; top: center, when span_m is "
+          "given");
   v.field("fov_deg", fov_deg, "[deg] vertical field of view", Range::between(5.0, 150.0));
   v.field("span_m", span_m, "[m] top: height of the area shown; 0: all vehicles with their trails",
           Range::non_negative());
-  v.field("perspective", perspective, "top: seen from high above instead of a parallel projection");
+  v.field("perspective", perspective,
+          "top: whether the view is a perspective from high above instead of a parallel projection");
   v.field("width_px", width_px, "[px] width of the picture", Range::between(64, 8192));
   v.field("height_px", height_px, "[px] height of the picture", Range::between(64, 8192));
-  v.choice("style", style, {"screen", "paper"}, "paper: white, without captions, as PNG and as SVG with text as text");
+  v.choice("style", style, {"screen", "paper"},
+           "medium; paper: white, without captions, as PNG and as SVG with editable text");
   v.field("width_mm", width_mm, "[mm] paper: width as printed; 0: width_px at dpi", Range::non_negative());
   v.field("height_mm", height_mm, "[mm] paper: height as printed; 0: in proportion to the width",
           Range::non_negative());
   v.field("dpi", dpi, "paper: pixels per 25.4 mm", Range::between(30.0, 2400.0));
-  v.field("text_pt", text_pt, "[pt] paper: size of the letters as printed", Range::between(3.0, 40.0));
+  v.field("text_pt", text_pt, "[pt] paper: printed font size", Range::between(3.0, 40.0));
   v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the color scale; 0: fitted to the picture",
           Range::non_negative());
-  v.field("times_s", times_s, "[s] pictures at these times", Range::non_negative());
+  v.field("times_s", times_s, "[s] times of pictures", Range::non_negative());
   v.field("every_s", every_s, "[s] period of further pictures; 0: none", Range::non_negative());
   v.choice("cloud", cloud, {"none", "height", "label", "intensity", "vehicle"},
-           "latest scans drawn in the world, and what their colors mean");
+           "quantity that colors the latest scans, drawn in the world; none: no scans");
   v.field("point_px", point_px, "[px] diameter of the points of clouds; 0: decreases with distance",
           Range::between(0.0, 64.0));
-  v.field("trails", trails, "draw the path of each vehicle so far; an onboard camera shows none");
-  v.field("names", names, "write the vehicles' names beside them");
+  v.field("trails", trails, "whether the flown path of each vehicle is drawn; never by an onboard camera");
+  v.field("names", names, "whether vehicles are labeled with their names");
   v.field("overlays", overlays, "overlays of the agents to draw, by name, of one vehicle as \"uav1/NAME\"; \"*\": all");
-  v.field("axes", axes, "follow, fixed, top: show the axes of the world in a corner");
-  v.field("vehicle_scale", vehicle_scale, "vehicles are drawn this many times their size",
-          Range{0.0, 1000.0, true, false});
+  v.field("axes", axes, "follow, fixed, top: whether a corner shows the axes of the world");
+  v.field("vehicle_scale", vehicle_scale, "factor on the drawn size of vehicles", Range{0.0, 1000.0, true, false});
   v.field("vehicle_min_px", vehicle_min_px,
-          "[px] vehicles smaller than this on the picture get a ring of this diameter in their color; 0: none",
+          "[px] size on the picture below which a vehicle gets a ring of this diameter in its color; 0: no rings",
           Range::non_negative());
-  v.field("cut_above", cut_above, "hide everything above cut_height_m, to look under crowns and roofs");
+  v.field("cut_above", cut_above, "whether everything above cut_height_m is hidden, for views under crowns and roofs");
   v.field("cut_height_m", cut_height_m, "[m] height of the cut, world frame");
-  v.check(!times_s.empty() || every_s > 0.0, "times_s", "when it takes pictures, here or as every_s");
-  v.check(on_paper() || width_mm <= 0.0, "width_mm", "style paper with it: a screen has no millimeters");
-  v.check(on_paper() || height_mm <= 0.0, "height_mm", "style paper with it: a screen has no millimeters");
+  v.check(!times_s.empty() || every_s > 0.0, "times_s", "times of pictures, here or by every_s");
+  v.check(on_paper() || width_mm <= 0.0, "width_mm", "style paper: a screen has no millimeters");
+  v.check(on_paper() || height_mm <= 0.0, "height_mm", "style paper: a screen has no millimeters");
   const Eigen::Vector2i size = size_px();
   v.check((width_mm <= 0.0 && height_mm <= 0.0) || (size.minCoeff() >= 64 && size.maxCoeff() <= 8192),
           width_mm > 0.0 ? "width_mm" : "height_mm", "a picture of 64 to 8192 px a side at the dpi given");

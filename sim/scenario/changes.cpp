@@ -8,7 +8,7 @@ namespace {
 
 using Kind = Node::Kind;
 
-/// Is it valid without quotes anywhere on a line?
+/// True for a text that is valid without quotes anywhere on a line.
 bool is_plain_in_flow(const std::string& text) {
   constexpr std::string_view kSafe = "_./+-% ";
   const auto safe = [&](char c) {

@@ -23,7 +23,7 @@ using Kind = Node::Kind;
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
-/// Is it a byte of a UTF-8 sequence other than its first?
+/// True for a byte of a UTF-8 sequence after its first.
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
 /// Length of the UTF-8 sequence that starts at `i`; 0 when it is malformed, overlong or a surrogate.
@@ -343,7 +343,7 @@ bool chooses_another_type(const Node& base, const Node& over) {
   return now != nullptr && then != nullptr && now->text != then->text;
 }
 
-/// Does a vehicle of this list have a `count`?
+/// True if a vehicle of the list has a `count`.
 bool has_counts(const Node& list) {
   return std::any_of(list.items.begin(), list.items.end(),
                      [](const Node& item) { return item.find("count") != nullptr; });
@@ -454,7 +454,7 @@ class Merger {
 
 // --- overrides ---
 
-/// Is it UTF-8 without control characters, of at most 1000 bytes?
+/// True for UTF-8 without control characters, of at most 1000 bytes.
 bool is_plain_line(const std::string& text) {
   return text.size() <= 1000 && is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
 }

@@ -18,7 +18,7 @@ void check_vehicle(ConfigVisitor& v, const std::string& name, const std::vector<
   v.check(contains(known, name), key.c_str(), one_of(known) + did_you_mean(name, known));
 }
 
-/// Is every part of the path a plain name, so that it stays below the run directory?
+/// True if every part of the path is a plain name, so that the path stays below the run directory.
 bool is_output_path(const std::string& path) {
   if (path.size() > 255 || path.ends_with(".part")) return false;  // .part marks incomplete files
   for (std::size_t begin = 0; begin <= path.size();) {
@@ -29,12 +29,12 @@ bool is_output_path(const std::string& path) {
   return true;
 }
 
-/// Is `path` the folder itself or inside it?
+/// True if `path` is the folder itself or inside it.
 bool lies_in(const std::string& path, const std::string& folder) {
   return path == folder || path.starts_with(folder + "/");
 }
 
-/// Do two selections overlap? An empty one selects all.
+/// True if two selections overlap. An empty selection contains all.
 bool overlap(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   return a.empty() || b.empty() ||
          std::any_of(a.begin(), a.end(), [&](const std::string& name) { return contains(b, name); });

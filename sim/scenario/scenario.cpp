@@ -289,7 +289,7 @@ void VehicleConfig::visit(ConfigVisitor& v) {
   v.object("markers", markers, "retro-reflective markers detectable by other vehicles' LiDARs");
   v.object("start", start, "state at time 0");
   v.modules("sensors", sensors, sensor_module_types(), "[-] sensors aboard");
-  v.module("agent", agent, agent_module_types(), "[-] its software");
+  v.module("agent", agent, agent_module_types(), "[-] software of the vehicle");
   if (const auto* provider = dynamic_cast<const PlaceProvider*>(&v)) {
     for (const char* key : {"start.position_m", "agent"}) places[key] = provider->place_of(key);
     for (const NamedPlace& place : destinations_of(*this)) places[place.key] = provider->place_of(place.key.c_str());

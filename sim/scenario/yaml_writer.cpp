@@ -12,7 +12,7 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Is it interpreted as text without quotes by every YAML reader?
+/// True for a word that every YAML reader interprets as text without quotes.
 bool is_plain(std::string_view text) {
   static constexpr std::string_view kReserved[] = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"};
   if (text.empty() || !(is_letter(text[0]) || text[0] == '/')) return false;

@@ -11,8 +11,8 @@ void AltimeterConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("position_m", position_m, "[m] mounting position, body frame");
   v.choice("beam", beam, {"vertical", "body"}, "[-] direction of the beam: the world's vertical, or the body's");
-  v.field("range_min_m", range_min_m, "[m] least measured range", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] greatest measured range", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] smallest measured range", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] largest measured range", Range::positive());
   v.field("sigma_m", sigma_m, "[m] standard deviation of the range", Range::non_negative());
   v.field("sigma_relative", sigma_relative, "[-] standard deviation proportional to the range, added in quadrature",
           Range::non_negative());

@@ -13,9 +13,9 @@ void ClockConfig::visit(ConfigVisitor& v) {
 }
 
 void SensorConfig::visit_common(ConfigVisitor& v) {
-  v.field("name", name, "[-] unique on its vehicle; empty: named by its type");
+  v.field("name", name, "[-] name of the sensor, unique on its vehicle; empty: the name of its type");
   v.object("clock", clock, "error of the stamps");
-  v.field("latency_s", latency_s, "[s] from the time of validity to the delivery", Range::non_negative());
+  v.field("latency_s", latency_s, "[s] delay from the time of validity to the delivery", Range::non_negative());
 }
 
 namespace {

@@ -31,7 +31,7 @@ void GnssConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("random_outage_mean_s", random_outage_mean_s, "[s] mean length of a random outage (exponential)",
           Range::positive());
-  v.field("sky_view", sky_view, "[-] surfaces of the static world block satellites");
+  v.field("sky_view", sky_view, "[-] whether surfaces of the static world block satellites");
   v.field("num_satellites", num_satellites, "[-] number of satellites above the elevation mask", Range::between(4, 64));
   v.field("elevation_mask_deg", elevation_mask_deg, "[deg] elevation mask: least elevation of the satellites",
           Range::between(0.0, 80.0));

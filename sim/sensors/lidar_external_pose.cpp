@@ -15,7 +15,7 @@ Vector3 normals_of(const Random& random, std::uint32_t sweep, std::uint32_t pose
 }  // namespace
 
 void ExternalPoseConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] scans contain poses of an external localization");
+  v.field("enabled", enabled, "[-] whether scans contain poses of an external localization");
   v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position by axis",
           Range::non_negative());
   v.field("sigma_rotation_rad", sigma_rotation_rad, "[rad] standard deviation of each Euler angle",

@@ -48,14 +48,14 @@ void LidarFaultsConfig::visit(ConfigVisitor& v) {
           Range::probability());
   v.field("tail_probability", tail_probability, "[-] share of returns with tail_factor times the noise",
           Range::probability());
-  v.field("tail_factor", tail_factor, "[-] noise of these returns relative to the others", Range::between(1.0, 1e3));
+  v.field("tail_factor", tail_factor, "[-] factor of the noise of outliers", Range::between(1.0, 1e3));
   v.field("range_step_m", range_step_m, "[m] resolution of the reported range; 0: continuous", Range::non_negative());
   v.field("reflectivity_spread", reflectivity_spread,
           "[-] scale of a log-logistic factor of the reflectivity from shot to shot; 0: uniform surfaces",
           Range::between(0.0, 0.9));
   v.field("near_per_sweep", near_per_sweep, "[-] mean number of returns of the sensor's window in a sweep",
           Range::non_negative());
-  v.field("near_range_m", near_range_m, "[m] least and greatest range of these returns", Range::positive());
+  v.field("near_range_m", near_range_m, "[m] smallest and largest range of returns of the window", Range::positive());
   v.list("rig", rig, "parts of the own rig that no self-mask covers");
   v.check(dropout_probability + tail_probability <= 1.0, "tail_probability", "at most 1 with dropout_probability");
   v.check(near_range_m.y() >= near_range_m.x(), "near_range_m", "the least range first");

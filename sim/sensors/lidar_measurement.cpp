@@ -51,11 +51,11 @@ void RangeNoiseConfig::visit(ConfigVisitor& v) {
           Range::between(0, 4));
   v.field("table_range_m", table_range_m, "[m] ranges of table_sigma_m, ascending; empty: constant sigma_range_m",
           Range::non_negative());
-  v.field("table_sigma_m", table_sigma_m, "[m] standard deviation at these ranges", Range::non_negative());
+  v.field("table_sigma_m", table_sigma_m, "[m] standard deviations at table_range_m", Range::non_negative());
   v.field("table_incidence_deg", table_incidence_deg, "[deg] incidences of table_incidence_factor, ascending",
           Range::between(0, 90));
-  v.field("table_incidence_factor", table_incidence_factor, "[-] factors of the standard deviation at these incidences",
-          Range::non_negative());
+  v.field("table_incidence_factor", table_incidence_factor,
+          "[-] factors of the standard deviation at table_incidence_deg", Range::non_negative());
   v.check(table_sigma_m.size() == table_range_m.size(), "table_sigma_m", "as many values as table_range_m");
   v.check(ascending(table_range_m), "table_range_m", "ascending ranges");
   v.check(table_incidence_factor.size() == table_incidence_deg.size(), "table_incidence_factor",
@@ -64,7 +64,7 @@ void RangeNoiseConfig::visit(ConfigVisitor& v) {
 }
 
 void DetectionConfig::visit(ConfigVisitor& v) {
-  v.field("always", always, "[-] everything within range_max_m is detected");
+  v.field("always", always, "[-] whether every surface within range_max_m is detected");
   v.field("range_10_percent_m", range_10_percent_m,
           "[m] range at which 9 of 10 shots on a Lambertian surface of 10 % reflectivity return", Range::positive());
   v.field("range_80_percent_m", range_80_percent_m,
@@ -79,7 +79,7 @@ void DetectionConfig::visit(ConfigVisitor& v) {
 void BeamWidthConfig::visit(ConfigVisitor& v) {
   v.field("sub_rays", sub_rays, "[-] rays per beam: 1, 5 or 9", Range::between(1, 9));
   v.field("divergence_deg", divergence_deg, "[deg] full width of the beam at half maximum", Range::between(0, 10));
-  v.field("pulse_length_m", pulse_length_m, "[m] echoes closer together than this merge into one",
+  v.field("pulse_length_m", pulse_length_m, "[m] distance below which two echoes merge into one",
           Range::non_negative());
   v.check(sub_rays == 1 || sub_rays == 5 || sub_rays == 9, "sub_rays", "1, 5 or 9");
 }

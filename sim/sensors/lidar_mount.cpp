@@ -53,7 +53,7 @@ void MountConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m, "[m] position of the sensor in the body frame");
   v.field("rpy_deg", rpy_deg, "[deg] roll, pitch, yaw of the sensor in the body frame: R = Rz(yaw) Ry(pitch) Rx(roll)");
   v.field("clear_of_hull", clear_of_hull,
-          "[-] raise the sensor on its airframe until no beam can intersect the own vehicle");
+          "[-] whether the sensor is raised on its airframe until no beam can intersect the own vehicle");
 }
 
 Pose MountConfig::T_body_lidar() const { return make_pose(position_m, rotation_of_rpy(rpy_deg * kRadPerDeg)); }

@@ -21,9 +21,11 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: neighbors_uvdar, neighbors_ideal");
   visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
-  v.field("ideal", ideal, "[-] the truth of all other vehicles; ignores all following settings except the latency");
-  v.field("range_max_m", range_max_m, "[m] greatest range of detection", Range::positive());
-  v.field("range_min_m", range_min_m, "[m] least range of detection", Range::non_negative());
+  v.field("ideal", ideal,
+          "[-] whether the sample is the truth of all other vehicles; then all following settings except the latency "
+          "are ignored");
+  v.field("range_max_m", range_max_m, "[m] largest range of detection", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] smallest range of detection", Range::non_negative());
   v.field("sigma_bearing_deg", sigma_bearing_deg, "[deg] standard deviation of the bearing by tangential axis",
           Range::non_negative());
   v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range, constant part", Range::non_negative());
@@ -34,7 +36,7 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
           Range::between(-90.0, 90.0));
   v.field("elevation_max_deg", elevation_max_deg, "[deg] highest bearing in body axes when there are no cameras",
           Range::between(-90.0, 90.0));
-  v.field("occlusion", occlusion, "[-] the world and other vehicles occlude a vehicle");
+  v.field("occlusion", occlusion, "[-] whether the world and other vehicles occlude a vehicle");
   v.field("occluder_scale", occluder_scale,
           "[-] radius of the occluding sphere, relative to the vehicle's circumscribed radius",
           Range::between(0.0, 1.0));

@@ -11,10 +11,11 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.choice("frame", frame, {"start", "world", "random"},
            "[-] the local frame at the start: the body's pose (without tilt), the world, or anything");
-  v.field("initial_offset_m", initial_offset_m, "[m] frame: random. The first position is uniform within +- this",
-          Range::non_negative());
+  v.field("initial_offset_m", initial_offset_m,
+          "[m] frame: random. Half-width of the uniform distribution of the first position", Range::non_negative());
   v.field("initial_yaw_deg", initial_yaw_deg,
-          "[deg] frame: random. Its heading against the world is uniform within +- this", Range::between(0.0, 180.0));
+          "[deg] frame: random. Half-width of the uniform distribution of the heading against the world",
+          Range::between(0.0, 180.0));
   v.field("drift_reference_m", drift_reference_m, "[m] length of path for drift_percent and yaw_drift_deg",
           Range::positive());
   v.field("drift_percent", drift_percent, "[%] RMS position error after the reference path, relative to its length",

@@ -23,7 +23,7 @@ void VibrationConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("gyro_radps", gyro_radps, "[rad/s] amplitude of the rates by rotor and axis at rotor_speed_radps",
           Range::non_negative());
-  v.field("rotor_speed_radps", rotor_speed_radps, "[rad/s] rotor speed at which these amplitudes hold",
+  v.field("rotor_speed_radps", rotor_speed_radps, "[rad/s] rotor speed to which the amplitudes refer",
           Range::positive());
 }
 

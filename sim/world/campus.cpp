@@ -278,7 +278,7 @@ void CampusConfig::visit(ConfigVisitor& v) {
   v.field("building_size_m", building_size_m, "[m] outer size of the building along x and y, centered at the origin",
           Range::between(4.0, 1000.0));
   v.field("wall_height_m", wall_height_m, "[m] height of the walls below the roof", Range::between(2.0, 100.0));
-  v.field("roof_height_m", roof_height_m, "[m] ridge above the walls", Range::positive());
+  v.field("roof_height_m", roof_height_m, "[m] height of the ridge above the walls", Range::positive());
   v.field("eaves_m", eaves_m, "[m] overhang of the roof beyond the walls", Range::non_negative());
   v.field("path_distance_m", path_distance_m, "[m] distance of the paved path from the walls",
           Range::between(0.2, 100.0));

@@ -135,8 +135,8 @@ void CloudConfig::visit(ConfigVisitor& v) {
   v.field("scale", scale, "[-] meters per unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
   v.field("position_m", position_m, "[m] position of the file's origin in the world");
-  v.choice("class", surface_class, static_class_names(), "[-] truth class of everything");
-  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of everything", Range::probability());
+  v.choice("class", surface_class, static_class_names(), "[-] truth class of all surfaces");
+  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of all surfaces", Range::probability());
 }
 
 Mesh voxelize(std::span<const Eigen::Vector3d> points_m, double leaf_m, int min_points) {

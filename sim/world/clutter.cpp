@@ -18,9 +18,10 @@ void ClutterThingConfig::visit(ConfigVisitor& v) {
 
 void ClutterConfig::visit(ConfigVisitor& v) {
   v.list("things", things, "things at chosen places");
-  v.field("num_posts", num_posts, "[-] random posts, limited by space", Range::between(0, 10000));
-  v.field("num_people", num_people, "[-] random standing people, limited by space", Range::between(0, 10000));
-  v.field("num_signs", num_signs, "[-] random retro-reflective signs on thin poles, limited by space",
+  v.field("num_posts", num_posts, "[-] largest number of random posts, limited by space", Range::between(0, 10000));
+  v.field("num_people", num_people, "[-] largest number of random standing people, limited by space",
+          Range::between(0, 10000));
+  v.field("num_signs", num_signs, "[-] largest number of random retro-reflective signs on thin poles, limited by space",
           Range::between(0, 10000));
   v.field("center_m", center_m, "[m] center of the ring for random things, world frame");
   v.field("radius_min_m", radius_min_m, "[m] inner radius of the ring", Range::non_negative());

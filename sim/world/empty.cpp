@@ -8,7 +8,7 @@
 namespace swiftlet::sim {
 
 void EmptyConfig::visit(ConfigVisitor& v) {
-  v.field("ground", ground, "[-] a flat ground at z = 0; false: empty space");
+  v.field("ground", ground, "[-] whether there is a flat ground at z = 0; false: empty space");
   v.field("size_m", size_m, "[m] extent of the ground along x and y, centered at the origin", Range::positive());
   v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the ground", Range::probability());
   v.object("clutter", clutter, "posts, people and signs on the ground");

@@ -29,13 +29,13 @@ double oscillation(const Random& random, std::uint32_t domain, std::uint32_t fir
 void FoliageConfig::visit(ConfigVisitor& v) {
   v.field("sway_m", sway_m, "[m] amplitude of a tree's top along the wind; 0: trees stand still",
           Range::between(0.0, 5.0));
-  v.field("sway_hz", sway_hz, "[Hz] natural frequency of the trees; each tree has its own, from 0.8 to 1.25 times this",
+  v.field("sway_hz", sway_hz, "[Hz] mean natural frequency of the trees; that of a tree is 0.8 to 1.25 times the mean",
           Range{0.0, 10.0, true});
   v.field("flutter_m", flutter_m,
           "[m] amplitude of a leaf cluster along each horizontal axis; half of it along the vertical",
           Range::between(0.0, 1.0));
   v.field("flutter_hz", flutter_hz,
-          "[Hz] flutter frequency of the leaf clusters; each has its own, from 0.8 to 1.25 times this",
+          "[Hz] mean flutter frequency of the leaf clusters; that of a cluster is 0.8 to 1.25 times the mean",
           Range{0.0, 50.0, true});
   v.field("wind_deg", wind_deg, "[deg] direction towards which the wind blows, from east to north",
           Range::between(-360.0, 360.0));

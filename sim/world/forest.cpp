@@ -272,8 +272,8 @@ void ForestConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("dbh_min_m", dbh_min_m, "[m] location of the Weibull distribution of diameters at breast height",
           Range::between(0.03, 1.0));
-  v.field("dbh_scale_m", dbh_scale_m, "[m] scale of that distribution", Range::positive());
-  v.field("dbh_shape", dbh_shape, "[-] shape of that distribution", Range::between(0.5, 20.0));
+  v.field("dbh_scale_m", dbh_scale_m, "[m] scale of the Weibull distribution of diameters", Range::positive());
+  v.field("dbh_shape", dbh_shape, "[-] shape of the Weibull distribution of diameters", Range::between(0.5, 20.0));
   v.field("pine_share", pine_share, "[-] weight in the mixture: high crowns on bare trunks", Range::non_negative());
   v.field("spruce_share", spruce_share, "[-] weight in the mixture: cones nearly down to the ground",
           Range::non_negative());

@@ -71,12 +71,14 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
   v.field("min_distance_m", min_distance_m, "[m] smallest distance between the axes of two trunks",
           Range::non_negative());
   v.field("trunk_radius_m", trunk_radius_m, "[m] mean radius of the trunks", Range::positive());
-  v.field("trunk_radius_spread_m", trunk_radius_spread_m, "[m] see spread", Range::non_negative());
+  v.field("trunk_radius_spread_m", trunk_radius_spread_m, "[m] spread of the radius of the trunks, see spread",
+          Range::non_negative());
   v.field("tree_height_m", tree_height_m, "[m] mean height of the trunks, and of the centers of the crowns",
           Range::positive());
-  v.field("tree_height_spread_m", tree_height_spread_m, "[m] see spread", Range::non_negative());
+  v.field("tree_height_spread_m", tree_height_spread_m, "[m] spread of the height, see spread", Range::non_negative());
   v.field("crown_radius_m", crown_radius_m, "[m] mean radius of the crowns", Range::positive());
-  v.field("crown_radius_spread_m", crown_radius_spread_m, "[m] see spread", Range::non_negative());
+  v.field("crown_radius_spread_m", crown_radius_spread_m, "[m] spread of the radius of the crowns, see spread",
+          Range::non_negative());
   v.choice("spread", spread, {"uniform", "normal"},
            "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions truncated at "
            "two of them");

@@ -78,14 +78,14 @@ void HallConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
-  v.field("ceiling", ceiling, "[-] with a ceiling");
+  v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("hide_center_m", hide_center_m, "[m] center of the free-standing wall");
   v.field("hide_length_m", hide_length_m, "[m] length of the free-standing wall", Range::positive());
   v.field("hide_height_m", hide_height_m, "[m] height of the free-standing wall; 0: up to the ceiling",
           Range::non_negative());
   v.field("hide_yaw_deg", hide_yaw_deg, "[deg] direction of the free-standing wall");
-  v.field("num_crates", num_crates, "[-] crates along the outer walls", Range::between(0, 1000));
-  v.field("crate_zone_m", crate_zone_m, "[m] crates reach at most this far from the walls", Range::positive());
+  v.field("num_crates", num_crates, "[-] number of crates along the outer walls", Range::between(0, 1000));
+  v.field("crate_zone_m", crate_zone_m, "[m] largest extent of the crates from the walls", Range::positive());
   const auto [start_m, end_m] = hide_ends(*this);
   const Vector2d half_m = 0.5 * size_m.head<2>();
   v.check((start_m.cwiseAbs().array() <= half_m.array()).all() && (end_m.cwiseAbs().array() <= half_m.array()).all(),

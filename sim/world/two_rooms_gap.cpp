@@ -22,7 +22,7 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("height_m", height_m, "[m] inner height", Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
-  v.field("ceiling", ceiling, "[-] with a ceiling");
+  v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("yaw_deg", yaw_deg, "[deg] direction of the path through the gap, in the world");
   v.field("random_yaw", random_yaw, "[-] a direction drawn from the seed is added to yaw_deg");
   v.field("position_m", position_m, "[m] center of the gap, x and y in the world");

@@ -250,7 +250,7 @@ void WarehouseConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
-  v.field("roof", roof, "[-] with a roof");
+  v.field("roof", roof, "[-] whether the building has a roof");
   v.field("aisle_width_m", aisle_width_m, "[m] least width of the aisles between the racks", Range::positive());
   v.field("end_aisle_m", end_aisle_m, "[m] least width of the cross aisles at both ends", Range::positive());
   v.field("rack_depth_m", rack_depth_m, "[m]", Range::between(0.5, 3.0));

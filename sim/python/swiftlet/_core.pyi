@@ -133,13 +133,13 @@ class Scan:
         """(n, 3) float32, [m] the returns in the frame of the LiDAR, in the order of `range_m[range_m > 0]`. A new array."""
     @property
     def range_m(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) float32, [m]; 0: no return."""
+        """(rows, cols) float32, [m] range; 0: no return."""
     @property
     def range_max_m(self) -> float:
-        """[m] beyond this the sensor returns nothing."""
+        """[m] largest range of the sensor."""
     @property
     def reflectivity(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) float32; 1: white Lambertian."""
+        """(rows, cols) float32, reflectivity; 1: white Lambertian."""
     @property
     def rows(self) -> int:
         ...
@@ -157,19 +157,19 @@ class Scan:
         """(cols, 4, 4), or (1, 4, 4) of a frozen scan: true pose of the sensor when each column fired."""
     @property
     def true_class(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) uint16, what was hit: numbers of docs/conventions.md."""
+        """(rows, cols) uint16, truth class of the surface: numbers of docs/conventions.md."""
     @property
     def true_incidence_rad(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) float32, [rad] between beam and surface normal."""
+        """(rows, cols) float32, [rad] angle between beam and surface normal."""
     @property
     def true_instance(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) uint16, which of its class; of vehicles, their number from 1."""
+        """(rows, cols) uint16, instance within the class; of vehicles, their number from 1."""
     @property
     def true_part(self) -> typing.Optional[numpy.ndarray]:
         """(rows, cols) uint8, part of a vehicle."""
     @property
     def true_range_m(self) -> typing.Optional[numpy.ndarray]:
-        """(rows, cols) float32, [m] without noise; 0: nothing in reach."""
+        """(rows, cols) float32, [m] range without noise; 0: no surface in range."""
 
 class Scenario:
     """The complete scenario of one run, read and checked by `load`."""
@@ -209,9 +209,9 @@ class Simulator:
         """Ends recording; the run directory appears under its name."""
     @property
     def finished(self) -> bool:
-        """Is the run over?"""
+        """True when the run is over."""
     def run(self, until_s: typing.Optional[float] = None) -> None:
-        """Flies until that simulated instant, or until the run is over."""
+        """Runs until the simulated time `until_s`, or until the run is over."""
     @property
     def state_hash(self) -> str:
         """Hash of all states, measurements and actions so far, as in summary.json."""
@@ -227,7 +227,7 @@ class Simulator:
     def t_s(self) -> float:
         """[s] simulated time."""
     def tick(self, count: int = 1) -> int:
-        """Flies so many ticks, at most until the run is over; returns their number."""
+        """Runs `count` ticks, at most until the run is over; returns the number of ticks."""
     def vehicle(self, which: object) -> Vehicle:
         """One vehicle, by name or number."""
     @property
@@ -255,7 +255,7 @@ class StepInput:
     def id(self) -> int:
         """Number of the vehicle."""
     def map_distance_m(self, p_local_m: object, max_m: float = 5.0) -> float:
-        """[m] to the nearest occupied cell; at most max_m."""
+        """[m] distance to the nearest occupied cell; at most max_m."""
     def map_occupied_within(self, center_local_m: object, radius_m: float) -> numpy.ndarray:
         """(n, 3) [m] centers of occupied cells in a ball."""
     def map_state(self, p_local_m: object) -> str:
@@ -317,7 +317,7 @@ class Vehicle:
         """The vehicle's estimate of its own state."""
     @property
     def has_tracks(self) -> bool:
-        """Did the tracker update its tracks in this tick?"""
+        """True if the tracker updated its tracks in this tick."""
     @property
     def id(self) -> int:
         ...

@@ -293,7 +293,7 @@ TEST_F(SmallDatasetDeathTest, VerificationNamesChangedFiles) {
   EXPECT_THAT(found, Contains(HasSubstr("sequences/00/poses.txt:")).Times(2));
   EXPECT_THAT(found, Contains(HasSubstr("expected 12 numbers")));
   EXPECT_THAT(found, Contains(HasSubstr("sequences/01/point_truth/000000.bin: expected")).Times(2));
-  EXPECT_THAT(found, Contains(HasSubstr("sequences/01/foreign.txt: the manifest does not name it")));
+  EXPECT_THAT(found, Contains(HasSubstr("sequences/01/foreign.txt: not listed in manifest.json")));
   for (const std::string& problem : found) EXPECT_THAT(problem, ::testing::Not(HasSubstr("sequences/01/velodyne")));
 }
 

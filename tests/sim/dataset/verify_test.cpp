@@ -121,13 +121,15 @@ TEST_F(HandMade, LocatesDamageInTablesAndFrames) {
       {"labels/000000.label", {"\x28\0\0\0", 4}, {"labels/000000.label: expected 2 labels, found 1"}},
       {"labels/000000.label", {"\x28\0\0\0\x29\0\0\0", 8}, {"labels/000000.label: class 41 is not in the class table"}},
       {"labels/000000.label", {"\0\0\xFF\xFF\x28\0\0\0", 8}, {}},  // any instance, unlabeled
-      {"velodyne/000000.bin", std::string(33, 'p'), {"velodyne/000000.bin: expected four float32 a point"}},
+      {"velodyne/000000.bin",
+       std::string(33, 'p'),
+       {"velodyne/000000.bin: expected a multiple of 16 bytes (four float32 per point), found 33 bytes"}},
       {"velodyne/000000.bin",
        std::string(48, 'p'),
        {"labels/000000.label: expected 3 labels, found 2", "expected 3 points, found 4"}},
-      {"boxes.csv", boxes + "3,b,3\n2,c,3\n", {"boxes.csv:6: expected a box of one of 3 frames"}},
-      {"boxes.csv", boxes + "b,b,3\n2,c,3\n", {"boxes.csv:6: expected a box of one of 3 frames"}},
-      {"boxes.csv", boxes + "2,b\n2,c,3\n", {"boxes.csv:6: expected a box of one of 3 frames"}},
+      {"boxes.csv", boxes + "3,b,3\n2,c,3\n", {"boxes.csv:6: expected 3 columns, the first a frame below 3"}},
+      {"boxes.csv", boxes + "b,b,3\n2,c,3\n", {"boxes.csv:6: expected 3 columns, the first a frame below 3"}},
+      {"boxes.csv", boxes + "2,b\n2,c,3\n", {"boxes.csv:6: expected 3 columns, the first a frame below 3"}},
       {"boxes.csv", boxes + "2,b,3\n", {"boxes.csv: expected 6 boxes, found 5"}},
       {"boxes.csv", boxes + "2,b,3\n2,c,3\n2,c,3\n", {"boxes.csv: expected 6 boxes, found 7"}},
   };
@@ -178,7 +180,7 @@ TEST_F(HandMade, ChecksFileSizesHashesAndNames) {
               ::testing::UnorderedElementsAre(HasSubstr("sequences/00/times.txt: expected 99 bytes, found 10"),
                                               HasSubstr("sequences/00/poses.txt: expected the hash 0123, found "),
                                               HasSubstr("sequences/00/none.csv: No such file"),
-                                              HasSubstr("sequences/00/boxes.csv: the manifest does not name it")));
+                                              HasSubstr("sequences/00/boxes.csv: not listed in manifest.json")));
 }
 
 TEST_F(HandMade, ReportsAtMostFiftyProblems) {
@@ -211,7 +213,7 @@ TEST_F(HandMade, ASequenceBelongsToItsManifest) {
 }
 
 TEST_F(HandMade, RequiresOwnVehicleAndPlausibleFrames) {
-  const auto expect = HasSubstr("expected the instance of one of its vehicles, and its frames");
+  const auto expect = HasSubstr("expected instance 1 to 3 and 0 to 100000000 frames");
   for (const int instance : {0, 4}) {
     info.instance = instance;
     EXPECT_THAT(problems(), ElementsAre(expect)) << instance;
@@ -260,7 +262,7 @@ TEST_F(HandMade, RequiresSequenceNumberOfItsFolder) {
       if (path.starts_with("sequences/01/")) file["path"] = path.replace(10, 2, "00");
     }
   };
-  EXPECT_THAT(problems(), ElementsAre("sequences/00/sequence.json: expected the sequence 00, found 01"));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/sequence.json: expected sequence 00, found 01"));
 }
 
 TEST_F(HandMade, ReportsProgressAndEndsWhenCanceled) {

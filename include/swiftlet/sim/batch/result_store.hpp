@@ -50,7 +50,7 @@ struct EpisodeRow {
   bool built_world = false;
 
   bool done() const { return status == "done"; }
-  /// Are the results equal to those of another row of the same episode? Ignores the machine-dependent values.
+  /// True if the results equal those of another row of the same episode, apart from machine-dependent values.
   bool agrees_with(const EpisodeRow& other) const;
 };
 

@@ -10,10 +10,10 @@
 namespace swiftlet::sim {
 
 struct VerifyOptions {
-  int frames = 3;          ///< number of frames to re-simulate; 0: none
-  std::uint64_t seed = 0;  ///< seed of the random choice of those frames
-  std::function<bool()> canceled;
-  std::function<void(double done, const std::string& note)> progress;
+  int frames = 3;                  ///< number of frames to re-simulate; 0: none
+  std::uint64_t seed = 0;          ///< seed of the random choice of those frames
+  std::function<bool()> canceled;  ///< called between files and ticks; true ends the verification early
+  std::function<void(double done, const std::string& note)> progress;  ///< `done` from 0 to 1
 };
 
 struct VerifyReport {

@@ -7,7 +7,7 @@ namespace swiftlet::sim {
 
 /// Settings of the metrics, and conditions that end the run.
 struct MetricsConfig {
-  double clearance_max_m = 20.0;  ///< larger distances are reported as this
+  double clearance_max_m = 20.0;  ///< larger clearances are reported as this value
   bool stop_on_crash = false;     ///< end the run at the first crash
   bool stop_when_done = true;     ///< end the run when every mission is done, failed or crashed
   /// Largest distance between a detection or track and the vehicle that it is assigned to

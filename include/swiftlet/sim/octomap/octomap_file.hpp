@@ -30,7 +30,7 @@ struct OctomapCells {
 /// Throws InputError naming the file and the fault.
 /// @param require_bytes  called with the needed memory before it is allocated; may throw
 OctomapCells read_octomap(const std::filesystem::path& file, const std::function<void(double)>& require_bytes = {});
-/// Does the name have an extension of these formats?
+/// True for a name with an extension of these formats.
 bool is_octomap_file(const std::filesystem::path& file);
 
 }  // namespace swiftlet::sim

@@ -51,7 +51,7 @@ class PhysicsWorld {
   std::span<const VehicleState> states() const;
   /// Crashes of the last advance(), sorted by time.
   std::span<const Crash> crashes() const;
-  /// Does the vehicle touch anything after the last advance()?
+  /// True if the vehicle touches anything after the last advance().
   bool in_contact(VehicleId vehicle) const;
   /// Exact distances after the last advance(); a surface beyond `max_distance_m` is reported at that distance.
   /// Several threads may call this for different vehicles.

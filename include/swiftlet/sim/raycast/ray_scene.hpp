@@ -47,7 +47,7 @@ class StaticScene {
 
   /// One ray, for radio, altimeters and tests. `direction` is a unit vector.
   RayHit trace(const Vector3& origin_world, const Vector3& direction_world, double range_max_m) const;
-  /// Is there a surface strictly between a and b?
+  /// True if a surface lies strictly between a and b.
   bool occluded(const Vector3& a_world, const Vector3& b_world) const;
   /// Exact distance to the nearest triangle, by a BVH point query; nullopt when none is nearer than max_distance_m.
   std::optional<NearestSurface> nearest(const Vector3& p_world, double max_distance_m) const;

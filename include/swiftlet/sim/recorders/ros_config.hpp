@@ -33,8 +33,8 @@ struct RosConfig {
 /// A valid name for ROS topics and frames: letters, digits and underscores; any other character becomes an underscore.
 std::string ros_name(std::string name);
 
-/// Expectation for messages when ROS does not accept the name of a vehicle or LiDAR together with `taken`; empty:
-/// accepted.
+/// Text after "expected" in the error message for a name of a vehicle or LiDAR that ROS does not accept, or that
+/// clashes with one in `taken`; empty: accepted.
 /// @param taken  accepted names by their ROS form; `name` is added
 std::string expected_ros_name(const std::string& name, std::map<std::string, std::string>& taken);
 

@@ -14,7 +14,7 @@ class Recorder {
  public:
   virtual ~Recorder() = default;
   virtual void begin(const RunInfo& info) = 0;
-  /// Called before each tick: shall the agents fill Action::overlays? Does not affect results.
+  /// Called before each tick: whether the agents fill Action::overlays. Does not affect results.
   virtual bool wants_overlays(TimeNs /*now*/) const { return false; }
   /// The state at t = 0. No sensor has measured and no agent has stepped, so estimates are invalid.
   virtual void write_start(const TickView& start) { write(start); }

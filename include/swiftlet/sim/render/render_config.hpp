@@ -66,11 +66,12 @@ struct CameraConfig {
   /// Width and height of the picture [px]; for paper from millimeters and dpi.
   Eigen::Vector2i size_px() const;
   bool looks_through_lidar() const { return type == Type::kLidarRange || type == Type::kLidarIntensity; }
-  /// Does this camera take a picture in (previous, now]?
+  /// True if this camera takes a picture in (previous, now].
   bool is_due(TimeNs previous, TimeNs now) const;
 };
 
-/// Does any camera take a picture in (previous, now]? Pass -1 as `previous` in the first tick, so that t = 0 counts.
+/// True if any camera takes a picture in (previous, now]. Pass -1 as `previous` in the first tick, so that t = 0
+/// counts.
 bool wants_picture(std::span<const CameraConfig> cameras, TimeNs previous, TimeNs now);
 
 /// Graphics library of this program: "OSMesa" or "EGL"; empty in a program built without pictures.

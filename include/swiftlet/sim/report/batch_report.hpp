@@ -22,7 +22,7 @@ std::vector<EpisodeRow> worst_episodes(const BatchTable& table, std::size_t coun
 /// The run directory of an episode's replay, within the batch directory.
 std::filesystem::path replay_of_episode(std::uint64_t id);
 
-/// Does the directory contain a replay of this very flight, by its state hash?
+/// True if the directory contains a replay of the flight with this state hash.
 bool has_replay(const std::filesystem::path& directory, const EpisodeRow& row);
 
 /// The numbers of that page, with a row for every group and each:

@@ -14,7 +14,8 @@ int available_processors();
 /// Throws InputError when OpenMP is set to more than kMaxThreads.
 int default_threads();
 
-/// Sets the number of OpenMP threads to default_threads(), for loops of this thread and its forks.
+/// Sets the number of OpenMP threads to default_threads() for parallel loops of this thread and of processes that it
+/// forks.
 void limit_openmp();
 
 }  // namespace swiftlet::sim

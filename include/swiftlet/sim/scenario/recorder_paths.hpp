@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Is it a valid name of an output file or folder? Letters, digits, '_', '-' and '.', at most 64, not hidden.
+/// True for a valid name of an output file or folder: letters, digits, '_', '-' and '.', at most 64, not hidden.
 bool is_file_name(std::string_view name);
 
 /// Checks that outputs lie in the run directory, that no two recorders write the same file, and that named vehicles

@@ -86,7 +86,8 @@ class LidarMeasurement {
   float threshold_snr() const { return threshold_; }
   /// Probability that a return of this signal is detected: Phi(snr - threshold), 0 or 1 beyond 4.5 standard deviations.
   double detection_probability(float snr) const;
-  /// Is a return detected, given one draw of a standard normal? `draw` is only called when it can change the result.
+  /// True if a return is detected, given one draw of a standard normal. `draw` is only called when it can change the
+  /// result.
   template <class Draw>
   bool detected(float snr, Draw&& draw) const {
     const float margin = snr - threshold_;

@@ -19,12 +19,12 @@ class LidarPattern {
   virtual ~LidarPattern() = default;
   /// Fills the beams of sweep number `sweep`; sizes are constant, so that a second call allocates nothing.
   virtual void fill(std::uint32_t sweep, BeamTable& beams) const = 0;
-  /// Are the beams equal in every sweep?
+  /// True if the beams are equal in every sweep.
   virtual bool repeats() const { return true; }
   /// Columns by which the direction of row `row` leads that of row 0 (staggering of an Ouster). After this shift, beams
   /// of similar azimuth lie in one column. Affects only the order of tracing.
   virtual int column_shift(int /*row*/) const { return 0; }
-  /// Do rows and columns form an image? Otherwise beams are traced in the order of their directions.
+  /// True if rows and columns form an image. Otherwise beams are traced in the order of their directions.
   virtual bool is_image() const { return true; }
 };
 

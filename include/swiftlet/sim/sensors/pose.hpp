@@ -5,8 +5,8 @@
 
 namespace swiftlet::sim {
 
-/// External pose measurement in the world. Without noise it is the truth, the named bypass of state estimation; with
-/// noise it models motion capture or RTK. Noise is white or a stationary Gauss-Markov process (`correlation_time_s`).
+/// External pose measurement in the world. Without noise it is the truth, which bypasses state estimation; with noise
+/// it models motion capture or RTK. Noise is white or a stationary Gauss-Markov process (`correlation_time_s`).
 struct PoseConfig : SensorConfigOf<PoseConfig> {
   std::string model;
   double rate_hz = 0.0;

@@ -64,7 +64,7 @@ class Sensor {
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
   /// Scans of the last measure(), with truth, for recorders. Empty for sensors other than a LiDAR.
   virtual std::span<const std::shared_ptr<LabeledScan>> scans() const { return {}; }
-  /// Does measure(now) produce a scan? If so, it may be traced in parts beforehand:
+  /// True if measure(now) produces a scan, which may then be traced in parts beforehand:
   virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
   /// Begins the due sweep and returns its number of parts. Each must be traced once before measure(now), by any thread
   /// and in any order. Without this call, measure() traces everything.
@@ -96,7 +96,7 @@ class Schedule {
     index = count_++;
     return true;
   }
-  /// Is an instant due at or before `now`?
+  /// True if an instant is due at or before `now`.
   bool is_due(TimeNs now) const { return due() <= now; }
   /// Time and index of the instant that next() will return.
   TimeNs due() const { return first_ + static_cast<TimeNs>(count_) * period_; }

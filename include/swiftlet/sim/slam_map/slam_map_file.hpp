@@ -19,7 +19,7 @@ inline constexpr std::string_view kSlamMapExtension = ".slam";
 std::string slam_map_content(const SavedMap& map);
 /// Throws InputError naming the file and the fault.
 SavedMap read_slam_map(const std::filesystem::path& file);
-/// Does the name have the extension of these files?
+/// True for a name with the extension of these files.
 bool is_slam_map_file(const std::filesystem::path& file);
 
 }  // namespace swiftlet::sim

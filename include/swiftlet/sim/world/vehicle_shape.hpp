@@ -26,7 +26,7 @@ struct VehicleShape {
   std::uint32_t rotor_material = 1;
   float circumscribed_radius_m = 0.5F;
 
-  /// Does the blade of a rotor at angle `angle_rad` cover the point (x, y) of its disc, hub at the origin?
+  /// True if the blade of a rotor at `angle_rad` covers the point (x, y) [m] of its disc, with the hub at the origin.
   static bool blade_covers(const RotorShape& rotor, float x, float y, double angle_rad);
 };
 
