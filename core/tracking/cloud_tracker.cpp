@@ -70,8 +70,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("buffer_size", buffer_size,
           "[-] N_buf: number of buffered clouds, through which a late detection is propagated",
           Range::between(1, 1000));
-  v.field("radius_scale", radius_scale,
-          "[-] c_r of eq. (29): radius r_unc of a track's uncertainty in standard deviations", Range::positive());
+  v.field("radius_scale", radius_scale, "[-] c_r of eq. (29): factor of the radius r_unc of a track's uncertainty",
+          Range::positive());
   v.choice(
       "radius_law", radius_law, {"printed", "sphere"},
       "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "

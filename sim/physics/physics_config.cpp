@@ -10,7 +10,7 @@ void PhysicsConfig::visit(ConfigVisitor& v) {
   v.field("motor_lag", motor_lag, "[-] rotors follow their command with a first-order lag");
   v.field("gyroscopic_torque", gyroscopic_torque, "[-] the rotors' angular momentum acts on the body");
   v.field("rotor_drag", rotor_drag, "[-] in-plane drag of the rotors acts on the body");
-  v.field("body_drag", body_drag, "[-] quadratic drag of the body acts on the body");
+  v.field("body_drag", body_drag, "[-] quadratic drag acts on the body");
   v.field("ground_effect", ground_effect, "[-] rotors near a surface below give more thrust");
   v.field("ground_effect_coefficient", ground_effect_coefficient,
           "[-] extra thrust = coefficient * (radius / (4 height))^2, at most 4/15", Range::between(0.0, 100.0));

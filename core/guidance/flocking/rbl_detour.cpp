@@ -299,7 +299,7 @@ void RblDetourConfig::visit(ConfigVisitor& v) {
           "[m] largest height difference of the path to the vehicle; near the goal, also to the goal",
           Range::non_negative());
   v.field("planning_latency_s", planning_latency_s,
-          "[s] delay from the begin of a search until its path is flown, as by the onboard computer",
+          "[s] delay from the start of a search until its path is flown, as of the onboard computer",
           Range::between(0.0, 1000.0));
   v.field("retry_after_s", retry_after_s, "[s] delay after a search without a path before the next one",
           Range::non_negative());

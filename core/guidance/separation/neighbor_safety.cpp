@@ -34,8 +34,8 @@ struct Rule {
   /// [s] Time to a meeting at the present velocities within which the heading keeps a neighbor in view. Larger values
   /// restrict the heading more.
   static constexpr double kMeetingHorizon_s = 3.0;
-  /// [s] Time for which the vehicle keeps its own pledge, in addition to two sample intervals. Larger values cover more
-  /// lost samples and slow the vehicle down.
+  /// [s] Time for which the vehicle keeps its own pledge after a sample, in addition to sample intervals. Larger values
+  /// cover more lost samples and slow the vehicle down.
   static constexpr double kPledged_s = 1.0;
   /// [longest sample intervals] Waiting time before the start. At 1 a single lost sample hides a neighbor.
   static constexpr double kLookAround = 2.0;
@@ -161,7 +161,7 @@ void NeighborSafety::evade(const Encounter& met, TimeNs now) {
   }
 }
 
-/// Adds the plane of the vehicle's own pledge, which contains the point of rest.
+/// Adds the half-space of the vehicle's own pledge, widened to contain the stopping point.
 void NeighborSafety::add_pledge_plane(const Encounter& met, const Situation& situation) {
   // Samples may be lost, so the vehicle keeps its pledge for longer than it relies on that of the neighbor.
   const double kept_s = 2.0 * sample_gap_s(situation.timing) + situation.timing.longest_s + Rule::kPledged_s;
