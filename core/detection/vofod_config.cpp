@@ -30,7 +30,7 @@ void VofodChoices::visit(ConfigVisitor& v) {
   v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
            "rule B: always tested (paper), or only once enough of the area is background (released code)");
   v.field("sufficient_ratio", sufficient_ratio,
-          "[-] that condition: number of background voxels over that of horizontal cells of the map",
+          "[-] background_ratio: least number of background voxels over number of horizontal cells of the map",
           Range::probability());
   v.choice("map_update", map_update, {"after", "before"},
            "points go into the map after the classification, detections as exactly unknown (paper), or before it, "

@@ -83,7 +83,7 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
     const auto problem = places.check(i, p_world_m);
     if (!problem) return;
     const std::string surface(name_of(problem->surface_class));
-    const std::string found = problem->depth_m > 0.0 ? surface + " in its place" : "it below the ground";
+    const std::string found = problem->depth_m > 0.0 ? surface + " in its place" : "a position below the ground";
     // Rounded up, so that the reported height is collision-free.
     const double least_z_m = std::ceil((problem->free_z_m - ground_m.value_or(0.0)) * 100.0 - 0.2) / 100.0;
     throw InputError(place_of(scenario.vehicles[i], key) + "expected room for " + vehicles[i].name + ", found " +

@@ -12,8 +12,8 @@ import swiftlet
 
 @swiftlet.guidance("orbit", doc="circles around a point")
 class Orbit:
-    center_m = swiftlet.key((0.0, 0.0, 4.0), "[m] of the circle, world")
-    radius_m = swiftlet.key(3.0, "[m] of the circle", min=0.5)
+    center_m = swiftlet.key((0.0, 0.0, 4.0), "[m] center of the circle, world frame")
+    radius_m = swiftlet.key(3.0, "[m] radius of the circle", min=0.5)
     speed_mps = swiftlet.key(1.5, "[m/s] along it", min=0.0)
     sense = swiftlet.key("left", "[-] sense of rotation", words=("left", "right"))
 

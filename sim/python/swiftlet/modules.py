@@ -3,8 +3,8 @@
 
     @swiftlet.guidance("orbit", doc="circles around a point")
     class Orbit:
-        center_m = swiftlet.key((0.0, 0.0, 3.0), "[m] of the circle, world")
-        radius_m = swiftlet.key(5.0, "[m] of the circle", min=0.1)
+        center_m = swiftlet.key((0.0, 0.0, 3.0), "[m] center of the circle, world frame")
+        radius_m = swiftlet.key(5.0, "[m] radius of the circle", min=0.1)
 
         def __init__(self, setup):       # setup: known to the vehicle before the start
             self.angle_rad = 0.0
@@ -33,13 +33,13 @@ def key(default, doc, *, min=None, max=None, words=()):
     """A key that scenarios may set, as an attribute of a class.
 
     default: bool, int, float, str, a tuple of 3 numbers, or a list of numbers; its type is that of the key.
-    doc: one line that begins with the unit in brackets, such as "[m] of the circle".
+    doc: one line that begins with the unit in brackets, such as "[m] radius of the circle".
     words: of a text, the only ones that are allowed.
     """
     if not isinstance(doc, str):
-        raise TypeError(f'doc: expected a text such as "[m] of the circle", found {doc!r}')
+        raise TypeError(f'doc: expected a text such as "[m] radius of the circle", found {doc!r}')
     if not doc.startswith("["):
-        raise ValueError(f'the doc of a key begins with its unit in brackets, such as "[m] of the circle"; found "{doc}"')
+        raise ValueError(f'the doc of a key begins with its unit in brackets, such as "[m] radius of the circle"; found "{doc}"')
     if isinstance(words, str) or not all(isinstance(word, str) for word in words):
         raise TypeError(f"words: expected a tuple of texts, found {words!r}")
     default = default.tolist() if hasattr(default, "tolist") else default  # numpy number or array

@@ -382,10 +382,10 @@ TEST(Scenario, NamesAreUniqueAndFileSafe) {
 
 TEST(Scenario, ValidatesSnapshotTimesSizesAndOverlays) {
   EXPECT_EQ(scenario_error("snapshots: [{name: a}]"),
-            "flight.yaml:1:13: snapshots[0].times_s: expected when it takes pictures, here or as every_s");
+            "flight.yaml:1:13: snapshots[0].times_s: expected times of pictures, here or by every_s");
   EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], style: paper, width_mm: 85, height_mm: 60}]"), "no error");
   EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], width_mm: 85}]"),
-            "flight.yaml:1:38: snapshots[0].width_mm: expected style paper with it: a screen has no millimeters, found "
+            "flight.yaml:1:38: snapshots[0].width_mm: expected style paper: a screen has no millimeters, found "
             "\"85\"");
   EXPECT_THAT(scenario_error("snapshots: [{times_s: [1], style: paper, height_mm: 600, dpi: 600}]"),
               HasSubstr("snapshots[0].height_mm: expected a picture of 64 to 8192 px a side at the dpi given"));
