@@ -315,7 +315,7 @@ TEST(Simulation, RefusesBuriedStartNamingLeastHeight) {
   EXPECT_EQ(refusal("hall", "position_m: [0, 0, 0.2], flying: false"), "");
 
   EXPECT_THAT(refusal("field", "position_m: [0, 0, -20]"),
-              HasSubstr("found it below the ground; there is room from z = "));
+              HasSubstr("found a position below the ground; there is room from z = "));
   EXPECT_THAT(refusal("field", "position_m: [0, 0, 0], above_ground: true"), HasSubstr("upwards (above the ground)"));
   EXPECT_EQ(refusal("field", "position_m: [0, 0, 0.3], above_ground: true"), "");
 }
