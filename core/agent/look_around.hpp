@@ -31,6 +31,7 @@ class LookAround {
   }
 
  private:
+  /// [rad/s] Rate of the turn. Larger values see all around sooner, with fewer scans of each direction.
   static constexpr double kTurn_radps = 0.4;
   std::optional<Reference> hold_;  // in the local frame
 };

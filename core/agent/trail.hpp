@@ -31,6 +31,7 @@ class Trail {
   }
 
  private:
+  /// [-] Stored positions, one every 50 ms.
   static constexpr int kCapacity = 600;
   std::array<Eigen::Vector3f, kCapacity> points_{};
   int first_ = 0, count_ = 0;

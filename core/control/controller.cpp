@@ -12,6 +12,7 @@
 namespace swiftlet {
 namespace {
 
+/// [kg/m^3] Density of air at sea level, for the compensation of drag.
 constexpr double kAirDensity_kgpm3 = 1.225;
 
 /// Gains derived from the airframe's motors; numbers in the configuration override them.

@@ -17,6 +17,7 @@ constexpr int kReach = 2;
 // Factor of the squared tolerance beyond which two boxes hold no near points, despite rounding.
 constexpr float kWide = 1.0001F;
 
+/// [bits] Cell index along one axis in a key; kHalfAxis makes indices positive.
 constexpr int kAxisBits = 21;
 constexpr std::int64_t kHalfAxis = std::int64_t{1} << (kAxisBits - 1);
 constexpr std::int64_t kRow = std::int64_t{1} << kAxisBits;  // one step along y in a key

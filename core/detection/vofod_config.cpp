@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMaxWindowCells = 2e9;   // voxels of the window are numbered in 32 bits
 constexpr double kWindowMargin_m = 10.0;  // largest motion of the sensor during a sweep
+/// [voxels] Largest distance of a search, which bounds its time; larger distances are refused.
 constexpr double kMaxReach_voxels = 50.0;
 
 }  // namespace

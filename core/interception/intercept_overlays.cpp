@@ -9,6 +9,7 @@
 namespace swiftlet {
 namespace {
 
+/// [-] Points that approximate a predicted curve, and the rim of the net.
 constexpr int kCurvePoints = 25, kRimPoints = 36;
 
 }  // namespace

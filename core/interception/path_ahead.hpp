@@ -10,6 +10,7 @@ namespace swiftlet {
 
 /// Predicted path: positions at equal intervals, joined by straight lines. The last velocity continues beyond the end.
 struct PathAhead {
+  /// [-] Most positions of a path; limits the size of reports.
   static constexpr int kMaxPlaces = 13;
   std::array<Vector3, kMaxPlaces> places_local_m;
   int num_places = 0;

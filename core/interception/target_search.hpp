@@ -29,6 +29,7 @@ class TargetSearch {
   void append_overlay(std::vector<Overlay>& overlays) const;
 
  private:
+  /// [-] Number of particles. More of them find rarely visited positions and cost time.
   static constexpr int kParticles = 200;
   struct Particle {
     Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();

@@ -9,6 +9,7 @@
 namespace swiftlet {
 namespace {
 
+/// [ns] Least time between sightings of a chain. Smaller values store more, with correlated errors.
 constexpr TimeNs kSpacing = kNsPerSecond / 5;
 constexpr std::size_t kMaxSightings = 64;  // most sightings of a chain: 13 s
 constexpr double kReach_m = 0.5;           // largest step between successive sightings of a chain at zero interval

@@ -9,6 +9,7 @@
 namespace swiftlet {
 namespace {
 
+/// [rad] Full turn.
 constexpr double kTurn = 2.0 * kPi;
 
 double squared(double x) { return x * x; }

@@ -61,6 +61,7 @@ struct RowTable {
   std::array<std::array<std::int16_t, RayCells::kSide>, 256> of;
 };
 
+/// [cells] Largest gap along an axis that occurs in a computation: the reach, and both blocks.
 constexpr int kMostGap = DistanceTiles::kMostReach + 2 * RayCells::kSide;
 
 /// Per gap in cells: its square eight times, then the square of the gap less one eight times, for the next row.

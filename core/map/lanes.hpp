@@ -16,6 +16,7 @@
 /// Vectors of eight numbers (vector extension of GCC and Clang, compiled to the instructions of the processor).
 namespace swiftlet::lanes {
 
+/// [-] Numbers in a vector.
 inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
 using Ints = std::int32_t __attribute__((vector_size(32)));

@@ -311,6 +311,8 @@ double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / 
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
+  // Bytes of a block, of a page of values and of a place in the table; shares of blocks with a page, and with
+  // distances.
   constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kRequestedShare = 0.25;
   double across = 1.0;  // slots per axis
   while (across < places_across()) across *= 2.0;

@@ -19,6 +19,7 @@ namespace {
 using Doubles = double __attribute__((vector_size(32)));
 using Longs = std::int64_t __attribute__((vector_size(32)));
 
+/// Distance [cells] to the next wall along an axis to which the ray is perpendicular.
 constexpr double kNoWall = std::numeric_limits<double>::max();
 constexpr double kLibraryCells = 32768.0;  // on both sides of the origin
 

@@ -85,6 +85,7 @@ void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
 
 /// Range of a row's nonzero lengths; both 0 when all are zero.
 std::pair<int, int> used(const float* row, int count) {
+  // Lengths that are tested at once for zeros.
   constexpr int kBlock = 8;
   const auto empty = [row](int from) {
     std::array<std::uint64_t, kBlock / 2> bits;  // lengths are 0 or more

@@ -288,6 +288,7 @@ class SubmapMapper : public Mapper {
     });
   }
 
+  /// [-] Ages of the pieces of a loaded map and of own ones: own pieces are newer.
   static constexpr int kGivenAge = 0, kOwnAge = 1;
 
   SubmapMapperConfig config_;
@@ -373,6 +374,7 @@ OccupancyMapConfig SubmapMapperConfig::growing() const {
 double SubmapMapperConfig::bytes() const {
   const double reach_cells = (range_max_m + 0.5 * piece_m) / edge_m;
   const double blocks = 4.19 * reach_cells * reach_cells * reach_cells / 512.0;
+  // Observed share of the reach of a piece; bytes of a block of a piece, and of a block of the composed map.
   constexpr double kSeen = 0.25, kPieceBlock = 110.0, kMapBlock = 200.0;
   return growing().bytes() + pieces_max * kSeen * blocks * (kPieceBlock + kMapBlock);
 }

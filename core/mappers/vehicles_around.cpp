@@ -7,9 +7,12 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Edge of a cell of the periodic grid. Larger cells test more points exactly; smaller ones mark more cells.
 constexpr double kCell_m = 4.0;
 constexpr double kMemory_s = 0.5;   // longest age of a position sample of a neighbor
 constexpr double kFlies_mps = 2.0;  // assumed speed of a neighbor since its sample, in any direction
+/// [-] Standard deviations of a position by which its volume grows. Larger values leave fewer returns of vehicles in
+/// the map, and omit more obstacles beside them.
 constexpr double kSigmas = 2.0;
 constexpr double kScan_s = 0.3;  // duration of a scan, during which a tracked vehicle moves on
 

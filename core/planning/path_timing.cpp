@@ -46,6 +46,7 @@ std::vector<Vector3> smooth(std::vector<Vector3> points, double sigma_m) {
 
 // Speeds within the limits in bends and on slopes, from rest to rest.
 std::vector<double> speeds_along(const std::vector<Vector3>& points, const PathLimits& limits) {
+  // Lower bound of lengths, slopes and curvatures in divisions.
   constexpr double kFlat = 1e-9;
   const int n = static_cast<int>(points.size());
   std::vector<double> speed(points.size(), limits.speed_mps), acceleration(points.size(), limits.acceleration_mps2);

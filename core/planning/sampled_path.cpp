@@ -110,6 +110,7 @@ class SampledPath {
     max_m_.z() = std::min(max_m_.z(), std::max(config.z_max_m, start_m.z()));
     // Karaman 2011, theorem 38: (2 (1 + 1/d))^(1/d) (volume / volume of the unit ball)^(1/d), d = 3.
     const double volume_m3 = (max_m_ - min_m_).cwiseMax(sampling.step_m).prod();
+    // Volume of the unit ball, 4 pi / 3.
     constexpr double kUnitBall = 4.18879020478639098;
     rewiring_m_ = kRewiringFactor * elementary::cbrt(8.0 / 3.0 * volume_m3 / kUnitBall);
     reach_goal(0);

@@ -34,6 +34,7 @@ UniformSpline::State UniformSpline::at(double t_s) const {
 }
 
 double least_distance_m(const UniformSpline& a, const UniformSpline& b) {
+  // [s] Sampling interval; between samples the relative motion counts as straight.
   constexpr double kStep_s = 0.05;
   const double end_s = std::max(a.duration_s(), b.duration_s());
   double least_sq = std::numeric_limits<double>::infinity();

@@ -14,8 +14,10 @@
 namespace swiftlet {
 namespace {
 
+/// [-] Most iterations of the weights; the tolerance usually ends them earlier.
 constexpr int kMaxSteps = 300;
 constexpr double kAlmostBest = 1e-5;  // tolerance of the logarithm of the determinant, by degree of freedom
+/// [-] Upper bound of a probability in odds, which keeps them finite.
 constexpr double kSurest = 1.0 - 1e-9;
 
 Matrix6 inverse_of(const Matrix6& C) {

@@ -14,6 +14,7 @@
 namespace swiftlet {
 namespace {
 
+/// [-] Comparisons in a row that contradict the filter until it is reset. Smaller values react to chance matches.
 constexpr int kMaxDisagreements = 3;
 constexpr int kCompareEvery = 2;  // instants between comparisons of paths, once the filter runs
 

@@ -18,6 +18,7 @@ namespace swiftlet {
 /// At most kMostSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
 class SlamToNow {
  public:
+  /// [-] Stored IMU samples: 5 s at 400 Hz.
   static constexpr std::size_t kMostSamples = 2048;
 
   /// @param matcher  as in LocalSlam

@@ -18,6 +18,7 @@ struct SymmetricEigen {
 /// square roots only: bit-identical everywhere.
 template <int N>
 SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
+  // Sweeps over all pairs; six suffice for small matrices.
   constexpr int kMostSweeps = 16;
   SymmetricEigen<N> out;
   out.vectors.setIdentity();

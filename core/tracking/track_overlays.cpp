@@ -12,9 +12,13 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Radius of the sphere at a track.
 constexpr float kRadius_m = 0.15F;
+/// [s] Length of the drawn prediction, and interval of its points.
 constexpr double kAhead_s = 2.0, kAheadStep_s = 0.25;
+/// [-] Corners that approximate an ellipse.
 constexpr int kEllipseCorners = 36;
+/// [-] Size of the drawn ellipses in standard deviations.
 constexpr double kSigmas = 3.0;
 
 Eigen::Vector4f color_of(std::uint32_t id) {

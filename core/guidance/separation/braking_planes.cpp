@@ -27,6 +27,7 @@ double along(const Vector3& direction, double level, double vertical) {
 std::pair<Vector3, Vector3> nearest_points(const Vector3& a, const Vector3& A, const Vector3& b, const Vector3& B) {
   const Vector3 r = a - b;
   const double AA = A.squaredNorm(), BB = B.squaredNorm(), AB = A.dot(B), Ar = A.dot(r), Br = B.dot(r);
+  // [m^2] Squared length below which a segment counts as a point; guards divisions by 0.
   constexpr double kPoint_m2 = 1e-12;
   double s = 0.0, t = 0.0;
   if (AA > kPoint_m2) {

@@ -27,6 +27,7 @@ class NeighborSight {
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;
 
  private:
+  /// [-] Headings that are compared, evenly spaced over a turn. More headings cost time and turn in finer steps.
   static constexpr int kHeadings = 24;
 
   bool sees(const Vector3& p_body_m) const;

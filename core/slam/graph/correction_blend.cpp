@@ -15,7 +15,10 @@ constexpr double kSteepness = 1.5, kMiddle_s = 3.0, kWindow_s = 7.0;
 // Peak speed, acceleration and jerk of the quintic from rest to rest over a distance of 1 in 1 s.
 constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.7735027, kPeakJerk = 60.0;
 constexpr double kMargin = 1.001;  // margin for peaks between two samples
+/// [-] Instants at which a blend is compared with its limits. More of them miss smaller peaks and cost time.
 constexpr int kSamples = 48;
+/// [-] Factor of the duration from attempt to attempt, and most attempts: then the present motion first comes to rest.
+/// Smaller factors find shorter blends and need more attempts.
 constexpr double kLonger = 1.05;
 constexpr int kMaxAttempts = 60;
 

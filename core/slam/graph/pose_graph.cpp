@@ -14,6 +14,8 @@ namespace swiftlet {
 namespace {
 
 constexpr double kShrinks = 0.1;  // ratio of steps below which the cost counts as nearly quadratic
+/// [-] Damping of the Levenberg-Marquardt method, relative to the diagonal: first value, lower bound, and value that
+/// ends the search without a better step.
 constexpr double kFirstDamping = 1e-9, kLeastDamping = 1e-12, kMostDamping = 1e6;
 
 /// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).

@@ -8,7 +8,9 @@
 namespace swiftlet {
 namespace {
 
+/// [-] First number of slots; the table doubles when it fills.
 constexpr std::size_t kFirstGridTable = 1U << 10;
+/// [bits] Block index along one axis in a key; kBlockAxisHalf makes indices positive.
 constexpr std::uint64_t kBlockAxisBits = 21, kBlockAxisMask = (1U << kBlockAxisBits) - 1,
                         kBlockAxisHalf = 1U << (kBlockAxisBits - 1);
 

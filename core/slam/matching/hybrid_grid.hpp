@@ -13,7 +13,9 @@ namespace swiftlet {
 /// Probabilities from 0.1 to 0.9 as integers 1 to 32767; 0 is unknown, and counts as 0.1.
 namespace grid_value {
 
+/// Value of a cell that was never observed, and largest value.
 inline constexpr std::uint16_t kUnknown = 0, kMost = 32767;
+/// [-] Bounds of the probability of a surface, as in Cartographer: no number of observations makes a cell certain.
 inline constexpr double kLeastProbability = 0.1, kMostProbability = 0.9;
 
 inline double probability_of(std::uint16_t value) {

@@ -114,6 +114,7 @@ class InertialFilter : public InertialModel {
 
 template <class EvidenceAt>
 int InertialFilter::update(EvidenceAt&& evidence_at, int most_iterations) {
+  // Step below which the iterated update has converged. Smaller values cost iterations.
   constexpr double kStill_m = 2e-4, kStill_rad = 2e-5;
   const State prior = state_;
   Error at = Error::Zero();

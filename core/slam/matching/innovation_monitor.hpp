@@ -22,6 +22,7 @@ class InnovationMonitor {
   bool contradicts() const;
 
  private:
+  /// [scans] Length of the mean. Larger values detect disagreement later and more reliably.
   static constexpr int kScans = 10;
   std::array<double, kScans> last_{};  // normalized squares per direction
   int next_ = 0;

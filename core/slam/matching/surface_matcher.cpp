@@ -7,6 +7,7 @@ namespace swiftlet {
 namespace {
 
 constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
+/// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
 constexpr double kCropEvery_m = 10.0;
 
 /// Keeps at most `most` points, evenly spaced in their order.

@@ -33,6 +33,7 @@ class MotionHistory {
     Vector3 p_local_m = Vector3::Zero();
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   };
+  /// [-] Stored poses: 2.5 s at 400 Hz. Must cover a sweep and its latency.
   static constexpr int kCapacity = 1024;
   const Entry& entry(int i) const { return ring_[(first_ + i) % kCapacity]; }
 

@@ -74,6 +74,7 @@ inline constexpr double kMinUpdateInterval_s = 1.0;
 
 /// Limits on messages. Received messages beyond them are rejected.
 struct MapMessageLimits {
+  /// [-] Submaps of a vehicle.
   static constexpr std::uint32_t kSubmaps = 4096;
   static constexpr std::size_t kChunks = 256;      ///< chunks of a submap
   static constexpr std::uint32_t kPoints = 50000;  ///< points of a compact cloud

@@ -23,6 +23,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Index of a vehicle in the scenario, from 0. Also its address on the radio.
 using VehicleId = std::int32_t;
+/// No vehicle; as a receiver: all vehicles.
 inline constexpr VehicleId kNoVehicle = -1;
 
 struct StampedPose {

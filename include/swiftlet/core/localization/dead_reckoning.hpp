@@ -41,6 +41,7 @@ class DeadReckoning {
   TimeNs latest() const { return state_.t; }
 
  private:
+  /// [-] Stored IMU samples. Smaller values drop the motion since an old pose.
   static constexpr int kCapacity = 256;
   const ImuSample& sample(int age) const { return ring_[(newest_ - age + kCapacity) % kCapacity]; }
   bool take(const ImuSample& sample);  // false: the sample is invalid or out of order

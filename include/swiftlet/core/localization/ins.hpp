@@ -74,7 +74,9 @@ class InsFilter {
   const NavState& at(TimeNs t) const;
   void remember();
 
+  /// [-] Stored states, at the last IMU samples. Smaller values use delayed measurements at a later state.
   static constexpr int kHistory = 128;
+  /// [-] Kinds of measurements, each with its own count of rejections.
   static constexpr int kSources = 5;
   InsConfig config_;
   NavState nominal_;

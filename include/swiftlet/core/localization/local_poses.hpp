@@ -28,6 +28,7 @@ class LocalPoses {
   const TimedPose& operator[](int i) const { return ring_[(first_ + i) % kCapacity]; }
 
  private:
+  /// [-] Stored poses, one per tick. Must cover a sweep and its latency.
   static constexpr int kCapacity = 512;
   std::array<TimedPose, kCapacity> ring_{};
   int first_ = 0;

@@ -71,6 +71,7 @@ class RelativeOdometry {
   std::optional<OtherMotion> at(TimeNs t, double gap_max_s) const;
 
  private:
+  /// [-] Stored samples, half a minute at 2 Hz. Smaller values lose the pairs of late sightings.
   static constexpr int kCapacity = 64;
   const OtherMotion& operator[](int i) const { return ring_[(first_ + i) % kCapacity]; }
   std::array<OtherMotion, kCapacity> ring_{};

@@ -28,6 +28,7 @@ class BlockLog {
   }
 
  private:
+  /// [-] Stored entries. Smaller values make readers check the whole map more often.
   static constexpr std::size_t kMost = 1024;
   struct Entry {
     std::uint64_t revision = 0;

@@ -20,6 +20,7 @@ struct SegmentHit {
   Vector3 center_local_m = Vector3::Zero();
 };
 
+/// Earlier than any hit: selects all occupied cells.
 inline constexpr TimeNs kEver = std::numeric_limits<TimeNs>::min();
 
 /// Query interface of a vehicle's occupancy map, as of now, in the local frame. A light view; never copied.

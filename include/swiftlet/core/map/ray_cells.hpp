@@ -53,6 +53,7 @@ class RayCells {
   std::span<const Cell> ends() const { return ends_; }
 
  private:
+  /// [-] Rays that are traversed at a time.
   static constexpr int kLanes = 4;
   static constexpr int kMargin = 4;  // margin for rounding of ray ends
   /// Rays in progress, one per lane. A coordinate is spread over the bits of an index into the window, with all other

@@ -11,6 +11,7 @@ namespace swiftlet {
 /// augmenting paths (Jonker and Volgenant, Computing 38, 1987). Reuses its memory from call to call.
 class Assignment {
  public:
+  /// Cost of a pair that must not be assigned.
   static constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
   /// @param costs  (rows x cols), row-major, finite or kForbidden

@@ -25,6 +25,7 @@ struct MotionBelief {
 /// Filter state of one target: the mixture, and the beliefs of the single motion models if there are several. A value
 /// type.
 struct MotionState {
+  /// [-] Most motion models of a filter.
   static constexpr int kMaxModes = 3;
   MotionBelief belief;
   std::array<MotionBelief, kMaxModes> modes;
