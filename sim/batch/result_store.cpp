@@ -23,7 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+// Version of the tables; databases of other versions are refused.
 constexpr int kFormat = 1;
+// [-] Steps of SQLite between checks of the limit. Larger values overrun the limit by more.
 constexpr int kStepsAtOnce = 10'000;
 
 /// Upper bound of the steps of SQLite's virtual machine for any statement on a database of this size. A damaged tree

@@ -10,6 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Most shards of a batch; larger numbers are refused.
 constexpr std::int64_t kMaxShards = 10'000'000;
 
 std::optional<int> whole_number(std::string_view text) {

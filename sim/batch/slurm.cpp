@@ -22,7 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxTasks = 1000;  // Slurm's default MaxArraySize is 1001
+// [-] Episodes per worker of a task without a configured number. Larger values start fewer tasks and lose more by a
+// failure.
 constexpr int kEpisodesPerCpu = 20;
+// [min] Time of a task for its start, in its time limit.
 constexpr double kStartUp_min = 5.0;
 constexpr int kDay_min = 24 * 60;
 // Share of a task's memory for a worker's limit, so that the limit acts before Slurm kills the task

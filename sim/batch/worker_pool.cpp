@@ -36,7 +36,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Work = std::function<std::string(std::uint64_t)>;
 
+// [ms] Period of checks for time-outs and cancellation. Larger values react later.
 constexpr int kPollPeriod_ms = 100;
+// [bytes] Size above which a reply counts as corrupt.
 constexpr std::uint64_t kMaxMessage = 1ULL << 40;
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what + ": " + std::strerror(errno)); }
@@ -140,6 +142,7 @@ class Fd {
 
 /// Last line printed by a worker, shortened.
 std::string last_line(int log) {
+  // [bytes] Part of the output that is searched for the last line.
   constexpr off_t kTail = 600;
   const off_t size = ::lseek(log, 0, SEEK_END);
   const off_t start = std::max<off_t>(0, size - kTail);

@@ -70,6 +70,7 @@ struct BoxMaker::Body {
 
 /// Directions covered by beams, in cells of two degrees, extended by one cell in azimuth.
 struct BoxMaker::FieldOfView {
+  // [-] Cells in azimuth and in elevation.
   static constexpr int kWide = 180, kHigh = 90;
   std::array<bool, static_cast<std::size_t>(kWide) * kHigh> covered{};
 

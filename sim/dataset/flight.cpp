@@ -23,6 +23,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Bounds of a drawn reflectivity.
 constexpr float kDarkest = 0.02F, kBrightest = 0.98F;
 
 int draw_family(const std::vector<FamilyConfig>& families, std::uint64_t seed) {

@@ -13,6 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Fewest rows and columns of a scan with images; patterns without rows have fewer.
 constexpr int kLeastRows = 8;
 
 template <class Number>

@@ -12,6 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [frames] Length of the queue to the writing thread. Larger values use more memory; at 1 the simulation often waits.
 constexpr std::size_t kMostWaiting = 4;
 
 double thread_processor_s() {

@@ -19,7 +19,9 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kHistory_s = 1.5;  // longer than any sweep
+// [-] Least visible share of the silhouette of a vehicle in view.
 constexpr double kInView = 0.1;
+// [-] Fewest points of a well detected vehicle.
 constexpr int kWell = 5;
 
 constexpr const char* kBoxesHeader =

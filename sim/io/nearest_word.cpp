@@ -31,6 +31,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::size_t allowed_distance(std::size_t length) { return std::max<std::size_t>(1, length / 3); }
 
 const std::string* nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  // Length above which words are not compared, which bounds the time.
   constexpr std::size_t kMaxLength = 64;
   if (word.empty() || word.size() > kMaxLength) return nullptr;
   const std::string* best = nullptr;

@@ -101,6 +101,7 @@ constexpr CommonDefinitions kOfTracks = {kTrackRecall,    kTrackRecallVisible, k
 
 constexpr double kMoving_mps = 0.5;     // below this speed, the direction of a velocity is undefined
 constexpr double kChiSquare95 = 7.815;  // 95 % quantile with three degrees of freedom
+// [-] Most distance intervals of the results.
 constexpr int kBins = 20;
 
 /// Mean and standard deviation of samples.

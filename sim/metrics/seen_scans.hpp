@@ -48,6 +48,7 @@ class SeenScans {
   }
 
  private:
+  /// [-] Stored scans. Must cover the latency of a detector.
   static constexpr std::size_t kScans = 64;
 
   std::vector<Scan> scans_;  // ring buffer

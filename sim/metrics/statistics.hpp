@@ -8,6 +8,7 @@
 
 namespace swiftlet::sim {
 
+/// Value of a metric without a sample.
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// Root mean square and maximum of errors.

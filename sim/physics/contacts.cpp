@@ -11,7 +11,9 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kDiscHalfHeight_m = 0.01;  // propeller including its coning
+// [m] Half of the width of the boxes that model arms.
 constexpr double kArmHalfWidth_m = 0.012;
+// [m] Radius of the capsules that model legs.
 constexpr double kFootRadius_m = 0.012;
 // Positions of the skids' ends in body radii, as in sim/world/vehicle_shape.cpp.
 constexpr double kFootAhead = 1.5;

@@ -11,7 +11,9 @@ namespace {
 // Tolerated penetration of the legs into uneven ground; contacts resolve it gently
 constexpr double kStanding_m = 0.03;
 constexpr double kFree_m = 0.001;
+// [m] Vertical step of the search for a free position. Larger values step over narrow free spaces.
 constexpr double kSearchStep_m = 0.05;
+// [-] Most steps of a search; in high worlds, steps are longer.
 constexpr int kMostSteps = 4000;
 
 }  // namespace

@@ -26,11 +26,14 @@ constexpr TimeNs kPlanSpan = 8'000'000;  // longest interval between predictions
 // Interval between updates of wakes and ground effect, which change more slowly
 constexpr TimeNs kAirSpan = 8'000'000;
 constexpr double kContactMargin_m = 0.03;  // larger than the distance at which contacts are prepared
+// [rad/s] Rotor speed above which a contact of the propeller is a crash.
 constexpr double kTurningRotor_radps = 10.0;
 // A vehicle below these rates for kRestTime_s is frozen until the forces on it change.
 constexpr double kRestSpeed_mps = 0.01;
 constexpr double kRestRate_radps = 0.03;
+// [s] Time at rest until a vehicle is frozen. Smaller values freeze a vehicle that is about to tip over.
 constexpr double kRestTime_s = 0.25;
+// Change of the acceleration in free flight that ends the rest of a frozen vehicle.
 constexpr double kWakeLinear_mps2 = 0.1;
 constexpr double kWakeAngular_radps2 = 0.5;
 

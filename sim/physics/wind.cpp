@@ -10,6 +10,8 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kMetersPerFoot = 0.3048;
+// [m/s] Least speed at which a vehicle crosses the frozen turbulence. At 0, gusts on a hovering vehicle would never
+// change.
 constexpr double kLeastCrossingSpeed_mps = 1.0;
 
 }  // namespace

@@ -32,6 +32,7 @@ constexpr double kRelativeError = 5e-7;
 // Range offset in the definition of Facet::least_cosine_per_m.
 constexpr double kLargeTriangle_m = 1.0;
 constexpr int kNeverFirm = 255;
+// [-] Resolution of the margin stored in a Facet.
 constexpr double kFirmStep = 1.0 / 512.0;
 
 /// Vector registers of GCC and clang.

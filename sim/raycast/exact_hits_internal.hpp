@@ -23,7 +23,10 @@
 /// forest) are tested in full, and traced again where that does not decide.
 namespace swiftlet::sim {
 
+/// [-] Cosine of the incidence below which a surface counts as edge-on and is not met. Smaller values need wider
+/// margins.
 inline constexpr double kLeastCosine = 0.01;
+/// [m] Distance of an origin from the plane of a triangle below which the triangle is not met.
 inline constexpr double kLeastHeight_m = 1e-4;
 
 /// Rays of a packet in any frame, the same for all arguments.

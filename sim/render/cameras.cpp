@@ -12,11 +12,15 @@ namespace {
 constexpr double kSmoothing_s = 1.2;  // time constant of target and distance of follow cameras
 constexpr double kMargin = 1.25;      // enlargement of the framed region
 constexpr double kTurning_s = 0.7;    // time constant of a follow camera's direction
+// [ns] Interval of occlusion tests of follow cameras. Smaller values cost time.
 constexpr TimeNs kTestInterval = 200'000'000;
+// [ns] Time with a free view from the configured position until the camera returns there. Smaller values swing more
+// often.
 constexpr TimeNs kFreeLongEnough = 2'000'000'000;
 constexpr double kSeenEnough = 0.6;    // share of unblocked sight lines at which a follow camera keeps its direction
 constexpr double kSeenWell = 0.8;      // share at which it accepts a new direction
 constexpr std::size_t kMaxTested = 8;  // sight lines are tested to at most this many vehicles of a team
+// [rad] Largest elevation of a moved camera.
 constexpr double kHighest_rad = radians(80.0);
 // For a follow camera without configured position: diameter of the largest vehicle as a share of the picture's height.
 constexpr double kVehicleShare = 0.18;

@@ -10,6 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [px] Width of a trail without its outline.
 constexpr float kTrailWidth_px = 3.2F;
 
 Eigen::Vector4f color_at(const Overlay& overlay, std::size_t i) {

@@ -8,7 +8,9 @@
 namespace swiftlet::sim {
 namespace {
 
+// [m] Displacement after which a position is added to a trail. Larger values make curves angular.
 constexpr float kTrailStep_m = 0.05F;
+// [-] Most positions of a trail; then its older half is thinned.
 constexpr std::size_t kTrailMaxPoints = 8192;
 
 }  // namespace

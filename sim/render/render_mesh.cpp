@@ -13,6 +13,7 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Vector3f = Eigen::Vector3f;
 
+// [-] Triangles of a chunk. Smaller chunks are culled more exactly with more draw calls.
 constexpr std::size_t kChunkTriangles = 4096;
 constexpr float kCosCrease = 0.74F;        // cosine of 42 deg: flatter edges are shaded smoothly
 constexpr std::size_t kLeafTriangles = 4;  // largest size of a connected piece that is a leaf

@@ -19,11 +19,14 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Samples per pixel. More of them smooth edges and cost time.
 constexpr int kSamples = 4;
+// [-] Recent views by which a static camera is recognized, and static cameras whose surfaces are kept.
 constexpr std::size_t kSightsSeen = 4;
 constexpr std::size_t kSurfacesKept = 2;
 constexpr std::int64_t kMostSamplesKept = 16'000'000;  // samples of one picture, of 12 bytes each
 constexpr int kMostWatched = 16;                       // length of u_watched
+// [m] Diameter of the points of a cloud with a size that decreases with distance.
 constexpr float kCloudPoint_m = 0.07F;
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();

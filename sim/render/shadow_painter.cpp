@@ -6,9 +6,12 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Largest edge of the shadow map of the world in texels.
 constexpr int kMostShadowTexels = 4096;
 constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
+// [-] Edge of the shadow map of the vehicles in texels.
 constexpr int kVehicleShadowTexels = 1024;
+// [-] Most stored shadow maps of the world, one per height of the cut.
 constexpr std::size_t kShadowsKept = 3;
 
 const Eigen::Vector3f kHighSun = Eigen::Vector3f(-0.20F, 0.09F, 0.97F).normalized();

@@ -10,8 +10,10 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr float kLeafPixels = 7.0F;  // smaller leaves are thinned out
+// [-] Least share of drawn leaves. At 0, distant crowns would vanish.
 constexpr float kFewestLeaves = 0.1F;
 constexpr float kBranchPixels = 1.5F;  // thinner branches are thinned out
+// [-] Least share of drawn branches.
 constexpr float kFewestBranches = 0.15F;
 
 SurfaceKind kind_of(const Mesh& mesh) {

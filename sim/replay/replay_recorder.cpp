@@ -23,9 +23,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// [ns] Time span of a block in a file, and in the page of a run in progress. Larger values compress better and arrive
+// later.
 constexpr TimeNs kChunk = 2'000'000'000, kLiveChunk = 200'000'000;
 constexpr TimeNs kRadioBin = 200'000'000;   // interval for counting messages of a pair of vehicles
 constexpr std::size_t kFirstPoints = 2500;  // points per scan, before their size is measured
+// [-] Bounds of the points of a thinned scan.
 constexpr std::size_t kFewestPoints = 200, kMostPoints = 60000;
 
 /// Names may come from files in any encoding: invalid UTF-8 is replaced.

@@ -18,6 +18,7 @@ struct Lattice {
   int rows = 1, cols = 1, first_row = 0, first_col = 0;
 
   Lattice(const Scan& scan, std::size_t hits, std::size_t most, std::uint64_t number) {
+    // Most rows of a scan that is thinned along its columns only.
     constexpr int kFewRows = 12;
     const double factor = std::max(1.0, static_cast<double>(hits) / static_cast<double>(most));
     if (scan.rows() > kFewRows) rows = std::max(1, static_cast<int>(std::sqrt(factor)));
@@ -30,6 +31,7 @@ struct Lattice {
 
 /// Poses of the sensor at a few columns, for interpolation.
 ReplayTable poses_of(const LabeledScan& labeled) {
+  // [-] Stored poses of a sweep; the page interpolates between them.
   constexpr int kKnots = 5;
   ReplayTable poses(Json::object({{"table", "poses"}}).dump(), {{"col", 1.0},
                                                                 {"x_m", 1e-3},
@@ -82,6 +84,7 @@ std::size_t append_scan(const LabeledScan& labeled, VehicleId vehicle, std::size
     const bool other_vehicle = surface == static_cast<std::uint16_t>(SurfaceClass::kVehicle) && instance != vehicle + 1;
     if (!other_vehicle && !lattice.takes(row, col)) continue;
     const Vector3 d = scan.beams->directions_lidar[i].cast<double>();
+    // Least intensity in decibels.
     constexpr double kDarkest = 1e-4;
     const double intensity_dB =
         10.0 / elementary::log(10.0) * elementary::log(std::max<double>(scan.intensity[i], kDarkest));

@@ -22,6 +22,7 @@ Json json_of(const Rgb& color) {
 
 /// Vertices in the order of their first use, and three indices for each triangle.
 void append_mesh(const Mesh& mesh, Json about, ReplayBlock& block) {
+  // [m] Resolution of the vertices.
   constexpr double kStep_m = 0.002;
   about["table"] = "vertices";
   ReplayTable vertices(about.dump(), {{"x_m", kStep_m}, {"y_m", kStep_m}, {"z_m", kStep_m}});
@@ -51,6 +52,7 @@ const char* kind_of(const Mesh& mesh) {
 }  // namespace
 
 void append_world(const Scene& whole, std::size_t most_triangles, ReplayBlock& block) {
+  // Resolution of quaternions [-] and positions [m].
   constexpr double kTurnStep = 1e-4, kPlaceStep_m = 1e-3;
   const Scene scene = thinned_scene(whole, most_triangles);
   std::vector<std::vector<const Instance*>> instances_of(scene.meshes.size());

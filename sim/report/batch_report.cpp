@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// [-] Worst episodes and failures that the page lists.
 constexpr std::size_t kWorst = 10;
 constexpr std::size_t kFailures = 20;
 constexpr std::size_t kMostBoxes = 12;      // points side by side in one box plot

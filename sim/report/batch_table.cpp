@@ -14,6 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Quantities that are plotted if the batch file names none.
 constexpr std::size_t kMaxColumns = 6;
 constexpr const char* kMean = "mean";
 const double kNaN = std::nan("");

@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostVehicles = 12;  // lines in one panel
+// [-] Most events and pictures on the page.
 constexpr std::size_t kMostEvents = 200;
 constexpr std::size_t kMostPictures = 60;
 

@@ -17,6 +17,7 @@ namespace {
 // From this number on, vehicles without LiDAR are distributed over threads, in blocks of kVehiclesAtATime.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
+// [-] Parts of sweeps that a thread takes at once. Larger values synchronize less and balance worse.
 constexpr int kPartsAtATime = 16;
 
 // Sweeps for an agent with longer steps are traced first, so that it starts early.

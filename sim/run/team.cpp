@@ -16,6 +16,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [s] Length of the history beyond the look-back of the sensors.
 constexpr double kHistoryMargin_s = 0.05;
 constexpr double kMaxStates = 1e9;  // states of a vehicle in the history, whose indices are of type int
 

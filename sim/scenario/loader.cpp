@@ -10,6 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// [-] Longest chain of `base:` files.
 constexpr std::size_t kMaxChain = 16;
 
 bool ends_with_yaml(const std::string& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }

@@ -43,6 +43,7 @@ void GnssConfig::visit(ConfigVisitor& v) {
 namespace {
 
 constexpr double kSkyRange_m = 500.0;  // obstacles farther away do not block satellites
+// [-] Fewest visible satellites of a fix: position and clock are four unknowns.
 constexpr int kMinSatellites = 4;
 
 /// Directions spread evenly over the sky above the mask: equal areas in elevation, golden angle in azimuth.

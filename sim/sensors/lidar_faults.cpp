@@ -12,6 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Entries of the table of reflectivity factors.
 constexpr int kQuantiles = 4096;
 /// Reflectivity of the window, of own structure close to it, and of dust on it.
 constexpr float kWindowReflectivity = 0.05F;

@@ -12,10 +12,12 @@
 namespace swiftlet::sim {
 namespace {
 
+// [-] Entries of the tables over range, incidence and signal. More entries interpolate more exactly.
 constexpr int kRangeEntries = 2048;
 constexpr int kIncidenceEntries = 256;
 constexpr int kSignalEntries = 1024;
 constexpr double kQuantile90 = 1.2815515655446004;  // Phi(this) = 0.9
+// [-] Reflectivities to which the two ranges of a data sheet refer.
 constexpr double kReflectivityLow = 0.1;
 constexpr double kReflectivityHigh = 0.8;
 

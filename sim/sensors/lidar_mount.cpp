@@ -14,6 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [m] Step and greatest height of the search for a mast.
 constexpr double kStep_m = 0.005;
 constexpr double kHighest_m = 1.0;
 // Margin for the width of the beams, and for directions of other sweeps
@@ -39,6 +40,7 @@ std::vector<Vector3> hull_points(const VehicleShape& shape) {
 }
 
 double lowest_elevation_rad(const Module& pattern) {
+  // [s] Duration of a sweep that contains all directions of a pattern.
   constexpr double kSweep_s = 0.1;
   BeamTable beams;
   make_lidar_pattern(pattern, kSweep_s)->fill(0, beams);

@@ -87,6 +87,7 @@ class Ouster final : public LidarPattern {
 
 // ---- Livox ----
 
+// Beams fired at once, and [s] interval of the shots.
 constexpr int kLivoxLines = 4;
 constexpr double kLivoxStep_s = 20e-6;
 constexpr double kLivoxPeriod = 4962.0;  // steps per period of the slow elevation sweep
@@ -172,6 +173,7 @@ class LivoxMid360 final : public LidarPattern {
 
 // ---- Velodyne ----
 
+// Lasers, [s] interval of their shots, and [s] cycle of all lasers with the recharge.
 constexpr int kPuckLasers = 16;
 constexpr double kPuckShot_s = 2.304e-6;
 constexpr double kPuckCycle_s = 55.296e-6;

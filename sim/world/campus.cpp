@@ -19,8 +19,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// [m] Thickness of the walls, and depth of the panes behind the surface.
 constexpr double kWall_m = 0.35;
 constexpr double kPaneInset_m = 0.12;
+// [-] Draws of a position for one object; then the object is left out.
 constexpr int kMaxAttempts = 400;
 
 void add_building_box(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
@@ -173,6 +175,7 @@ void for_each_side(const CampusConfig& config, double from_m, double to_m, const
 }
 
 void add_path(SceneBuilder& scene, const CampusConfig& config) {
+  // [m] Width of the kerbs, and height of the path above the ground.
   constexpr double kKerb_m = 0.12;
   constexpr double kPathHeight_m = 0.01;
   Mesh path, kerbs;
@@ -221,6 +224,7 @@ void add_trees(SceneBuilder& scene, const CampusConfig& config, std::uint64_t se
 }
 
 void add_lamps(SceneBuilder& scene, const CampusConfig& config, std::uint64_t seed, Spacing& spacing) {
+  // [m] Radius of a lamp post with its arm.
   constexpr double kReach_m = 1.6;
   Mesh mesh;
   add_frustum(mesh, {0, 0, -0.1F}, 0.08F, {0, 0, 5.0F}, 0.05F, 10);
@@ -242,6 +246,7 @@ void add_lamps(SceneBuilder& scene, const CampusConfig& config, std::uint64_t se
 
 // Cars as a body, a cabin and four wheels.
 void add_cars(SceneBuilder& scene, const CampusConfig& config, std::uint64_t seed, Spacing& spacing) {
+  // [m] Radius of a parked car.
   constexpr double kReach_m = 2.5;
   Mesh body, cabin, wheels;
   add_box(body, Vector3f(-2.15F, -0.88F, 0.25F), Vector3f(2.15F, 0.88F, 0.85F));

@@ -35,6 +35,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3f;
 using ThingKind = ClutterThingConfig::Kind;
 
+// [-] Draws of a position for one object; then the object is left out.
 constexpr int kPlacesPerThing = 50;
 constexpr int kLimbSides = 10;  // sides of round limbs and poles
 constexpr const char* kThingNames[] = {"post", "person", "sign"};

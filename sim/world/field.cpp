@@ -15,6 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
+// [-] Draws of a position for one plant; then the field counts as full.
 constexpr int kTriesPerThing = 200;
 
 // A position at least `reach_m` from every zone to keep free; empty when the field is full.

@@ -16,6 +16,7 @@ constexpr double kSlowest = 0.8, kFastest = 1.25;
 constexpr double kAcross = 0.5;     // sway across the wind, relative to that along it
 constexpr double kFlutterUp = 0.5;  // vertical flutter, relative to that along the other axes
 constexpr std::uint32_t kOfTrees = 0, kOfPatterns = 1, kOfLeaves = 2;  // separate random streams
+// [-] Random numbers reserved for one tree or pattern.
 constexpr std::uint32_t kNumbersOfOne = 8;
 
 double oscillation(const Random& random, std::uint32_t domain, std::uint32_t first, double hz, double t_s) {

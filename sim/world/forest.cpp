@@ -20,7 +20,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// [-] Draws of a position for one stem; then the forest has no room.
 constexpr int kAttemptsPerStem = 1000;
+// [-] Relative standard deviation of the height of a tree about the curve of its species.
 constexpr double kHeightScatter = 0.07;
 constexpr int kNumSpecies = 3;
 const double kLeafCluster_m = 0.28 / std::sqrt(2.0);
@@ -142,6 +144,7 @@ void add_undergrowth(SceneBuilder& scene, const ForestConfig& config, std::uint6
 // Trunks lying on the ground, with stubs of broken branches.
 void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   constexpr int kRings = 6;
+  // [m] Longest stub of a broken branch.
   constexpr double kSnag_m = 0.5;
   const Random random(seed, "world.forest.fallen");
   for (int i = 0; i < count_of(config, config.fallen_per_ha); ++i) {
@@ -216,6 +219,7 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
 /// Distant trees with few triangles; two stocks, because leaf clusters of a meter are visible as such from near.
 void add_far_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   constexpr double kNear_m = 12.0;  // distance from the edge
+  // [m] Size of leaf clusters near the edge, and farther out.
   constexpr double kLeaves_m[] = {0.9, 2.0};
   std::vector<TreeStock> stocks;
   stocks.reserve(2 * kNumSpecies);

@@ -15,8 +15,10 @@ namespace {
 
 using Eigen::Vector3f;
 
+// [-] Sides of a trunk, and subdivisions of the icosahedron of a crown.
 constexpr int kThesisTrunkSides = 24;
 constexpr int kCrownSubdivisions = 3;
+// [-] Draws of a position for one tree; then the area has no room.
 constexpr int kTriesPerTree = 20000;
 constexpr float kThesisRootDepth_m = 0.1F;  // extends the trunk below the ground without a gap
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kSlack_m = 2.0;
 constexpr double kMaxDisplacement_m = 0.2499 * kSlack_m;
 
+// [-] Candidates of a vehicle for which memory is reserved.
 constexpr std::size_t kUsualNeighbors = 64;
 
 }  // namespace

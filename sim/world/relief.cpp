@@ -46,6 +46,7 @@ struct Lines {
 
 /// The lines, extended beyond both ends out to `width_m` with increasing steps.
 std::vector<float> widened(const Lines& lines, double width_m, bool flat) {
+  // Factor of the edges of triangles from row to row, and [m] their largest edge.
   constexpr double kGrowth = 1.25;
   constexpr double kLargest_m = 8.0;
   std::vector<float> beyond_m;

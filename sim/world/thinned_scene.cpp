@@ -101,6 +101,7 @@ Shares shares_of(const Scene& scene, std::size_t most_triangles) {
     }
     return count;
   };
+  // [m] First and last edge of the cells that coarsen a mesh.
   constexpr float kFirstEdge_m = 0.05F, kLastEdge_m = 100.0F;
   for (double left = rest; left > std::max(half, 2.0 * half - pieces);) {
     shares.edge_m = shares.edge_m == 0.0F ? kFirstEdge_m : 1.5F * shares.edge_m;

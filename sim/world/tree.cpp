@@ -15,8 +15,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// [m] Height at which foresters measure the diameter of a trunk.
 constexpr double kBreastHeight_m = 1.3;
 constexpr double kRootDepth_m = 0.3;  // extends the trunk below the ground, so that slopes leave no gap
+// [-] Sides of a trunk, and rings along the trunk.
 constexpr int kTrunkSides = 10;
 constexpr int kTrunkRings = 10;
 
@@ -163,6 +165,7 @@ void add_leaf(Mesh& mesh, const Vector3f& center_m, float size_m, bool is_rhombu
 }
 
 double crown_volume_m3(const Crown& crown) {
+  // [-] Slices of a crown in the integral of its volume.
   constexpr int kSlices = 400;
   const double slice_m = (crown.top_m - crown.base_m) / kSlices;
   double volume_m3 = 0.0;

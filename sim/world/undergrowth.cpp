@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
+// [-] Distinct meshes of each kind of plant; placed ones are scaled and rotated copies.
 constexpr int kVariants = 6;
 
 // Leaves in the upper half of an ellipsoid on a few bare stems.

@@ -15,6 +15,7 @@ using Eigen::Vector3f;
 
 enum MaterialIndex : std::uint32_t { kFrame = 0, kRotorBlade = 1, kSensorHousing = 2, kMarker = 3 };
 
+// [-] Sides of round parts.
 constexpr int kRoundSides = 16;
 constexpr float kRootCutout = 0.12F;  // start of the blade, as a share of the radius
 constexpr float kTipTaper = 0.45F;    // chord at the tip / largest chord

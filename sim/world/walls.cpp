@@ -13,6 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [m] Shortest wall; a shorter one has no direction.
 constexpr double kLeastLength_m = 1e-3;
 
 /// The cells of a maze, and the walls between them.

@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kFlue_m = 0.2;  // gap between the two racks of a double row
+// [m] Edge of an upright, height of a beam, and width of the tape.
 constexpr double kUpright_m = 0.1;
 constexpr double kBeam_m = 0.11;
 constexpr double kTape_m = 0.1;
@@ -25,6 +26,7 @@ constexpr double kApron_m = 15.0;          // concrete surface around the hall
 constexpr double kPalletHeight_m = 0.144;  // EUR pallet: 1.2 x 0.8 x 0.144 m
 constexpr double kPalletLength_m = 1.2;
 constexpr double kPalletWidth_m = 0.8;
+// [-] Distinct loads; pallets carry copies.
 constexpr int kLoads = 16;
 
 void add_box_at(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
@@ -106,6 +108,7 @@ void add_rack(SceneBuilder& scene, const WarehouseConfig& config, double low_y, 
     for (const double y : {low_y, high_y - kUpright_m}) {
       add_box_at(uprights, {x - 0.5 * kUpright_m, y, 0}, {x + 0.5 * kUpright_m, y + kUpright_m, top_m});
       for (const double z : {0.3, 1.5}) {
+        // [m] Distance of the tape from the surface of an upright.
         constexpr double kOver_m = 0.002;
         add_box_at(tape, {x - 0.5 * kUpright_m - kOver_m, y - kOver_m, z},
                    {x + 0.5 * kUpright_m + kOver_m, y + kUpright_m + kOver_m, z + kTape_m});
@@ -225,6 +228,7 @@ void fill_racks(SceneBuilder& scene, const WarehouseConfig& config, std::uint64_
 
 // Tape lines along both sides of every aisle, and one across before the door.
 void add_floor_tape(SceneBuilder& scene, const WarehouseConfig& config) {
+  // [m] Height of the markings above the floor.
   constexpr double kHeight_m = 0.003;
   const double half_length_m = 0.5 * racks_length_m(config);
   const auto add_strip = [&](const Vector2d& low, const Vector2d& high) {

@@ -97,6 +97,7 @@ class LidarMeasurement {
   }
 
  private:
+  /// [-] Margin in standard deviations of the noise beyond which the detection is certain and no number is drawn.
   static constexpr float kCertain = 4.5F;
   struct Entry {
     float sigma_m, gain;
