@@ -251,7 +251,7 @@ class StackAgent : public Agent,
       look_around_.step(dt_s, action_.estimate, search, wanted_);
       looks_around_ = true;
     } else {
-      if (looks_around_) wanted_ = {};  // guidance sets only what it changes
+      if (looks_around_) wanted_ = {};  // guidance sets only the changed outputs
       looks_around_ = false;
       step_guidance(observation, dt_s);
     }

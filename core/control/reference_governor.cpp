@@ -91,7 +91,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const Vec<N> to_goal = goal.p - m.p;
   const Vec<N> w = m.v - goal.v;
 
-  // The goal's own acceleration reduces the one available for braking.
+  // The acceleration of the goal reduces that available for braking.
   const double braking = kBrakingShare * std::max(limits.acceleration - goal.a.norm(), 0.25 * limits.acceleration);
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;

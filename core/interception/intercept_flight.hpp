@@ -26,7 +26,7 @@ class InterceptFlight {
 
   /// Begins a tick. The reference starts at the first estimate.
   void begin_tick(const StateEstimate& estimate);
-  /// @param anew  discards the present plan; the next one is due at once
+  /// @param anew  discards the present plan; the next plan is due at once
   void set_task(const FlightTask& task, bool anew);
   bool is_plan_due() const { return since_plan_s_ >= period_s_; }
   double since_plan_s() const { return since_plan_s_; }

@@ -87,7 +87,7 @@ class GroundTruthEstimator : public StateEstimator {
   Pose T_local_body_start_;
   bool local_is_world_;  // the local frame equals the world frame from the start
   bool started_ = false;
-  bool reckoning_is_stale_ = false;  // a pose arrived after the one that dead reckoning started from
+  bool reckoning_is_stale_ = false;  // a pose newer than the start of dead reckoning has arrived
   TimedPose last_;                   // in the local frame
   Vector3 v_local_mps_ = Vector3::Zero(), omega_body_radps_ = Vector3::Zero();
   DeadReckoning reckoning_;

@@ -14,7 +14,7 @@ namespace swiftlet {
 namespace {
 
 constexpr int kRejectedMost = 20;       // rejections in a row after which the measurement is trusted over the filter
-constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that one sample bridges
+constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
 
 enum Source { kGnssPosition, kGnssVelocity, kAltimeter, kCompass, kOdometry };
 

@@ -14,7 +14,7 @@ namespace {
 /// [-] Most measurements in the history. Smaller values reject measurements with less delay than history_s.
 constexpr std::size_t kMaxHistory = 128;
 constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor decays within a minute
-// largest squared standard deviations that one sample contributes: a single outlier proves nothing
+// largest squared standard deviations that one sample contributes: a single outlier must not dominate
 constexpr double kMaxInnovation_sq = 25.0;
 
 Matrix3 turn_about_vertical(double yaw_rad) {

@@ -25,7 +25,7 @@ struct Sighting {
 ///   position   integrates a velocity with white acceleration noise
 ///   sighting   = position + noise
 ///   odometry   = position, by the alignment, and velocity, by its heading
-///   alignment  random walk with what the odometry flew since its last sample
+///   alignment  random walk by the drift of the odometry since its last sample
 ///
 /// Measurements are applied at their own times. A delayed measurement is inserted into a short history, and the later
 /// ones are applied again. Without sightings the odometry propagates the state, without odometry the velocity does, and

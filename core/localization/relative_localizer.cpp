@@ -17,8 +17,8 @@
 namespace swiftlet {
 namespace {
 
-// With several unlocalized teammates, a chain of sightings is assigned to the one whose odometry explains it, if no
-// other odometry does.
+// With several unlocalized teammates, a chain of sightings is assigned to the teammate whose odometry explains it, if
+// no other odometry does.
 constexpr int kLeastMatched = 20;       // fewest matched sightings, at five a second
 constexpr double kRefuted_sigma = 2.0;  // residual above which an odometry does not explain a chain
 constexpr double kChainGap_s = 1.5;     // time without a sighting after which a chain ends

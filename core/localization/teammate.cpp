@@ -166,7 +166,7 @@ void Teammate::align() {
   for (const Sighting& sighting : waiting_) filter_.push(sighting);
 }
 
-/// True while the filter agrees with the window, or deviates only for a moment.
+/// True while the filter agrees with the window, or deviates in fewer than kMaxDisagreements results in a row.
 bool Teammate::agrees(const FrameAlignment& found) {
   const FrameAlignment own = filter_.alignment();
   Eigen::Matrix<double, 4, 1> difference;

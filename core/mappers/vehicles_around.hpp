@@ -10,7 +10,7 @@
 namespace swiftlet {
 
 /// Vehicles whose returns are no obstacles: tracks, localized team members, and neighbors that guidance keeps its
-/// distance from. The last sample of each neighbor is valid for a while.
+/// distance from. The last sample of each neighbor is valid for half a second.
 class VehiclesAround {
  public:
   /// @param radius_m  returns within this distance of a vehicle are its own; 0: all returns are obstacles

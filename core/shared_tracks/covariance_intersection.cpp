@@ -65,7 +65,7 @@ MotionEstimate covariance_intersection(std::span<const MotionEstimate> estimates
     }
     if (greatest <= 1.0 + kAlmostBest) break;
   }
-  // The last weights sum to 1 up to rounding, and P belongs to the ones before: computes P anew.
+  // The last weights sum to 1 up to rounding, and P belongs to earlier weights, so P is computed again.
   Matrix6 information = Matrix6::Zero();
   Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
   double total = 0.0;

@@ -122,7 +122,7 @@ std::vector<FrameLink::Seen> FrameLink::seen_at(TimeNs t, std::span<const Sample
   return seen;
 }
 
-/// Pairs of indices of points that are of one body beyond doubt.
+/// Index pairs of points that are unambiguously of one body.
 std::vector<std::pair<std::size_t, std::size_t>> FrameLink::sure_pairs(std::span<const Seen> own,
                                                                        std::span<const Seen> other) const {
   // Negative log-likelihood, times two, that two tracks are one target; infinite beyond the gate.

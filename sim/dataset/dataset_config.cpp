@@ -135,7 +135,7 @@ void FamilyConfig::visit(ConfigVisitor& v) {
           "[-] the world's materials: each reflectivity is multiplied by exp(spread * normal)",
           Range::between(0.0, 2.0));
   v.object("flight", flight, "paths through the free space");
-  v.list("vary", vary, "values drawn anew for each flight");
+  v.list("vary", vary, "values drawn for each flight");
   v.check(!scenario.empty(), "scenario", "a scenario file");
 }
 

@@ -152,7 +152,7 @@ double stage_s(const Simulation& simulation, const std::string& wanted) {
   return 0.0;
 }
 
-/// @return reason to draw the flight anew, or empty
+/// @return reason to draw the flight again, or empty
 std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attempt, const fs::path& directory,
                        int threads, FlightTiming& timing) {
   const auto start = Clock::now();

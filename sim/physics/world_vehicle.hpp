@@ -23,7 +23,7 @@ struct SurfaceBound {
   double at_least_m(const Vector3& p_world) const { return distance_m - (p_world - from_world_m).norm(); }
 };
 
-/// One vehicle of a PhysicsWorld, and what is known of its surroundings.
+/// One vehicle of a PhysicsWorld, with bounds on the distance of its surroundings.
 struct WorldVehicle {
   WorldVehicle(std::string vehicle_name, MultirotorModel vehicle_model)
       : name(std::move(vehicle_name)), model(std::move(vehicle_model)) {}

@@ -48,7 +48,7 @@ void require_meters(std::vector<float> range_m, double range_max_m) {
                           ", found a median of " + shown(py::cast(*median)) + ": convert ranges in millimeters");
 }
 
-/// Copies ranges. Infinity and what is beyond range_max_m become "no return", and the beam of NaN is masked.
+/// Copies ranges. Infinity and ranges beyond range_max_m become "no return", and the beam of NaN is masked.
 void take_ranges(const Numbers<float>& range_m, Scan& scan, BeamTable& beams) {
   scan.range_m.assign(range_m.data(), range_m.data() + range_m.size());
   require_meters(scan.range_m, scan.range_max_m);

@@ -130,7 +130,7 @@ void put_chunk(ByteBuffer& out, std::string_view kind, std::span<const std::uint
                           crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()))));
 }
 
-// Subtracts from each byte the one two before it in its row, which is the same half of the pixel to the left.
+// Subtracts from each byte the byte two before in its row, which is the same half of the pixel to the left.
 void filter(int width, int height, std::span<const std::uint16_t> gray, std::vector<std::uint8_t>& out) {
   out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
   std::uint8_t* at = out.data();

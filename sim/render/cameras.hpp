@@ -43,7 +43,7 @@ using BlocksSight = std::function<bool(const Eigen::Vector3d& a_world_m, const E
 
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view(). By
 /// default a follow camera stands at its configured offset. Where the world blocks the view, it moves around, higher or
-/// nearer, by the least necessary amount, and returns when the view has been free for a while.
+/// nearer, by the least necessary amount, and returns when the view has been free for some seconds.
 class CameraController {
  public:
   /// @param vehicle       index of the camera's vehicle; kNoVehicle: all of them

@@ -18,7 +18,7 @@ struct HeightScale {
   float high_m = 1.0F;
 };
 
-/// Selection and style of what is drawn of a PictureScene.
+/// Selection and style of the drawn parts of a PictureScene.
 struct PictureStyle {
   CloudColors cloud = CloudColors::kNone;  ///< as in CameraConfig
   std::optional<HeightScale> heights;      ///< range of a cloud's height colors; none: of all its points

@@ -45,7 +45,7 @@ void RigPartConfig::visit(ConfigVisitor& v) {
 }
 
 void LidarFaultsConfig::visit(ConfigVisitor& v) {
-  v.field("dropout_probability", dropout_probability, "[-] share of shots without return, whatever they meet",
+  v.field("dropout_probability", dropout_probability, "[-] share of shots without return, regardless of the surface",
           Range::probability());
   v.field("tail_probability", tail_probability, "[-] share of returns with tail_factor times the noise",
           Range::probability());

@@ -52,7 +52,7 @@ Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice d
 /// Radius of the trunk's circular cross-section at a height above the foot [m].
 double trunk_radius_m(double dbh_m, double height_m, double z_m);
 
-/// Trees of one species, one per diameter; place() scales the one with the nearest diameter.
+/// Trees of one species, one per diameter; place() scales the tree with the nearest diameter.
 class TreeStock {
  public:
   TreeStock(SceneBuilder& scene, Species species, std::vector<double> dbh_m, const TreeOptions& options,

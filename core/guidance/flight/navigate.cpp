@@ -107,7 +107,7 @@ class Navigate : public PlannedFlight {
     hold_.yaw_rad = yaw_rad;
     if (outcome == PathFollower::Outcome::kArrived) {
       succeed();
-      // A correction may have moved the goal since the path was planned; then the rest is planned anew.
+      // A correction may have moved the goal since the path was planned; then the rest is planned again.
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
       if ((goal_local_m - follower_.corners_local_m().back()).norm() < config_.visited_m) ++next_goal_;
     }

@@ -46,7 +46,7 @@ void GuidedTeam::update(const GuidanceInput& input) {
     vehicle.last_place_local_m = estimate->position_m;
     vehicle.last_known = now;
   }
-  // The heading of a hovering vehicle is not observable. If the moving vehicle has no estimate any more, it flies a
+  // The heading of a hovering vehicle is not observable. Without an estimate, the moving vehicle flies a
   // figure, as before it was first found.
   const GuidedVehicle& lost = moving();
   const bool searches =

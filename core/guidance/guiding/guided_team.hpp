@@ -47,7 +47,7 @@ class GuidedTeam {
   double figure_m() const { return figure_m_; }
 
   bool has_more_goals() const;
-  /// True when the moving vehicle has a goal after this one.
+  /// True when the moving vehicle has a goal after the present one.
   bool has_goal_after(const Vector3& goal_local_m) const;
   /// Chooses the next vehicle in turn, goal by goal, so that the team stays together in view of the guide. False if no
   /// vehicle with goals left has an estimate.
@@ -55,7 +55,7 @@ class GuidedTeam {
   /// As choose_next(), unless the moving vehicle has goals left.
   bool choose() { return has_more_goals(moving()) || choose_next(); }
   PlannedPose take_goal(const FrameChange& to_local);
-  /// Goal after the one that the moving vehicle is flying to.
+  /// Goal after the present goal of the moving vehicle.
   PlannedPose goal_after(const PlannedPose& goal, const FrameChange& to_local) const {
     return goal_from(goal, moving().num_reached + 1, to_local);
   }

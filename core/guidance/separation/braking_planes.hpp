@@ -40,7 +40,7 @@ HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_see
 /// Half-space beside the path of another vehicle that continues straight: a vehicle that only retreats is caught up
 /// with.
 ///
-/// The side is the one where the vehicle is, or the right one seen in flight direction of the other. The evasion is
+/// The side is that of the vehicle, or the right side seen in flight direction of the other vehicle. The evasion is
 /// level, or vertical where that is faster. The side is kept once chosen, because each sample of a head-on neighbor
 /// suggests another one.
 /// @param begun_local  normal of the last evasion plane; nullptr: a new evasion

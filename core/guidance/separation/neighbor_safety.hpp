@@ -15,7 +15,7 @@
 
 namespace swiftlet {
 
-/// Keeps a vehicle apart from its neighbors, whatever goals its guidance wants.
+/// Keeps a vehicle apart from its neighbors, for any goals of its guidance.
 ///
 /// Guarantee: two vehicles that both use this class keep the distance D = SeparationConfig::distance_m(), less twice
 /// the control error, if

@@ -86,7 +86,7 @@ double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_
     for (int k = 0; k < kHeadings; ++k) shows[i][k] = sees(R_body_local[i] * azimuth_of(k, kHeadings));
     if (!is_blind[i]) within_reach |= shows[i];
   }
-  // Azimuths are viewed one after another: when one is in view, the one not viewed for longest is next.
+  // Azimuths are viewed one after another: when one is in view, the azimuth not viewed for longest is next.
   if (glance_ >= 0 && (looked_[glance_] == now || !within_reach[glance_])) glance_ = -1;
   if (glance_ < 0) {
     for (int k = 0; k < kHeadings; ++k) {

@@ -44,7 +44,7 @@ struct SearchResult {
   bool complete = true;  ///< false: the budget ended the search; the best pose may be missed
 };
 
-/// Poses excluded from the search: those near this one in position and heading.
+/// Poses excluded from the search: those near a given pose in position and heading.
 struct Excluded {
   Pose T_map_cloud = Pose::Identity();
   double distance_m = 0.0;

@@ -106,7 +106,7 @@ ClosureResult align_from_grid(const SubmapPair& pair, const CandidatePose& pose,
 }
 
 /// Where surfaces nearly meet at two places, a wide reach may find the wrong one and a close reach none, so both are
-/// tested. Along a wall the surfaces give no gradient, and a wrong guess stays where it is. So the newer submap is
+/// tested. Along a wall the surfaces give no gradient, and a wrong guess is not corrected. So the newer submap is
 /// shifted along the wall to where most of it fits. If other places fit about as well, the closure does not constrain
 /// that direction.
 ClosureResult close_near_guess(const SubmapPair& pair, const ClosureCandidate& candidate, const ClosureConfig& config) {
@@ -141,7 +141,7 @@ ClosureResult close_near_guess(const SubmapPair& pair, const ClosureCandidate& c
 
 /// Refuses a closure when the surfaces fit about as well at another place of the same submap. The other place may have
 /// a lower score of the grid: where all bays of an aisle look alike, the place with the largest overlap scores best.
-/// Places farther from the guess than both this one and the error of the guess are ignored.
+/// Places farther from the guess than the found place and the error of the guess are ignored.
 void verify_uniqueness(ClosureSearch& search, const ClosureCandidate& candidate, const SubmapPair& pair,
                        const CandidatePose& best, double tolerance, const ClosureConfig& config,
                        ClosureResult& result) {

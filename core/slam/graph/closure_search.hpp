@@ -69,7 +69,7 @@ class ClosureSearch {
   std::vector<Eigen::Vector3f> searched_m_;  // points of the newer submap
   std::vector<SearchWindow> windows_;
   std::vector<std::vector<std::uint8_t>> likely_headings_;  // a flag for each heading of the window
-  std::optional<OccupancyPyramid> pyramid_;                 // grid of candidate pyramid_of_, the one searched last
+  std::optional<OccupancyPyramid> pyramid_;                 // grid of candidate pyramid_of_, searched last
   std::size_t pyramid_of_ = 0;
   std::int64_t num_expanded_ = 0;
   bool complete_ = true;

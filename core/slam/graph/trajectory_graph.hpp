@@ -91,7 +91,7 @@ class TrajectoryGraph {
   int num_given_poses() const { return num_given_poses_; }
   /// One point per voxel. Any frame, the same for all arguments.
   std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_m) const;
-  /// Present transform by the newest submap: what the vehicle sees now stands still in the local frame.
+  /// Present transform by the newest submap: the surroundings in view do not move in the local frame.
   Pose T_local_world() const { return submaps_.back().T_local_submap * graph_.pose(submaps_.back().pose).inverse(); }
   /// Poses of the saved map's submaps.
   std::vector<Pose> given_poses_local() const;

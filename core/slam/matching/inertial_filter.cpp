@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that one sample bridges
+constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
 // White noise of the accelerations while no samples arrive: within 0.1 s the speed changes by 0.6 m/s and the body rate
 // by 0.6 rad/s (one sigma). Smaller values make the estimate smoother and late in turns.
 constexpr double kCoastAccel_mps2_sqrt_hz = 2.0, kCoastAngularAccel_radps2_sqrt_hz = 2.0;

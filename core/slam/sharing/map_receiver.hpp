@@ -12,7 +12,7 @@ namespace swiftlet {
 bool is_map_topic(const std::string& topic);
 
 /// Processes a message of map sharing, as of time t.
-/// @return false when the message is implausible; nothing is changed then
+/// @return false when the message is implausible, without a change
 bool receive_map_message(TimeNs t, const Message& message, OwnMap& own, PeerMap& from);
 
 }  // namespace swiftlet

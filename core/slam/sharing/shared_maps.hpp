@@ -37,9 +37,9 @@ struct PeerSubmap {
   int num_searched = 0;  ///< number of own submaps at the last search
 };
 
-/// Map of another vehicle, as far as it was received, and the exchange with that vehicle.
+/// Received part of the map of another vehicle, and state of the exchange with that vehicle.
 struct PeerMap {
-  /// True if the own vehicle searches for closures with the other. Of two vehicles, the one with the lower number does.
+  /// True if the own vehicle searches for closures with the other: of two vehicles, that with the lower number.
   bool is_searched_here = false;
   std::vector<SubmapPlace> places;
   std::vector<PeerSubmap> submaps;  ///< finished submaps that were reported

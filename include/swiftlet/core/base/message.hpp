@@ -11,7 +11,7 @@
 
 namespace swiftlet {
 
-/// Radio message between vehicles. The payload is already serialized: its size is what the radio carries.
+/// Radio message between vehicles. The payload is serialized, so that the radio carries its true size.
 struct Message {
   static constexpr const char* kName = "messages";
   VehicleId from = kNoVehicle;

@@ -84,8 +84,8 @@ struct ChasePlanConfig {
 /// Interception of a tracked flying target [Vrba 2025, sec. VI-B]: predicts the target and flies so that it enters the
 /// net as soon as the motion limits allow.
 ///
-/// A lost target is searched where it can be by now. The pursuit ends at the fence. For any method, motion is limited
-/// to states from which braking keeps clear of the ground, of mapped obstacles, and of all other vehicles.
+/// A lost target is searched at its possible positions. The pursuit ends at the fence. For any method, motion is
+/// limited to states from which braking keeps clear of the ground, of mapped obstacles, and of all other vehicles.
 struct InterceptConfig : ModuleConfigOf<InterceptConfig> {
   enum class Method { kMpc, kFrpn, kProportionalNavigation, kPurePursuit };
   Method method = Method::kMpc;

@@ -16,7 +16,7 @@ class OccupiedChanges {
   explicit OccupiedChanges(std::size_t num_places);
 
   /// Forgets the changed cells of the last scan.
-  /// @param revision  the one before the scan
+  /// @param revision  revision of the map before the scan
   void begin_scan(const LogOddsBlocks& blocks, std::uint64_t revision);
   /// Records changed cells of a layer, after the change.
   void note(const LogOddsBlocks& blocks, int i, int z, std::uint64_t cells, std::uint64_t revision);

@@ -37,7 +37,7 @@ class PlacedCells {
     bool any_occupied = false;
   };
   /// Sets at least the wanted cells of a block of the map; false: all unknown. A cell is occupied when its center lies
-  /// in an occupied cell of the piece, or the other way round; free when its center lies in a free one.
+  /// in an occupied cell of the piece, or vice versa; free when its center lies in a free cell.
   bool look(const Cell& block, const Bits& wanted, Overlap& overlap, Bits& occupied, Bits& free) const;
   /// Cells of the piece that decide on a cell of the map.
   void append_deciding(const Cell& map_cell, std::vector<Cell>& cells) const;

@@ -14,7 +14,7 @@ namespace swiftlet {
 /// in it, and so does the growing submap. When the graph changes, older submaps move at once, because the vehicle's
 /// pose in the local frame is continuous. Only the correction to the world is blended gradually.
 struct SubmapPoses {
-  /// A finished submap is dropped when older ones cover what it observed. The next submap gets its number.
+  /// A finished submap is dropped when older submaps cover its observations. The next submap gets its number.
   struct Dropped {
     std::uint64_t count = 0;  ///< number of dropped submaps so far; the other fields refer to the last one
     int submap = 0;           ///< number

@@ -38,7 +38,7 @@ struct ViewpointRules {
 struct GuidingViewpoint {
   Vector3 p_local_m = Vector3::Zero();
   int first_visible = 0;  ///< index of a waypoint; 0 unless the start of the path is visible from nowhere
-  int num_visible = 0;    ///< visible waypoints from that one on, without a gap
+  int num_visible = 0;    ///< visible waypoints from the first one on, without a gap
   PlaneRegion safe;       ///< S_closest
   PlaneRegion overlap;    ///< I_all
 };

@@ -26,7 +26,7 @@ const char* name_of(JobStatus status);
 struct JobResult {
   std::uint64_t id = 0;
   JobStatus status = JobStatus::kDone;
-  std::string bytes;    ///< kDone: what the work returned
+  std::string bytes;    ///< kDone: result of the work
   std::string message;  ///< all other statuses: the reason, in one line
   double wall_s = 0.0;
 };

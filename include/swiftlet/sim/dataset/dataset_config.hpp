@@ -14,7 +14,7 @@
 
 namespace swiftlet::sim {
 
-/// One number or word of the scenario that is drawn anew for each flight.
+/// One number or word of the scenario that is drawn for each flight.
 struct VariationConfig {
   std::string key;  ///< key path in the scenario; `vehicles[*]` stands for each vehicle, with independent draws
   enum class Law { kUniform, kLogUniform, kWhole, kChoice };
@@ -52,7 +52,7 @@ struct FlightConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A family of flights: a scenario and the values drawn anew for each flight.
+/// A family of flights: a scenario and the values drawn for each flight.
 struct FamilyConfig {
   std::string name = "family";
   std::string scenario;  ///< file

@@ -23,7 +23,7 @@ struct GenerateOptions {
 
 /// Wall time of flights by activity.
 struct FlightTiming {
-  double prepare_s = 0.0;   ///< worlds and paths, including flights drawn anew
+  double prepare_s = 0.0;   ///< worlds and paths, including rejected draws of flights
   double simulate_s = 0.0;  ///< the simulation itself
   double record_s = 0.0;    ///< time for which the simulation waited for writing and hashing
   double beside_s = 0.0;    ///< processor time of the writing in parallel with the simulation
@@ -44,7 +44,7 @@ struct GenerateReport {
 GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& options);
 
 /// Simulates one flight and writes its sequences, each under a temporary name until it is complete; existing sequences
-/// are left unchanged. A flight that cannot be planned or that ends in a crash is drawn anew.
+/// are left unchanged. A flight that cannot be planned or that ends in a crash is drawn again.
 FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const std::filesystem::path& directory,
                           int threads);
 

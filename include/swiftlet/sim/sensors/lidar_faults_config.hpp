@@ -18,7 +18,7 @@ struct RigPartConfig {
 
 /// Faults of a real LiDAR that its range noise and its receiver's sensitivity do not explain. The defaults have none.
 struct LidarFaultsConfig {
-  double dropout_probability = 0.0;  ///< shots without return, whatever they meet
+  double dropout_probability = 0.0;  ///< share of shots without return, regardless of the surface
   double tail_probability = 0.0;     ///< returns whose noise is tail_factor times larger
   double tail_factor = 10.0;
   double range_step_m = 0.0;

@@ -26,7 +26,8 @@ class Neighborhood {
 
   /// Call after every tick.
   void update(std::span<const VehicleState> states);
-  /// Ascending. Contains all vehicles nearest to this one (several at equal distance) in the last update().
+  /// Candidates of a vehicle, ascending: contain all vehicles nearest to it (several at equal distance) in the last
+  /// update().
   std::span<const VehicleId> candidates(VehicleId vehicle) const { return candidates_[vehicle]; }
 
  private:
