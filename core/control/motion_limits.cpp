@@ -7,7 +7,8 @@
 namespace swiftlet {
 namespace {
 
-// Limits of slow, medium, fast, agile: horizontal speed, acceleration, jerk; vertical ones; heading rate, acceleration.
+// Limits of the sets slow, medium, fast and agile: horizontal speed [m/s], acceleration [m/s^2] and jerk [m/s^3], the
+// same vertically, heading rate [rad/s] and heading acceleration [rad/s^2].
 constexpr MotionLimits kSets[] = {{1.0, 1.0, 20.0, 1.0, 1.0, 20.0, 0.5, 1.0},
                                   {4.0, 2.0, 40.0, 2.0, 1.0, 40.0, 1.0, 1.0},
                                   {8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0},

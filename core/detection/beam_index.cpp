@@ -17,7 +17,7 @@ namespace {
 constexpr double kBeamReach_sigma = 2.5;
 /// [rad] Least radius of the cone in which the density of beams is counted. Larger values smooth the density.
 constexpr double kAround_rad = 0.1;
-/// [beams] Expected hits after which the count stops: a sweep without returns is then as good as impossible.
+/// [beams] Expected hits after which the count stops: a sweep without returns is then practically impossible.
 constexpr double kEnoughShots = 1000.0;
 /// [m] Least range of a target; nearer ones have no exposure.
 constexpr double kNearest_m = 0.2;

@@ -34,7 +34,7 @@ struct TrackBeforeDetectLimits {
   static constexpr double kMostVoxels = 1000.0;
   /// [-] Weight of past returns in a target's return rate, per sweep. Larger values follow its turns more slowly.
   static constexpr double kRateMemory = 0.95;
-  /// [beams] Weight of the expected share of returns in a target's return rate. Larger values learn the rate later.
+  /// [beams] Weight of the expected share of returns in a target's return rate. Larger values adapt the rate later.
   static constexpr double kPriorShots = 20.0;
   /// [-] Lower bound of the probability that a target returns any beam, for an object that did. Smaller values make a
   /// hypothesis on which hardly any beams are expected less likely.

@@ -16,9 +16,8 @@ class LargeBodies {
  public:
   explicit LargeBodies(const ExpectedTarget& target) : body_m_(target.body_m) {}
 
-  /// @param hypotheses  corrected by this sweep, the likeliest first. Of two that are merged, the older one remains;
-  /// the
-  ///                    existence of the other becomes 0
+  /// When two hypotheses are merged, the older one remains; the existence of the other becomes 0.
+  /// @param hypotheses  corrected by this sweep, the likeliest first
   void join_parts(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, SweepReturns& returns);
   /// Largest size [m] of a merged body.
   double most_size_m() const { return TrackBeforeDetectLimits::kMostSize * body_m_; }

@@ -16,8 +16,8 @@ class SeparateRemoval {
 
   /// Computes V_sep, for remove(). Voxels are stored as cells: the map may scroll meanwhile.
   void find(const VoxelMap& map);
-  /// Removes V_sep from the map [Vrba 2025, eq. 25]. @param num_classifications  N_cls: classifications since the last
-  /// removal
+  /// Removes V_sep from the map [Vrba 2025, eq. 25].
+  /// @param num_classifications  N_cls: classifications since the last removal
   void remove(int num_classifications, VoxelMap& map);
   /// Number of clusters that were not separate.
   int num_kept() const { return separator_.num_kept(); }

@@ -32,11 +32,13 @@ class VofodStages {
   void classify(const LocalCloud& cloud, std::vector<Detection>& detections);
   /// Casts the rays of a scan: lengths by voxel, stored for apply_rays().
   void cast_rays(const LocalCloud& cloud);
-  /// Applies the rays to the map [Vrba 2025, eq. 22]. @param num_classifications  N_cls: classifications since the cast
+  /// Applies the rays to the map [Vrba 2025, eq. 22].
+  /// @param num_classifications  N_cls: classifications since the cast
   void apply_rays(int num_classifications);
   /// Computes V_sep, stored for remove_separate(). Voxels are stored as cells: the map may scroll meanwhile.
   void find_separate();
-  /// Removes V_sep [Vrba 2025, eq. 25]. @param num_classifications  N_cls: classifications since the last removal
+  /// Removes V_sep [Vrba 2025, eq. 25].
+  /// @param num_classifications  N_cls: classifications since the last removal
   void remove_separate(int num_classifications);
   /// Moves the voxel of a ground point measured by an altimeter half-way to occupied.
   void seed_ground(const Vector3& p_local_m);

@@ -59,9 +59,8 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
     const PointState then = target.at(t_s);
     ChaseAim& aim = aims_[static_cast<std::size_t>(k)];
     aim.p_m = then.p_m - to_target_local_m;
-    // A disc captures a target that passes through it. So it stays on its side of the target until the target is within
-    // its
-    // radius.
+    // A disc captures a target that passes through it. So the vehicle stays above or below the target until the target
+    // is within the radius of the disc.
     const double above_m = crossing ? config_.crossing_mps * (*crossing - t_s) : config_.hold_m;
     aim.p_m.z() += side * std::clamp(above_m, -config_.through_m, config_.hold_m);
     aim.v_mps = then.v_mps;

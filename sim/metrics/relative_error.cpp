@@ -24,8 +24,8 @@ constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "time with
 constexpr MetricDefinition kRelativeErrorDefinitions[] = {kRelativeMae,     kRelativeRmse, kRelativeMax,
                                                           kRelativeYawRmse, kRelativeNees, kRelativeKnown};
 
-/// Error of a vehicle's estimate of another one's pose, both relative to the vehicle's own pose: errors of its own
-/// localization do not count.
+/// Error of the observer's estimate of another vehicle's pose, relative to the observer's pose: errors of the
+/// observer's localization do not count.
 class RelativeErrorMetric final : public Metric {
  public:
   explicit RelativeErrorMetric(const MetricSetup& setup)

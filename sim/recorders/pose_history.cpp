@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Longer than any sweep plus its latency.
+// [ns] Age up to which poses are kept: longer than any sweep plus its latency. Larger values cost memory.
 constexpr TimeNs kKept = 2 * kNsPerSecond;
 
 }  // namespace

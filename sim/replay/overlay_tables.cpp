@@ -11,8 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kSmall = 1200;  // larger overlays are written only with the maps
-constexpr std::size_t kMost = 12000;  // larger overlays are thinned
+constexpr std::size_t kSmall = 1200;  // [positions] larger overlays are written only with the maps
+constexpr std::size_t kMost = 12000;  // [positions] larger overlays are thinned
 
 // The page draws tracks and detections from the tables of that name.
 bool is_drawn_otherwise(const std::string& name) { return name.starts_with("tracks") || name == "detections"; }
@@ -89,7 +89,7 @@ void OverlayTables::take(const Overlay& overlay, VehicleId vehicle, TimeNs t) {
   const bool can_thin = overlay.kind != Overlay::Kind::kPolyline;
   const std::size_t every = can_thin ? (count + kMost - 1) / kMost : 1;
 
-  // Few overlays have more than a handful of colors: positions refer to them by index.
+  // Most overlays have few colors: positions refer to colors by index.
   Json palette = Json::array();
   std::map<std::array<float, 4>, std::size_t> numbers;
   const auto number_of = [&](const Eigen::Vector4f& color) {

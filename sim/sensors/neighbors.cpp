@@ -115,8 +115,8 @@ class NeighborsSensor final : public Sensor {
     return setup_.world && setup_.world->occluded(from, to);
   }
 
-  /// Range noise along the bearing, bearing noise across it; the covariance is computed at the measured position, which
-  /// is all that the sensor knows.
+  /// Range noise along the bearing, bearing noise across it; the covariance is computed at the measured
+  /// position, because a real sensor does not know the true one.
   NeighborSample seen(TimeNs t, std::uint32_t index, VehicleId other, const Vector3& p_body) const {
     const double sigma_bearing = config_.sigma_bearing_deg * kRadPerDeg;
     const auto sigma_range = [&](double range_m) {

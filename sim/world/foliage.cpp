@@ -11,7 +11,8 @@
 namespace swiftlet::sim {
 namespace {
 
-// Range of natural frequencies of trees and leaves, relative to the configured one
+// [-] Range of natural frequencies of trees and leaves, relative to the configured frequency. A wider range makes the
+// motion of the plants more different.
 constexpr double kSlowest = 0.8, kFastest = 1.25;
 constexpr double kAcross = 0.5;     // sway across the wind, relative to that along it
 constexpr double kFlutterUp = 0.5;  // vertical flutter, relative to that along the other axes

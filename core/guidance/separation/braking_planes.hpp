@@ -37,8 +37,8 @@ HalfSpace braking_plane(const Braking& self, const Braking& other, double distan
 HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
                        double distance_m, double vertical_m, double uncertainty_m, double share);
 
-/// Half-space beside the path of another vehicle that continues straight: a vehicle that only retreats is caught up
-/// with.
+/// Half-space beside the path of another vehicle that continues straight, which would overtake a vehicle that only
+/// retreats.
 ///
 /// The side is that of the vehicle, or the right side seen in flight direction of the other vehicle. The evasion is
 /// level, or vertical where that is faster. The side is kept once chosen, because each sample of a head-on neighbor

@@ -19,7 +19,7 @@ namespace swiftlet {
 ///
 /// Guarantee: two vehicles that both use this class keep the distance D = SeparationConfig::distance_m(), less twice
 /// the control error, if
-/// - each knows the other before it is nearer than its braking path (range, and no blind sector on the course),
+/// - each measures the other before their distance is below its braking path (range, no blind sector on the course),
 /// - the other's position at the last sample is within `sigmas` standard deviations,
 /// - both start farther apart than D.
 /// The pledges give this for any rate and latency of the samples. A neighbor that does not yield is evaded; the

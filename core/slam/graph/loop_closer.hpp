@@ -27,7 +27,7 @@ class LoopCloser {
   /// True if a hovering vehicle searches the saved map again, with the surroundings seen while turning.
   bool is_search_due(TimeNs t, double path_length_m, const TrajectoryGraph& trajectory) const;
   bool located() const { return located_; }
-  /// Relocalization has reached its limit of attempts from one place; it resumes when the vehicle moves on.
+  /// True when relocalization has reached its limit of attempts from one place. It resumes when the vehicle moves on.
   bool search_failed(const TrajectoryGraph& trajectory) const;
 
   /// Compared pairs of poses without a closure: older submap, newer submap.

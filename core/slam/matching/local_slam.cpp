@@ -13,15 +13,16 @@ namespace swiftlet {
 namespace {
 
 constexpr double kUnknownVelocity_mps = 0.3;  // velocity sigma above which a scan counts as smeared
-// Change of the time offset above which a scan is undistorted again: 0.3 mm at 3 m/s.
+// [s] Change of the time offset above which a scan is undistorted again: 0.3 mm at 3 m/s. Larger values save time.
 constexpr double kTimeShift_s = 1e-4;
-// Least speed and body rate of a sweep that depend on the time offset. Smaller values learn it from noise.
+// Least speed [m/s] and body rate [rad/s] of a sweep from which the time offset is estimated. Smaller values fit noise.
 constexpr double kClear_mps = 0.5, kClear_radps = 0.1;
-// Shortest interval over which the motion of a scan without duration is measured.
+// [ns] Shortest interval over which the motion of a scan without duration is measured. Smaller values measure noise.
 constexpr TimeNs kMotionInterval = 20'000'000;
-// most IMU samples kept for a second start, which is skipped if the first scans need more
+// [samples] Most IMU samples kept for a second start, which is skipped if the first scans need more.
 constexpr std::size_t kMostStartSamples = 4096;
-// longest age of a sighting of another vehicle at which its position is extrapolated
+// [s] Longest age of a sighting of another vehicle at which its position is extrapolated. Larger values mask returns at
+// wrong places.
 constexpr double kVehicleKnown_s = 1.0;
 constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.

@@ -16,20 +16,22 @@
 namespace swiftlet {
 namespace {
 
-// Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the others.
+// [-] Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the
+// others.
 constexpr double kOpenFloor = 60.0;
-// Upper bound of the floor in the variance of a map plane. A wider floor accepts points farther off, but leaves the
-// planes as certain.
+// [m^2] Upper bound of the floor in the variance of a map plane. A wider floor accepts points farther away, but does
+// not make the planes less certain.
 constexpr double kFlat_m2 = 1e-4;
 constexpr double kNoiseFactor = 3.0;  // multiple of the information from noise below which a direction is open
 constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
-// Free-standing structure.
-// distance tested ahead and behind: more than the thickness of a stem, less than the distance between stems
+// Constants of the test for free-standing structure.
+// [m] Distance tested before and behind a point: more than the thickness of a stem, less than the distance between
+// stems.
 constexpr double kStep_m = 0.7;
 constexpr double kAcross = 0.3;        // least sine of the angle between surface and direction: 17 degrees
 constexpr double kLeastMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
 constexpr double kBeside_m = 1.5;      // largest lateral distance at which a beam passes beside a point
-constexpr double kBeyond_m = 0.5;      // least distance of its end behind the continued surface
+constexpr double kBeyond_m = 0.5;      // least distance of the end of that beam behind the continued surface
 constexpr int kLeastPassed = 3;        // fewest points with a passing beam
 constexpr double kSpread_m = 0.15;     // spread above which a cell without a plane is no single object
 

@@ -25,9 +25,9 @@
 ///     }
 ///   };
 ///
-/// Rules: a name carries its unit as a suffix. Its text is one line, starts with the unit in brackets and names the
-/// frame. "*" is replaced by the component: "v*_mps" has the columns vx_mps, vy_mps and vz_mps. "*" alone is a pose,
-/// with x_m to z_m and qx to qw.
+/// Rules: a name ends with its unit. The text is one line, starts with the unit in brackets and names the frame. "*" is
+/// replaced by the component: "v*_mps" has the columns vx_mps, vy_mps and vz_mps. "*" alone is a pose, with x_m to z_m
+/// and qx to qw.
 ///
 /// A visitor has these functions, each with the name first and the text last:
 ///   time        TimeNs; tables show seconds

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Cells of a piece at a pose in a map, which sees them in cells of its own: other edges, other axes.
+/// Cells of a submap placed at a pose in a map, resampled to the cells of the map, which have other edges and axes.
 class PlacedCells {
  public:
   using Bits = RayCells::Bits;
