@@ -13,6 +13,7 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  // n
 // Edge of a cell, as a share of the tolerance: slightly less than 1 / sqrt(3), so that any two points of a cell are
 // near each other. Points of cells three or more apart along an axis are not near.
 constexpr double kCellEdge = 0.577;
+// [cells] Largest distance along an axis of cells with near points.
 constexpr int kReach = 2;
 // Factor of the squared tolerance beyond which two boxes hold no near points, despite rounding.
 constexpr float kWide = 1.0001F;
@@ -33,6 +34,7 @@ std::int64_t axis_cell(float coordinate_m, double cells_per_m) {
 /// Stable radix sort by key. A digit that all keys share is skipped after its histogram.
 template <class Keyed>
 void radix_sort(std::vector<Keyed>& items, std::vector<Keyed>& scratch) {
+  // Bits of a digit of the key, and digits of the key. Longer digits need fewer passes and larger tables of counts.
   constexpr int kDigitBits = 9, kDigits = 3 * kAxisBits / kDigitBits;
   constexpr std::uint32_t kBuckets = 1U << kDigitBits;
   std::array<std::array<std::uint32_t, kBuckets>, kDigits> counts{};

@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; also racks and signs are bright
 constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
-// iterations that center a body on its returns: markers lie below and before the center
+// [-] Iterations that center a body on its returns, because markers lie below and before the center. Fewer leave an
+// offset toward the markers.
 constexpr int kRecenterings = 2;
 
 }  // namespace

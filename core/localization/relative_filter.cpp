@@ -14,7 +14,8 @@ namespace {
 /// [-] Most measurements in the history. Smaller values reject measurements with less delay than history_s.
 constexpr std::size_t kMaxHistory = 128;
 constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor decays within a minute
-// largest squared standard deviations that one sample contributes: a single outlier must not dominate
+// [-] Largest squared standard deviations that one sample contributes: a single outlier must not dominate. Larger
+// values learn the drift faster and follow outliers.
 constexpr double kMaxInnovation_sq = 25.0;
 
 Matrix3 turn_about_vertical(double yaw_rad) {

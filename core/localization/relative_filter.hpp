@@ -61,6 +61,7 @@ class RelativeFilter {
   double drift_variance_factor() const;
 
  private:
+  // [-] Dimension of the state: position and velocity of the vehicle, position and heading of the alignment.
   static constexpr int kStates = 10;
   static constexpr double kLogFactorVariance = 1.0;  // prior, before any flight
   enum Index { kP = 0, kV = 3, kAnchor = 6, kYaw = 9 };

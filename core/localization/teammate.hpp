@@ -28,7 +28,7 @@ class OtherClock {
   ClockPrior prior() const;
 
  private:
-  static constexpr int kNumDelays = 64;  // half a minute: drift is small in that time
+  static constexpr int kNumDelays = 64;  // number of delays in the window: half a minute, in which drift is small
   bool one_way_;
   double sigma_s_, least_delay_s_;
   TimeNs epoch_ = 0, last_ = 0;

@@ -21,7 +21,7 @@ using Longs = std::int64_t __attribute__((vector_size(32)));
 
 /// Distance [cells] to the next wall along an axis to which the ray is perpendicular.
 constexpr double kNoWall = std::numeric_limits<double>::max();
-constexpr double kLibraryCells = 32768.0;  // on both sides of the origin
+constexpr double kLibraryCells = 32768.0;  // range of the library in cells, on both sides of the origin
 
 /// One bit per set lane of a mask.
 [[gnu::always_inline]] inline unsigned bits_of_lanes(const Longs& mask) {

@@ -15,12 +15,13 @@
 namespace swiftlet {
 namespace {
 
-// Planes per stretch, the unit in which a ray is processed.
+// [planes] Length of a stretch, the part of a ray that is processed at once. Affects time alone.
 constexpr int kStretch = 96;
-// Cells around the window that no ray reaches; they absorb rounding and the unused third piece of a slab.
+// [cells] Margin around the window that no ray reaches. It absorbs rounding and the unused third piece of a slab.
 constexpr int kMargin = 2;
-// Finite bound beyond the end of any ray.
+// [-] Finite bound of the inverse of a direction, beyond the end of any ray.
 constexpr float kNever = 1e30F;
+// [edges] Finite bound above the length of any ray.
 constexpr double kHuge = 1e300;
 
 /// A ray in units of the edge, relative to the cell of its origin and mirrored so that it ascends along every axis:

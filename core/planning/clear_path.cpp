@@ -99,6 +99,7 @@ class ClearSearch {
     }
   }
 
+  // [cells] Length of a step to a neighboring cell, by the number of axes along which it moves.
   static constexpr std::array<double, 4> kStep = {0.0, 1.0, 1.4142135623730951, 1.7320508075688772};
   const ClearSpace& space_;
   double edge_m_;

@@ -54,7 +54,7 @@ PlaneRegion from_clipper(const clip::Paths& paths) {
 }
 
 PlaneRegion clipped(clip::ClipType type, const clip::Paths& subject, const clip::Paths& clipping) {
-  if (subject.empty()) return {};  // the library treats that as a failure
+  if (subject.empty()) return {};  // Clipper reports an empty subject as a failure
   clip::Clipper clipper;
   clipper.StrictlySimple(true);
   clipper.AddPaths(subject, clip::ptSubject, true);

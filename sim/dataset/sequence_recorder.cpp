@@ -18,7 +18,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kHistory_s = 1.5;  // longer than any sweep
+constexpr double kHistory_s = 1.5;  // length of the stored truth; longer than any sweep
 // [-] Least visible share of the silhouette of a vehicle in view.
 constexpr double kInView = 0.1;
 // [-] Fewest points of a well detected vehicle.

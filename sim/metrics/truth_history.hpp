@@ -38,6 +38,7 @@ class RecentValues {
   const Value& value(std::size_t i) const { return ring_[(first_ + i) % kCapacity].second; }
 
  private:
+  /// [samples] Length of the ring.
   static constexpr std::size_t kCapacity = 2048;
   std::pair<TimeNs, Value>& at(std::size_t i) { return ring_[(first_ + i) % kCapacity]; }
 

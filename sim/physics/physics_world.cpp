@@ -37,7 +37,8 @@ constexpr double kRestTime_s = 0.25;
 constexpr double kWakeLinear_mps2 = 0.1;
 constexpr double kWakeAngular_radps2 = 0.5;
 
-// From this number on, vehicles are distributed over threads, in blocks of kVehiclesAtATime.
+// [vehicles] Least number from which vehicles are distributed over threads, and size of the blocks. Smaller values
+// synchronize more than they save.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
 

@@ -39,6 +39,7 @@ std::string text_of(const Matrix& matrix) {
 }  // namespace
 
 std::string shown(py::handle value) {
+  // [characters] Longest text of a value in a message.
   constexpr std::size_t kLongest = 100;
   const py::str text = py::repr(value).attr("replace")("\n", " ");
   if (py::len(text) <= kLongest) return text;

@@ -10,6 +10,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kDiscSpeed_radps = 30.0;  // at lower speeds only the blades are drawn
+// [-] Segments of a rotor disc.
 constexpr int kDiscSegments = 40;
 
 /// Blades as thin tapered slabs: widest at a third of the radius, narrow at hub and tip.

@@ -18,6 +18,7 @@ struct ReplayColumn {
 /// A table of numbers. NaN is stored as missing; values too large for the step are clamped.
 class ReplayTable {
  public:
+  /// Quantized value that marks a missing number.
   static constexpr std::int32_t kMissing = -(1 << 29);
 
   /// @param about  a JSON object that describes the table

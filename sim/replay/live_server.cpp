@@ -37,7 +37,9 @@ constexpr auto kPageTimeout = std::chrono::seconds(3);
 /// Longest time that one connection takes to send its request, and to receive its reply; then it is closed.
 /// Connections are served one after another, so this is also how long a slow client delays a page.
 constexpr auto kConnectionTimeout = std::chrono::seconds(2);
+// [ms] Interval at which the server and its starter check for the end. Larger values end later.
 constexpr int kPoll_ms = 100;
+// [bytes] Longest accepted request.
 constexpr std::size_t kMostRequest = 8192;
 
 [[noreturn]] void fail(const char* what) {

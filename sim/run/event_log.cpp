@@ -8,9 +8,9 @@
 namespace swiftlet::sim {
 namespace {
 
-// Time for which the run continues after the last mission has ended, so that recordings show the end.
+// [ns] Time for which the run continues after the last mission has ended, so that recordings show the end.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
-// Longer after a capture, so that recordings show the interceptor's reaction.
+// [ns] The same after a capture: longer, so that recordings show the interceptor's reaction.
 constexpr TimeNs kAfterCapture = kNsPerSecond;
 
 }  // namespace

@@ -25,6 +25,7 @@ class Hasher : public FieldBytes<Hasher> {
 
  private:
   friend FieldBytes<Hasher>;
+  /// [bytes] Size of the buffer. All data except scans fits.
   static constexpr std::size_t kCapacity = 2048;
 
   void bytes(const void* data, std::size_t size) {

@@ -17,7 +17,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Samples per edge of a voxel.
+// [-] Samples along an edge of a voxel. Smaller values may leave voxels without a sample.
 constexpr double kSamplesPerVoxel = 3.0;
 
 enum class What { kOccupied, kFree };

@@ -14,13 +14,15 @@
 namespace swiftlet::sim {
 namespace {
 
-// From this number on, vehicles without LiDAR are distributed over threads, in blocks of kVehiclesAtATime.
+// [vehicles] Least number from which vehicles without LiDAR are distributed over threads, and size of the blocks.
+// Smaller values synchronize more than they save.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
 // [-] Parts of sweeps that a thread takes at once. Larger values synchronize less and balance worse.
 constexpr int kPartsAtATime = 16;
 
-// Sweeps for an agent with longer steps are traced first, so that it starts early.
+// [s] Duration of an agent's step above which the sweeps for that agent are traced first, so that the agent starts
+// early.
 constexpr double kLongStep_s = 1e-3;
 
 using Clock = std::chrono::steady_clock;

@@ -16,6 +16,7 @@ namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+// [bytes] Size of the write buffer.
 constexpr std::size_t kBuffer = 1 << 20;
 
 // Writes the complete file before it appears under its name.

@@ -24,6 +24,7 @@ Overlay marks(const char* name, Overlay::Kind kind, float size_m, std::vector<Ei
 
 /// The cell A at the agent's height: the disc of S, cut by the half-spaces; corners in order, relative to the agent.
 std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> cuts) {
+  // [-] Corners that approximate the disc.
   constexpr int kCorners = 72;
   std::vector<Vector3> corners, left;
   for (int i = 0; i < kCorners; ++i) {

@@ -25,6 +25,7 @@ constexpr double kAttitudeSigma_deg = 1.0;       // attitude error of a guess, o
 // Share of the information below which a direction counts as unobserved when a prior can keep it. Normals of a thinned
 // cloud are off by up to 8 degrees, which alone can produce such a share.
 constexpr double kUnobservedShare = 0.02;
+// [-] Number of unobserved directions when the alignment fails.
 constexpr int kAllDirections = 6;
 constexpr double kMinTranslation_m = 0.1;  // translation per unit step below which a direction is a pure rotation
 constexpr double kShift_m = 0.15;          // sampling distance along the least observed direction

@@ -20,6 +20,7 @@ constexpr int kSamples = 48;
 /// [-] Factor of the duration from attempt to attempt, and most attempts: then the present motion first comes to rest.
 /// Smaller factors find shorter blends and need more attempts.
 constexpr double kLonger = 1.05;
+// [-] Most durations that are tried. Together with kLonger it bounds the duration by 18 times the first one.
 constexpr int kMaxAttempts = 60;
 
 /// Weight of the old pose [Orsulic 2021, eq. 2].

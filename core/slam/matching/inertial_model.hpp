@@ -7,6 +7,7 @@ namespace swiftlet {
 
 /// State of inertial navigation, its motion, and the motion of its errors.
 struct InertialModel {
+  /// [-] Dimension of the error state, in the order of Index.
   static constexpr int kStates = 18;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
   using Error = Eigen::Matrix<double, kStates, 1>;

@@ -17,7 +17,9 @@ constexpr float kGrowth = 1.25F;       // growth of a cell's number of points th
 // Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides of a
 // cell face.
 constexpr double kShift_m = 0.11;
+// [entries] First size of the hash table of a level, which grows as needed; a power of two.
 constexpr std::size_t kFirstTable = 1U << 12;
+// [bits] Width of a coordinate in the key of a cell, its mask, and the offset that makes it positive.
 constexpr std::uint64_t kAxisBits = 21, kAxisMask = (1U << kAxisBits) - 1, kAxisHalf = 1U << (kAxisBits - 1);
 
 std::uint64_t slot_of(std::uint64_t key, std::size_t table_size) {  // Fibonacci hashing

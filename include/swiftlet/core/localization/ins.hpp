@@ -44,6 +44,7 @@ struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
 /// with the state at their time, and correct the present one.
 class InsFilter {
  public:
+  /// [-] Dimension of the error state, in the order of Index.
   static constexpr int kStates = 16;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
   enum Index { kP = 0, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12, kGround = 15 };

@@ -12,6 +12,7 @@
 
 namespace swiftlet::sim {
 
+/// [-] Beams that are traced together; the width of the widest vector instructions.
 inline constexpr int kPacketSize = 16;
 
 /// Beams from one origin at one instant share a firing; each beam refers to its firing.
