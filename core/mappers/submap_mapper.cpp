@@ -23,6 +23,7 @@ constexpr int kNewest = 2;             // newest pieces, which are never thinned
 // Most pieces of one submap; more are merged into one. Larger values keep more votes on cells that changed, and take
 // more memory.
 constexpr std::size_t kMostOfSubmap = 4;
+// Submap of a piece from before the first submap.
 constexpr int kNoSubmap = -1;
 
 class SubmapMapper : public Mapper {

@@ -29,6 +29,8 @@ constexpr TimeNs kRestart = 5 * kNsPerSecond;
 constexpr double kOwnVelocity_sigma_mps = 0.1;
 /// [s] Age of a report up to which its tracks count as measured now. Larger values count old reports as new evidence.
 constexpr double kFresh_s = 0.3;
+// [rad] Standard deviation of a teammate's reported heading, added to that of the alignment. Larger values state a less
+// certain heading.
 constexpr double kHeadingNoise_rad = 0.01;
 
 bool is_covariance(const Matrix6& C) {

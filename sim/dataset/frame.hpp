@@ -18,6 +18,7 @@ struct Frame {
   ByteBuffer point_truth;  ///< packed: uint32 t_ns, uint16 ring, uint16 column, float32 range_m, float32 incidence_rad
   int num_points = 0;
 };
+/// [bytes] Size of the entry of a point in Frame::velodyne, Frame::labels and Frame::point_truth.
 inline constexpr std::size_t kPointBytes = 16;
 inline constexpr std::size_t kLabelBytes = 4;
 inline constexpr std::size_t kPointTruthBytes = 16;

@@ -42,6 +42,7 @@ bool spin_until(microseconds limit, const Condition& is_true) {
 /// stale value cannot take parts of a later loop.
 class alignas(64) Parts {
  public:
+  /// [-] Largest number of a part: begin and end share 32 bits.
   static constexpr int kMax = 0xFFFF;
 
   void put(std::uint32_t loop, int begin, int end) { word_.store(joined(loop, begin, end), std::memory_order_release); }

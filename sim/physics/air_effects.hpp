@@ -16,6 +16,7 @@ namespace swiftlet::sim {
 /// In dimensionless form that is the same limit for every vehicle.
 /// @param height_m  height of the rotor's hub above the surface; negative values count as contact
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient);
+/// [-] Upper bound of the gain.
 inline constexpr double kGroundEffectGainMax = 4.0 / 15.0;
 /// Height in propeller radii above which the effect is neglected (gain 0.3 % at the default coefficient).
 inline constexpr double kGroundEffectReachRadii = 15.0;

@@ -10,6 +10,7 @@
 namespace swiftlet::sim::plot {
 namespace {
 
+// [-] Magnitudes of the largest label between which labels have no exponent.
 constexpr double kLargestPlain = 1e5;
 constexpr double kSmallestPlain = 1e-4;
 constexpr double kMaxMultiple = 1e12;  // larger multiples of the step are not exact

@@ -14,9 +14,11 @@
 namespace swiftlet::sim {
 namespace {
 
+// Numbers of the deflate format (RFC 1951): symbol of the end of a block, number of symbols, and longest code [bits].
 constexpr int kEndOfBlock = 256;
 constexpr int kNumSymbols = 286;  // literals, end, lengths
 constexpr int kMaxCodeBits = 15;
+// [bytes] Shortest run of equal bytes that is coded as a run, and longest run of the format.
 constexpr int kLeastRun = 4, kMostRun = 258;
 constexpr std::uint16_t kRunToken = 256;  // larger tokens are runs of token - kRunToken repetitions
 

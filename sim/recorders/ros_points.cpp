@@ -22,6 +22,7 @@ struct Field {
 constexpr Field kOusterFields[] = {{"x", 0, kFloat32},          {"y", 4, kFloat32},       {"z", 8, kFloat32},
                                    {"intensity", 16, kFloat32}, {"t", 20, kUint32},       {"reflectivity", 24, kUint16},
                                    {"ring", 26, kUint16},       {"ambient", 28, kUint16}, {"range", 32, kUint32}};
+// [bytes] Size of a point in this layout, as the other steps below.
 constexpr std::uint32_t kOusterStep = 48;
 // livox_ros_driver2, xfer_format 0 (PointXYZRTLT): packed.
 constexpr Field kLivoxFields[] = {{"x", 0, kFloat32},          {"y", 4, kFloat32},  {"z", 8, kFloat32},

@@ -16,6 +16,7 @@ struct RenderVertex {
   std::array<std::int8_t, 4> normal_open;   ///< normal * 127; fourth: openness to the sky * 127 (ambient light)
   std::array<std::int16_t, 4> leaf_offset;  ///< offset from the center of its leaf, in kLeafUnit_m; 0: not a leaf
 };
+/// Unit of RenderVertex::leaf_offset. Smaller units limit the size of a leaf.
 inline constexpr float kLeafUnit_m = 1.0F / 4096.0F;
 
 /// A part of a mesh that is drawn or culled as a unit.

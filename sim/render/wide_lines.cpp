@@ -7,6 +7,7 @@
 namespace swiftlet::sim {
 namespace {
 
+// [half line widths] Longest miter at a corner. Larger values draw longer spikes at sharp corners.
 constexpr float kMiterLimit = 2.0F;
 
 struct Corner {

@@ -92,7 +92,7 @@ std::string number_text(const MetricRow& row) {
   return tiny ? fmt::format("{:.1e}", row.value) : fmt::format("{:.3f}", row.value);
 }
 
-// Metrics as a table: a row per metric, a column per vehicle (at most kMostColumns).
+// Metrics as a table: a row per metric, a column per vehicle (at most kMostColumns, each of kColumn characters).
 std::string vehicle_table(const MetricTable& table) {
   constexpr std::size_t kMostColumns = 6;
   constexpr int kColumn = 13;

@@ -34,7 +34,7 @@ bool is_like_without_unit(std::string_view word, std::string_view candidate) {
 }  // namespace
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
-  constexpr std::size_t kMaxLength = 64;
+  constexpr std::size_t kMaxLength = 64;  // [characters] longer words have no suggestion
   if (word.empty() || word.size() > kMaxLength) return "";
   const std::string* best = nearest_word(word, candidates);
   for (const auto& is_similar : {differs_by_unit, is_like_without_unit}) {
@@ -47,7 +47,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 }
 
 std::string one_of(const std::vector<std::string>& words) {
-  constexpr std::size_t kMaxShown = 16;
+  constexpr std::size_t kMaxShown = 16;  // [words] further ones are left out
   if (words.empty()) return "none";
   std::string text = words.size() == 1 ? "" : "one of ";
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -16,6 +16,7 @@ namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+// Longest accepted header.
 constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 
 bool parse_type(std::string_view word, char& kind, int& size) {

@@ -47,6 +47,7 @@ class PcdHeaderReader {
   PcdHeaderReader(const fs::path& file, std::string_view content) : file_(file), lines_(content) {}
 
   PcdHeader read() {
+    // Longest accepted header.
     constexpr std::size_t kMaxHeaderBytes = 1 << 20;
     while (header_.data.empty()) {
       if (!lines_.next() || lines_.end() > kMaxHeaderBytes)

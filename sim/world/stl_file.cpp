@@ -11,6 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Sizes of the header and of a triangle in a binary STL file.
 constexpr std::size_t kHeadBytes = 84, kTriangleBytes = 50;
 
 void add_corner(MeshFile& mesh, const Eigen::Vector3d& vertex) {

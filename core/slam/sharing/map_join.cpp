@@ -20,6 +20,8 @@ constexpr std::size_t kMostTested = 64;   // most closures tested: one bit each
 constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
 // Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
 constexpr double kMinPathLength_m = 0.05;
+// Standard deviations [m, rad] of the newest own submap, which keeps its pose in the joint graph. Larger values let the
+// joint solution move the own frame.
 constexpr double kStandsStill_m = 1e-3, kStandsStill_rad = 1e-5;
 
 struct JoinSigmas {

@@ -39,6 +39,7 @@ class ComposedBlocks : public BlockOccupancy {
   std::uint64_t num_composed() const { return num_composed_; }
 
  protected:
+  /// Index without a piece.
   static constexpr std::uint32_t kNoPiece = 0xFFFFFFFFU;
   struct Piece {
     PlacedCells placed;  // empty: removed

@@ -13,6 +13,7 @@ struct Interval {
   double high = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// [-] Usual coverage probability of confidence intervals.
 inline constexpr double kConfidence = 0.95;
 
 /// Cluster number of each sample; samples of one cluster are correlated, such as those of one seed, which draws equal

@@ -58,7 +58,7 @@ inline constexpr std::size_t kMaxFileBytes = 16'000'000;
 inline constexpr std::size_t kMaxNodes = 1'000'000;  ///< aliases counted at every use
 inline constexpr std::size_t kMaxKeys = 4'096;       ///< per map
 inline constexpr std::size_t kMaxItems = 100'000;    ///< per list
-inline constexpr int kMaxDepth = 64;
+inline constexpr int kMaxDepth = 64;                 ///< nested maps and lists
 
 /// Parses one YAML document. Throws InputError on anything else and on duplicate keys. A key such as `vehicles[0]`
 /// becomes a change of an element of `vehicles`.
