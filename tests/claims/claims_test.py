@@ -16,7 +16,7 @@ except ImportError as missing:
     sys.exit(77)
 
 SOURCE, VERSION = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
-QUICK = ["uncertainty-table", "occupancy-filters"]
+QUICK = ["uncertainty-table", "occupancy-filters", "slam-faults"]
 FULL = QUICK + ["voxel-probability", "expected-error", "communication", "gap-success", "forest-guidance", "narrow-gap",
                 "guidance-timing", "rbl-circle-printed", "rbl-sphere", "rbl-forest", "rbl-real", "rbl-ghosts", "detection-ideal",
                 "detection-noisy", "detection-multi", "detection-real"]
