@@ -22,7 +22,8 @@ struct SubmapRequest {
   std::vector<std::uint8_t> missing;
 
   static void visit(auto& m, auto& v) {
-    v.choice("content", m.content, kContents, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
+    v.choice("content", m.content, kContents,
+             "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
     v.field("submap", m.submap, "[-] number of the submap, or of the first submap");
     v.field("missing", m.missing, "[-] one bit for each chunk, or for each submap from the first on, lowest bit first");
   }
