@@ -168,8 +168,8 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/rooms/tests/t
 
 # swiftlet_tests(core/math USES core/x LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in
 # one GoogleTest program test_core_math, with the named files of tests/support. It sees all of its room, and the public
-# headers of the rooms that it uses. Tests that match SLOW run only when the label slow is asked for. SWIFTLET_COMPUTING_TESTS lists the
-# folders whose tests compute much: the others are compiled without optimization.
+# headers of the rooms that it uses. Tests that match SLOW run only when the label slow is asked for. SWIFTLET_PLAIN_TESTS lists the
+# folders whose tests compute little.
 function(swiftlet_tests folder)
   cmake_parse_arguments(ARG "" "SLOW" "USES;LIBS;LABELS;SUPPORT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp)
@@ -181,9 +181,9 @@ function(swiftlet_tests folder)
     swiftlet_uses(test_${name} PRIVATE INSIDE ${folder})
   endif()
   swiftlet_uses(test_${name} PRIVATE ${ARG_USES})
-  set(kind plain_test)
-  if(folder IN_LIST SWIFTLET_COMPUTING_TESTS)
-    set(kind test)
+  set(kind test)
+  if(folder IN_LIST SWIFTLET_PLAIN_TESTS)
+    set(kind plain_test)
   endif()
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_${kind}_options GTest::gtest GTest::gmock GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${PROJECT_BINARY_DIR}/rooms/tests)

@@ -148,7 +148,7 @@ class Cli(unittest.TestCase):
             "vehicles[0].agent.detector={type: vofod}": "detector.type: vofod: expected a sensor of type lidar on uav1",
             "vehicles[0].agent.localization={type: ins}": "localization.type: ins: expected a sensor of type imu on uav1",
             "vehicles[0].agent.guidance={type: waypoints}": "waypoints_m: expected at least one waypoint",
-            "snapshots=[{type: top}]": "snapshots[0].times_s: expected when it takes pictures",
+            "snapshots=[{type: top}]": "snapshots[0].times_s: expected",
             "snapshots=[{type: top, times_s: [1], overlays: [trakcs]}]": 'did you mean "tracks"?',
         }
         for setting, word in wrong.items():
