@@ -40,7 +40,7 @@ FAULTS = {
     "IMU noise x 10": {"judged": (RATIO,), "imu": {"gyro_noise_density_radps_psqrthz": 3.39e-3,
                                                    "accel_noise_density_mps2_psqrthz": 0.04}},
     "IMU at 50 Hz": {"judged": (RATIO,), "imu": {"rate_hz": 50}},
-    "vibration": {"judged": (RATIO,), "imu": {"vibration": {"accel_mps2": 0.5, "gyro_radps": 0.02}}},  # that of imu_icm42688
+    "vibration": {"judged": (RATIO,), "imu": {"vibration": {"accel_mps2": 0.5, "gyro_radps": 0.02}}},  # amplitudes of the preset imu_icm42688
     "IMU pauses for 1 s": {"judged": (COST,), "imu": {"outages": [{"start_s": 8, "end_s": 9}]}},  # in a corner of the campus
     "no IMU": {"judged": (LOST,), "slam": {"imu": "none"}},
     "start at 3 m/s": {"judged": (FINAL,), "slam": UNKNOWN_START, "from_s": 4},
@@ -115,7 +115,7 @@ def fly_fault(world, lidar, fault, seed, duration_s):
         software.step(simulator.t_ns)
         if len(vehicle.scans):
             T, covariance = software.estimate.local_pose, software.estimate.cov_m2
-            turned = 0.5 * (T[:3, :3].T @ R - R.T @ T[:3, :3])  # of small angles: their cross product matrix
+            turned = 0.5 * (T[:3, :3].T @ R - R.T @ T[:3, :3])  # cross product matrix of the attitude error, a small angle
             error = np.append(p_m - T[:3, 3], [turned[2, 1], turned[0, 2], turned[1, 0]])
             rows.append((simulator.t_s - start_s, software.estimate.valid, np.linalg.norm(error[:3]),
                          np.sqrt(np.diag(covariance)[:3].max()), error @ np.linalg.lstsq(covariance, error, rcond=None)[0]))
