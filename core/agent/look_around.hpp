@@ -26,8 +26,7 @@ class LookAround {
     output = {};
     output.goal = *hold_;
     output.mission = is_searching ? MissionStatus::kRunning : MissionStatus::kFailed;
-    output.note = is_searching ? "searches for its pose in the map of an earlier flight"
-                               : "no pose found in the map of an earlier flight";
+    output.note = is_searching ? "localizing in the saved map" : "localization in the saved map failed";
   }
 
  private:

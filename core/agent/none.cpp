@@ -8,7 +8,7 @@ class NoneAgent : public Agent {
  public:
   NoneAgent() {
     action_.mission = MissionStatus::kDone;
-    action_.mission_note = "the agent is none: it has no mission";
+    action_.mission_note = "agent none: no mission";
   }
   const Action& step(const Observation& observation) override {
     action_.estimate.t = observation.t;

@@ -28,7 +28,7 @@ void InterceptStates::follow_target(const Inputs& inputs, double dt_s) {
         enter(State::kSearching);
       break;
     case State::kSearching:
-      note_ = inputs.had_target ? "the target is lost: searching" : "going where a teammate sees the target";
+      note_ = inputs.had_target ? "target lost: searching" : "flying to a target reported by a teammate";
       if (inputs.is_reported) in_state_s_ = 0.0;
       if (inputs.sees_target)
         enter(State::kChasing);

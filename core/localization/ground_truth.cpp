@@ -55,7 +55,7 @@ class GroundTruthEstimator : public StateEstimator {
     return estimate_;
   }
 
-  const char* fault() const override { return estimate_.valid ? "" : "no pose from outside"; }
+  const char* fault() const override { return estimate_.valid ? "" : "no external pose"; }
 
  private:
   /// The first pose determines the local frame in the world unless the scenario gives the start pose.

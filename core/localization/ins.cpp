@@ -113,7 +113,7 @@ class InsEstimator : public StateEstimator {
     const double sigma_p_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
     if (!filter_.is_sound())
-      fault_ = "inertial navigation broke down";
+      fault_ = "inertial navigation failed: its state is not finite";
     else if (ahead_s > config_.imu_timeout_s)
       fault_ = "no IMU";
     else if (sigma_p_m > config_.position_sigma_max_m)

@@ -187,7 +187,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     const InnovationMonitor& innovations = slam_.at_scan().innovations();
     fault_ = "";
     if (!slam_.now().is_sound())
-      fault_ = "SLAM broke down";
+      fault_ = "SLAM failed: its state is not finite";
     else if (!imu_check_.fault().empty())
       fault_ = imu_check_.fault().c_str();
     else if (from_future_)

@@ -35,7 +35,7 @@ TEST(GuidedTeamInFull, AllThreeArriveInTurn) {
     }
     int guided = 0;
     for (std::size_t i = 1; i < view.actions.size(); ++i) {
-      guided += view.actions[i]->mission_note == "follows its guide";
+      guided += view.actions[i]->mission_note == "following the guide";
     }
     most_guided = std::max(most_guided, guided);
   }

@@ -143,8 +143,8 @@ TEST(RelativeLocalizationInFull, GuidedVehicleReachesItsPlaces) {
   }
   EXPECT_LT(flown_in_silence_m, 0.15) << "it hovers";
   const auto count_of = [&](const char* note) { return std::count(notes.begin(), notes.end(), note); };
-  EXPECT_EQ(count_of("hovers: the link to its guide is lost"), 1);
-  EXPECT_EQ(count_of("follows its guide"), 2) << "before and after";
+  EXPECT_EQ(count_of("hovering: link to the guide lost"), 1);
+  EXPECT_EQ(count_of("following the guide"), 2) << "before and after";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 Nothing is built and nothing is installed: fake programs in a folder that comes first in PATH stand for apt, sudo and others.
 """
+import fcntl
 import json
 import os
 import pathlib
@@ -341,6 +342,17 @@ class Building(Machine):
         self.assertIn("anew", self.build(moved))
         self.assertEqual(self.times_configured(moved), 1)
 
+    def test_a_second_build_in_the_same_folder_waits_for_the_first(self):
+        self.build(self.clone)
+        with open(self.clone / "build/release/lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            second = subprocess.Popen([self.clone / "tools/build"], env=self.environment, stdout=subprocess.PIPE, text=True)
+            self.addCleanup(second.stdout.close)
+            self.assertIn("waiting for another build", second.stdout.readline())
+            self.assertEqual(self.times_configured(self.clone), 1)
+        self.assertIn("up to date", second.communicate(timeout=60)[0])
+        self.assertEqual(self.times_configured(self.clone), 2)
+
     def test_in_a_read_only_tree_the_message_names_another_way(self):
         for folder, _, files in os.walk(self.clone):
             os.chmod(folder, 0o555)
@@ -352,6 +364,7 @@ class Building(Machine):
     def test_without_cmake_the_message_names_it(self):
         self.environment["PATH"] = self.path_of_few_programs("bash", "env", "dirname", "mkdir", "cat", "sed")
         self.assertRegex(self.build(self.clone, status=1), "cmake: (command )?not found")
+
 
 class Scripts(Machine):
     """tools/setup, tools/quickstart and tools/package beside fakes of apt, sudo and CMake."""

@@ -12,7 +12,7 @@ from shared.guidance import fly_guided, in_world
 from shared.statistics import wilson
 from swiftlet.functions import Random
 
-BEST, TRUTH, FULL, ONCE, SINGLE = TEAMS = ("true places, the secondary's map", "true places", "full localization",
+BEST, TRUTH, FULL, ONCE, SINGLE = TEAMS = ("true poses, map of the secondary", "true poses", "full localization",
                                            "full localization, path sent once", "single UAV")  # order of the legend of Fig. 6
 DISTANCES_M = [0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6]  # safe distances of the planner
 QUICK_DISTANCES_M = [0.2, 0.3, 0.6]
@@ -95,7 +95,7 @@ def distance_of_90(curve):
 def draw_curves(curves):
     from matplotlib.figure import Figure
     figure = Figure(figsize=(7, 4))
-    axes = figure.add_subplot(title="Flights through the gap and back (Fig. 6)", ylabel="flights that succeed [%]",
+    axes = figure.add_subplot(title="Flights through the gap and back (Fig. 6)", ylabel="successful flights [%]",
                               xlabel="safe distance of the planner [m]; the gap is twice as wide and 0.15 m more")
     for team, curve in curves.items():
         intervals = [[100.0 * bound for bound in wilson(*point)] for point in curve.values()]
@@ -130,7 +130,7 @@ def run(experiment):
     what, more_m = "full localization, above that of the best [m]", of_90_m[FULL] - of_90_m[BEST]
     gain_m = of_90_m[SINGLE] - of_90_m[FULL]
     if not math.isnan(more_m):
-        experiment.at_most(what, more_m, experiment.published(what).value, 2, "true places and the secondary's map")
+        experiment.at_most(what, more_m, experiment.published(what).value, 2, "true poses and the map of the secondary")
     if not math.isnan(gain_m):
         experiment.claim("a UAV is guided through gaps that are too narrow for its guide", f"{gain_m:.2f} m less", gain_m > 0)
     guided = [flight for (team, _, _), flight in flights.items() if team == FULL]

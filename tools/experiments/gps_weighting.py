@@ -17,13 +17,13 @@ from shared.slam import course, record
 
 USES = {  # how fixes are weighted: keys of global.gnss; None: no GNSS
     "without GNSS": None,
-    "each axis by its own deviation (eq. 5)": {"weighting": "per_axis", "huber": 1000},
-    "all axes by the worst (eq. 6)": {"weighting": "isotropic", "huber": 1000},
-    "by the square, as released": {"weighting": "released", "huber": 1000},
-    "the worst, a hundred times as much (eq. 7)": {"weighting": "isotropic", "a": 100, "huber": 1000},
-    "the worst, with Huber's loss": {"weighting": "isotropic", "huber": 1},
+    "per axis (eq. 5)": {"weighting": "per_axis", "huber": 1000},
+    "isotropic, largest deviation (eq. 6)": {"weighting": "isotropic", "huber": 1000},
+    "squared deviation, as released": {"weighting": "released", "huber": 1000},
+    "isotropic, a = 100 (eq. 7)": {"weighting": "isotropic", "a": 100, "huber": 1000},
+    "isotropic, Huber loss": {"weighting": "isotropic", "huber": 1},
 }
-LIMITED = ("without GNSS", "the worst, with Huber's loss")  # uses that keep the limit
+LIMITED = ("without GNSS", "isotropic, Huber loss")  # uses that keep the limit
 HEIGHT_MAX_M = 0.1  # limit of the error of the height at landing
 ROUND_M = [[25, 0, 2.7], [25, 20, 2.7], [0, 20, 2.7], [0, 0, 2.7]]  # from the start
 
@@ -81,7 +81,7 @@ def draw(experiment, flights):
             axes.plot(t_s[t_s >= 1], shown_m[t_s >= 1, axis], linewidth=1, label=use)  # the start is known by then
         axes.set(ylabel=f"{name} [m]")
     axes.set(xlabel="time [s]")
-    figure.axes[0].set(title="What the vehicle takes for its place (Fig. 8)")
+    figure.axes[0].set(title="Estimated position (Fig. 8)")
     figure.legend(*axes.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0.04), ncols=2)
     experiment.write_figure("gps-weighting.svg", figure)
 

@@ -26,7 +26,7 @@ def time_plans(changes):
         before_s, start_s = tick_s, time.thread_time()
         simulator.tick()
         tick_s = time.thread_time() - start_s
-        if note == PLANNING and guide.mission_note != PLANNING and not guide.mission_note.startswith("hovers"):
+        if note == PLANNING and guide.mission_note != PLANNING and not guide.mission_note.startswith("hovering"):
             plans_s.append(before_s)
             failed += guide.mission_note not in PLANNED
         note = guide.mission_note

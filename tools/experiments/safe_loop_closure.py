@@ -18,7 +18,7 @@ STEP_MAX_M = 1e-5  # within a tick: no step
 
 
 def blend(form, distance_m=1.0):
-    """(times [s], part of a correction that is not shown yet [m]) from the begin to the end, where nothing is left."""
+    """(times [s], remaining part of a correction [m]) until nothing remains."""
     if form == "limited":  # from rest to rest, with the peaks of speed, acceleration and jerk of 10 s^3 - 15 s^4 + 6 s^5
         whole_s = 1.001 * max(1.875 * distance_m / SPEED_MAX_MPS, (10 / 3**0.5 * distance_m / ACCELERATION_MAX_MPS2)**0.5,
                               (60 * distance_m / JERK_MAX_MPS3)**(1 / 3))
@@ -43,7 +43,7 @@ def compare_blends(experiment):
         v_mps = np.diff(left_m[:-1]) / STEP_S
         note = (f"{100 * left_m[-2]:.2f} % more in the end; at most {abs(v_mps).max():.3f} m/s and "
                 f"{abs(np.diff(v_mps)).max() / STEP_S:.3f} m/s^2 in between")
-        what = f"{FORMS[form]}: of a correction of 1 m at once [%]"
+        what = f"{FORMS[form]}: share of a correction of 1 m applied at once [%]"
         if form == "limited":
             experiment.at_most(what, at_once_percent, 0.001, 3, note)
             experiment.within("time over which a correction is spread [s]", t_s[-1], 0.15, 2, "1 m, the limited form")
@@ -76,8 +76,8 @@ def draw(experiment, flights):
     axes = blends.subplots()
     for form in ("printed", "released", "limited"):
         axes.plot(*(values[::50] for values in blend(form)), label=FORMS[form])
-    axes.set(title="A correction of 1 m, how much of it is not shown yet (Fig. 2)", xlabel="time since it was learned [s]",
-             ylabel="not shown yet [m]")
+    axes.set(title="Blending of a correction of 1 m (Fig. 2)", xlabel="time since the correction [s]",
+             ylabel="remaining correction [m]")
     axes.legend()
     experiment.write_figure("safe-loop-closure-blend.svg", blends)
 
@@ -88,7 +88,7 @@ def draw(experiment, flights):
         off_m = np.subtract(course["p_shown_m"], course["p_true_m"])
         height.plot(course["t_s"], off_m[:, 2], label=FORMS[form])
         place.plot(course["t_s"], np.hypot(off_m[:, 0], off_m[:, 1]))
-    height.set(title="Twice around the building: error of the shown position (Fig. 1)", ylabel="height [m]")
+    height.set(title="Two laps around the building: error of the published position (Fig. 1)", ylabel="height [m]")
     place.set(xlabel="time [s]", ylabel="horizontal [m]")
     height.legend()
     experiment.write_figure("safe-loop-closure.svg", rounds)

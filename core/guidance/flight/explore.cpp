@@ -84,7 +84,7 @@ class Explore : public PlannedFlight {
       case NextViewStatus::kStartEnclosed:
         return fail("no clear space around the start");
       case NextViewStatus::kBudgetSpent:
-        return fail("the search for a view was given up");
+        return fail("no view was found within the search budget");
     }
   }
 
@@ -112,10 +112,10 @@ class Explore : public PlannedFlight {
   }
 
   const char* note_of(State state) const override {
-    return state == State::kLooking    ? "looks around"
-           : state == State::kPlanning ? "looks for a view"
-           : state == State::kFlying   ? "flies to a view"
-                                       : "nothing unknown is left that it can see";
+    return state == State::kLooking    ? "looking around"
+           : state == State::kPlanning ? "planning a view"
+           : state == State::kFlying   ? "flying to a view"
+                                       : "exploration complete: no visible unknown space is left";
   }
 
   ExploreConfig config_;

@@ -120,7 +120,9 @@ class Navigate : public PlannedFlight {
   }
 
   const char* note_of(State state) const override {
-    return state == State::kPlanning ? "planning" : state == State::kFlying ? "flies to its goal" : "all goals reached";
+    return state == State::kPlanning ? "planning"
+           : state == State::kFlying ? "flying to the goal"
+                                     : "all goals reached";
   }
 
   NavigateConfig config_;

@@ -79,7 +79,7 @@ class Trajectory : public Guidance {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     if (!flying_) {
       output.goal = at(0.0, to_local);
-      output.note = "going to the beginning of the trajectory";
+      output.note = "flying to the start of the trajectory";
       flying_ = (p_m - output.goal.position_m).norm() < kAtStart_m && input.estimate.v_local_mps.norm() < kAtStart_mps;
       if (flying_) output.note = "";
       return;

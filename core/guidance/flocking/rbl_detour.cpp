@@ -234,7 +234,7 @@ void RblDetour::take(const Situation& situation) {
   if (found_.status == ClearPathStatus::kFound) {
     corners_local_m_ = std::move(found_.corners_local_m);
     failures_ = to_viewpoint_ ? failures_ + 1 : 0;
-    note_ = to_viewpoint_ ? "on a path to where it sees its goal" : "on a path around what is in its way";
+    note_ = to_viewpoint_ ? "detour to a viewpoint of the goal" : "detour around an obstacle";
     return;
   }
   if (found_.status != ClearPathStatus::kBudgetSpent) ++failures_;

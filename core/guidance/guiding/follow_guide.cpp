@@ -169,11 +169,11 @@ class FollowGuide : public Guidance {
                                                                  : MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     output.goal = path_.empty() ? goal_ : path_.front();
-    output.note = lost_                   ? "hovers: the link to its guide is lost"
-                  : !path_.empty()        ? "follows its guide"
+    output.note = lost_                   ? "hovering: link to the guide lost"
+                  : !path_.empty()        ? "following the guide"
                   : moves_within_m_ > 0.0 ? "moves, so that its guide finds it"
-                  : was_guided_           ? "hovers as its guide says"
-                                          : "waits for its guide";
+                  : was_guided_           ? "hovering as commanded by the guide"
+                                          : "waiting for the guide";
     if (lost_) return;
     const double radius_m = was_guided_ ? moves_within_m_ : config_.excitation.radius_m;
     if (radius_m > 0.0) excite(radius_m, input.dt_s, output.goal);

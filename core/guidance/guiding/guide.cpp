@@ -107,7 +107,7 @@ class Guide : public Guidance {
   void move_secondary(const GuidanceInput& input) {
     const bool ready = team_.moving().ready();
     if (waited(config_.stage_timeout_s)) {
-      return fail(ready ? "the guided vehicle does not reach its goal" : "the guided vehicle was lost on its way");
+      return fail(ready ? "the guided vehicle does not reach its goal" : "the guided vehicle was lost before its goal");
     }
     const Vector3 own_local_m = input.estimate.T_local_body.translation();
     if (!ready) {  // both vehicles hover
@@ -121,7 +121,7 @@ class Guide : public Guidance {
     path_.drop_visited(there.position_m, config_.visited_m);
     if (map_has_changed(*input.map)) {
       if (path_.is_blocked(*input.map, config_.planner.secondary, there, now_)) {
-        return start_planning("planning anew: the guided vehicle's path is not clear any more");
+        return start_planning("replanning: the path of the guided vehicle is blocked");
       }
       const bool flies = together_ && flight_.is_away(own_local_m);
       if (flies && flight_.is_blocked(*input.map, own_local_m)) return stop_and_plan(input);
@@ -177,7 +177,7 @@ class Guide : public Guidance {
 
   void stop_and_plan(const GuidanceInput& input) {
     hold_.position_m = input.estimate.T_local_body.translation();
-    start_planning("planning anew: the way to the viewpoint is not clear any more");
+    start_planning("replanning: the path to the viewpoint is blocked");
   }
 
   void take_plan() {
@@ -276,13 +276,13 @@ class Guide : public Guidance {
         return team_.all_were_known() ? "idle: no goal" : "idle: the guided vehicle is not localized yet";
       case GuideState::kPlanning:
         return team_.moving().ready()   ? planning_note_
-               : team_.figure_m() > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
-                                        : "hovers: the guided vehicle is lost";
+               : team_.figure_m() > 0.0 ? "hovering: moving the guided vehicle to localize it again"
+                                        : "hovering: the guided vehicle is lost";
       case GuideState::kPrimaryMoving:
         return "primary moving";
       case GuideState::kSecondaryMoving:
-        return !team_.moving().linked       ? "hovers: the link to the guided vehicle is lost"
-               : !team_.moving().known_well ? "hovers: the place of the guided vehicle is not sure enough"
+        return !team_.moving().linked       ? "hovering: link to the guided vehicle lost"
+               : !team_.moving().known_well ? "hovering: the position of the guided vehicle is too uncertain"
                                             : "secondary moving";
       case GuideState::kGoalReached:
         return "goal reached";

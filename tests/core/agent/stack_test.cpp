@@ -208,7 +208,7 @@ TEST(Stack, WithoutPoseFailsAndIdlesMotors) {
   EXPECT_EQ(loop.last->mission, MissionStatus::kEndless) << "a short gap is bridged";
   loop.run(0.2);
   EXPECT_EQ(loop.last->mission, MissionStatus::kFailed);
-  EXPECT_EQ(loop.last->mission_note, "no pose from outside");
+  EXPECT_EQ(loop.last->mission_note, "no external pose");
   for (const double u : loop.last->rotor_command) EXPECT_EQ(u, 0.0);
   // When the poses come back it catches itself, but the mission stays failed.
   loop.pose_every = 1;

@@ -194,7 +194,7 @@ TEST(TwoFrames, StopsAndFailsAfterUnsuccessfulSearch) {
   const Action* action = nullptr;
   while (flight.plant.t < 13 * kNsPerSecond) action = &flight.tick();
   EXPECT_EQ(action->mission, MissionStatus::kFailed);
-  EXPECT_EQ(action->mission_note, "no pose found in the map of an earlier flight");
+  EXPECT_EQ(action->mission_note, "localization in the saved map failed");
   EXPECT_LT((flight.plant.p - start_m).norm(), 0.1);
   EXPECT_LT(flight.plant.omega.norm(), 0.02);
 }

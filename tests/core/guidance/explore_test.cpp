@@ -99,11 +99,11 @@ TEST(Explore, MapsBothOpenRoomsCompletely) {
   Explorer explorer(rooms(), explores({14, 6, 2.5}), {1.5, 1.5, 1.1});
   explorer.run(300.0);
   EXPECT_EQ(explorer.out.mission, MissionStatus::kDone);
-  EXPECT_STREQ(explorer.out.note, "nothing unknown is left that it can see");
+  EXPECT_STREQ(explorer.out.note, "exploration complete: no visible unknown space is left");
   EXPECT_GT(explorer.known_share(1, 48), 0.98);
   EXPECT_EQ(explorer.known_share(49, 55), 0.0);
   EXPECT_EQ(explorer.contacts, 0);
-  for (const char* note : {"looks around", "looks for a view", "flies to a view"}) {
+  for (const char* note : {"looking around", "planning a view", "flying to a view"}) {
     EXPECT_TRUE(explorer.notes.count(note)) << note;
   }
 }
@@ -152,7 +152,7 @@ TEST(Explore, ShowsItsPathAndItsView) {
   std::vector<Overlay> overlays;
   explorer.guidance->append_overlays(overlays);
   EXPECT_TRUE(overlays.empty());
-  while (explorer.out.note != std::string("flies to a view") && explorer.observation.t < 60 * kNsPerSecond)
+  while (explorer.out.note != std::string("flying to a view") && explorer.observation.t < 60 * kNsPerSecond)
     explorer.run(0.15);
   explorer.guidance->append_overlays(overlays);
   ASSERT_EQ(overlays.size(), 2U);
@@ -174,7 +174,7 @@ TEST(Explore, LooksAroundOnlyWhileHovering) {
       EXPECT_EQ(explorer.out.speed_limit_mps, config.speed_mps);
       notes.insert(explorer.out.note);
     }
-    EXPECT_EQ(notes.contains("flies to a view"), rests);
+    EXPECT_EQ(notes.contains("flying to a view"), rests);
     EXPECT_EQ(notes.contains("the vehicle does not come to rest"), !rests);
     EXPECT_EQ(explorer.out.mission == MissionStatus::kFailed, !rests);
   }

@@ -103,7 +103,7 @@ TEST(FollowGuide, DropsAndReportsVisitedWaypoints) {
   EXPECT_EQ(guided.reports().back().num_visited, 2);
   EXPECT_EQ(guided.reports().back().path, 1U);
   guided.put({8, 22, 3}, 0.5 * Guided::kPi);
-  EXPECT_STREQ(guided.step().note, "hovers as its guide says");
+  EXPECT_STREQ(guided.step().note, "hovering as commanded by the guide");
   EXPECT_LT((guided.step().goal.position_m - Vector3(8, 22, 3)).norm(), 1e-6) << "the last waypoint is held";
 }
 
@@ -112,7 +112,7 @@ TEST(FollowGuide, IgnoresPathsOfOtherVehicles) {
   guided.step();
   guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, 2);
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-6);
-  EXPECT_STREQ(guided.step().note, "waits for its guide");
+  EXPECT_STREQ(guided.step().note, "waiting for the guide");
 }
 
 TEST(FollowGuide, IgnoresOutdatedAndDuplicatePaths) {
@@ -133,11 +133,11 @@ TEST(FollowGuide, HoversUntilTheLinkIsBack) {
   guided.step();
   guided.hears({{{9.0F, 0.0F, 0.0F}, 0.0F}});
   guided.step();
-  EXPECT_STREQ(guided.out.note, "follows its guide");
+  EXPECT_STREQ(guided.out.note, "following the guide");
   guided.put({10, 21, 3}, 0.5 * Guided::kPi);
   guided.estimate.v_local_mps = {0, 1.0, 0};
   guided.rest(2.0);
-  EXPECT_STREQ(guided.out.note, "hovers: the link to its guide is lost");
+  EXPECT_STREQ(guided.out.note, "hovering: link to the guide lost");
   EXPECT_EQ(guided.out.mission, MissionStatus::kEndless);
   // At 2 m/s^2 it stops from 1 m/s within a quarter of a meter.
   EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6);
@@ -147,7 +147,7 @@ TEST(FollowGuide, HoversUntilTheLinkIsBack) {
   guided.estimate.v_local_mps.setZero();
   guided.hears({{{1.0F, 0.0F, 0.0F}, 0.0F}});
   guided.step();
-  EXPECT_STREQ(guided.out.note, "follows its guide");
+  EXPECT_STREQ(guided.out.note, "following the guide");
   EXPECT_LT((guided.out.goal.position_m - Vector3(10, 22.2, 3)).norm(), 1e-6);
 }
 
@@ -170,7 +170,7 @@ TEST(FollowGuide, StopsOnAnEmptyPath) {
   guided.put({10, 23, 3}, 0.5 * Guided::kPi);
   guided.hears({});
   EXPECT_LT((guided.step().goal.position_m - Vector3(10, 23, 3)).norm(), 1e-6);
-  EXPECT_STREQ(guided.out.note, "hovers as its guide says");
+  EXPECT_STREQ(guided.out.note, "hovering as commanded by the guide");
 }
 
 TEST(FollowGuide, OscillatesUntilItsGuideResponds) {

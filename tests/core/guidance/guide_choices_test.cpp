@@ -16,7 +16,7 @@ using testing::place_at_viewpoint;
 using GuidePair = testing::GuideAndGuided;
 using Motion = GuideConfig::Motion;
 
-constexpr const char* kOwnPathBlocked = "planning anew: the way to the viewpoint is not clear any more";
+constexpr const char* kOwnPathBlocked = "replanning: the path to the viewpoint is blocked";
 
 GuideConfig moves(Motion motion, std::vector<Eigen::Vector3d> goals_m) {
   GuideConfig config = guides_uav2(std::move(goals_m));

@@ -81,8 +81,8 @@ TEST(Guide, HoversWithoutLinkOrPosition) {
     team.hears = !link;
     team.guided.covariance(1, 1) = link ? 1e-4 : 0.5;
     team.run(3.0);
-    EXPECT_STREQ(team.out.note, link ? "hovers: the link to the guided vehicle is lost"
-                                     : "hovers: the place of the guided vehicle is not sure enough");
+    EXPECT_STREQ(team.out.note, link ? "hovering: link to the guided vehicle lost"
+                                     : "hovering: the position of the guided vehicle is too uncertain");
     EXPECT_TRUE(team.guided.path_local_m.empty());
     const Vector3 hovers_m = team.guided.position_m;
     team.run(5.0);
@@ -132,7 +132,7 @@ TEST(Guide, ReportsFailureWhenVehicleHasCrashed) {
   team.hears = false;
   team.run(100.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kFailed);
-  EXPECT_TRUE(team.noted("the guided vehicle was lost on its way"));
+  EXPECT_TRUE(team.noted("the guided vehicle was lost before its goal"));
 }
 
 TEST(Guide, ReportsFailureWhenVehicleStaysPut) {
@@ -219,8 +219,8 @@ TEST(Guide, FliesAroundWallSightedOnRoute) {
     }
     team.run(60.0);
     EXPECT_EQ(team.out.mission, MissionStatus::kDone);
-    EXPECT_TRUE(team.noted(in_the_guides_way ? "planning anew: the way to the viewpoint is not clear any more"
-                                             : "planning anew: the guided vehicle's path is not clear any more"));
+    EXPECT_TRUE(team.noted(in_the_guides_way ? "replanning: the path to the viewpoint is blocked"
+                                             : "replanning: the path of the guided vehicle is blocked"));
     for (const Vector3& p_m : team.flown_local_m) EXPECT_GT(team.map->distance_m(p_m, 1.0), 0.4) << p_m.transpose();
   }
 }
@@ -241,7 +241,7 @@ TEST(Guide, ChecksOwnPathWhenFlyingTogether) {
     team.discover_around(ahead_m);
   }
   EXPECT_TRUE(appeared);
-  EXPECT_TRUE(team.noted("planning anew: the way to the viewpoint is not clear any more"));
+  EXPECT_TRUE(team.noted("replanning: the path to the viewpoint is blocked"));
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
@@ -252,7 +252,7 @@ TEST(Guide, IgnoresObstaclesBehindGuidedVehicle) {
   team.discover({0.5, -1.0, 0.0}, {0.75, 1.0, 1.5});
   team.run(30.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
-  EXPECT_FALSE(team.noted("planning anew: the guided vehicle's path is not clear any more"));
+  EXPECT_FALSE(team.noted("replanning: the path of the guided vehicle is blocked"));
 }
 
 TEST(Guide, RefusesUnknownVehicle) {
@@ -347,7 +347,7 @@ TEST(Guide, SharesViewAndStopsWithoutLink) {
   EXPECT_LT(farthest_m, 1.5 * 3.0 + 0.25);
   EXPECT_GT(farthest_m, 1.5 * 3.0 - 0.75);
   team.hears = false;
-  team.run_until("hovers: the link to the guided vehicle is lost", 3.0);
+  team.run_until("hovering: link to the guided vehicle lost", 3.0);
   const Vector3 held_m = team.out.goal.position_m;
   team.run(1.0);
   EXPECT_EQ(team.out.goal.position_m, held_m);

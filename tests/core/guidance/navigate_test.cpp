@@ -171,7 +171,7 @@ TEST(Navigate, DrawsItsPathOnceOneExists) {
   std::vector<Overlay> overlays;
   pilot.guidance->append_overlays(overlays);
   EXPECT_TRUE(overlays.empty());
-  while (pilot.out.note != std::string("flies to its goal")) pilot.tick();
+  while (pilot.out.note != std::string("flying to the goal")) pilot.tick();
   pilot.guidance->append_overlays(overlays);
   ASSERT_EQ(overlays.size(), 1U);
   EXPECT_EQ(overlays[0].kind, Overlay::Kind::kPolyline);

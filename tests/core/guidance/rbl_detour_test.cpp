@@ -108,7 +108,7 @@ TEST(RblDetour, WaitsForPatienceAndPlannerLatency) {
   const double waited_s = to_seconds(flight.now.now) - 0.1;
   EXPECT_NEAR(waited_s, 1.0 + 0.3, 0.11);
   EXPECT_TRUE(flight.detour.on_path());
-  EXPECT_NE(std::string(flight.detour.note()).find("path"), std::string::npos);
+  EXPECT_NE(std::string(flight.detour.note()).find("around an obstacle"), std::string::npos);
 }
 
 TEST(RblDetour, FliesStraightWhereClearWhenHeld) {
@@ -286,7 +286,7 @@ TEST(RblDetour, ViewsBlockedGoalFromBesideIt) {
   EXPECT_NEAR((end_m - flight.now.goal_local_m).head<2>().norm(), 4.0, 0.3) << "from where it sees it";
   EXPECT_NEAR(end_m.z(), 2.5, 0.3) << "at its own height";
   EXPECT_TRUE(flight.detour.is_looking());
-  EXPECT_NE(std::string(flight.detour.note()).find("sees its goal"), std::string::npos);
+  EXPECT_NE(std::string(flight.detour.note()).find("viewpoint"), std::string::npos);
   // The vehicle has arrived and sees the free goal.
   flight.now.p_local_m = end_m;
   flight.now.map = &clear;

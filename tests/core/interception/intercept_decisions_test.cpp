@@ -16,7 +16,7 @@ bool noted(const Prey& hunt, const char* note) {
   return std::find(hunt.notes.begin(), hunt.notes.end(), note) != hunt.notes.end();
 }
 
-constexpr const char* kLost = "the target is lost: searching";
+constexpr const char* kLost = "target lost: searching";
 
 TEST(InterceptDecisions, ChasesTheNearestTrack) {
   for (const double sign : {-1.0, 1.0}) {

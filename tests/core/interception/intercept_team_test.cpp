@@ -134,7 +134,7 @@ TEST(InterceptTeam, BlindVehicleFollowsTeammateSighting) {
     if (which == 0) hunt.sees({14.0, 0.0, 12.0}, Vector3::Zero());
   };
   pair.run(4.0, one_sees);
-  EXPECT_TRUE(pair.noted(1, "going where a teammate sees the target"));
+  EXPECT_TRUE(pair.noted(1, "flying to a target reported by a teammate"));
   EXPECT_GT(pair.hunts[1].p_m().x(), -22.0);
   EXPECT_GT(pair.least_m, 2.9);
   EXPECT_EQ(pair.statuses[1], ChaseReport::Status::kSearches);

@@ -100,7 +100,7 @@ TEST(Intercept, SearchesForLostTargetAndResumes) {
   hunt.tracks.clear();
   hunt.run(1.0);
   EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
-  EXPECT_EQ(hunt.notes.back(), "the target is lost: searching");
+  EXPECT_EQ(hunt.notes.back(), "target lost: searching");
   hunt.run(20.0, [](double t_s, Hunt& h) {
     circling(t_s, h);
     h.tracks[0].id = 8;  // another track by now

@@ -113,7 +113,7 @@ TEST(Simulation, RunsDummiesWithoutAMission) {
   alone.tick();
   ASSERT_EQ(alone.view().events.size(), 1U);
   EXPECT_EQ(alone.view().events[0].kind, "mission_done");
-  EXPECT_EQ(alone.view().events[0].note, "the agent is none: it has no mission");
+  EXPECT_EQ(alone.view().events[0].note, "agent none: no mission");
   EXPECT_NEAR(fly(alone).simulated_s, 1.5, 1e-9);
 
   // The run does not wait for the dummy: the missions of the others end it.
