@@ -33,8 +33,6 @@ bool EnclosureSearch::enclosed(const VoxelMap& map, std::span<const Cell> starts
     if (is_known_enclosed(map, start, shape)) continue;
     if (leads_out(map, start, shape)) return false;
   }
-  std::sort(explored_.begin(), explored_.end());
-  explored_.erase(std::unique(explored_.begin(), explored_.end()), explored_.end());
   return true;
 }
 

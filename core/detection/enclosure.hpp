@@ -26,9 +26,8 @@ struct SearchShape {
 /// order; depth first reaches the border soonest.
 class EnclosureSearch {
  public:
-  /// True if no start leads out. `explored()` then holds the flooded voxels: all of them uncertain, except the starts.
+  /// True if no start leads out.
   bool enclosed(const VoxelMap& map, std::span<const Cell> starts, const SearchShape& shape);
-  const std::vector<std::ptrdiff_t>& explored() const { return explored_; }
 
  private:
   bool leads_out(const VoxelMap& map, const Cell& start, const SearchShape& shape);
@@ -38,7 +37,7 @@ class EnclosureSearch {
   std::vector<std::uint32_t> seen_;
   std::uint32_t flood_ = 0;
   std::vector<Cell> stack_;
-  std::vector<std::ptrdiff_t> explored_;
+  std::vector<std::ptrdiff_t> explored_;  // flooded voxels
   // Enclosed regions found so far. A start in such a region is enclosed too if the search from it could not reach its
   // limit within the region.
   struct Part {

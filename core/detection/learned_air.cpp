@@ -11,6 +11,11 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
+/// [m] Length up to which a beam clears the air before its return. Smaller values find no targets farther away.
+constexpr double kRayMax_m = 60.0;
+/// [m] Length up to which a beam without return clears air. Larger values clear air where dark objects return nothing.
+constexpr double kEmptyRay_m = 40.0;
+
 }  // namespace
 
 LearnedAir::LearnedAir(const TrackBeforeDetectConfig& config)
@@ -18,8 +23,6 @@ LearnedAir::LearnedAir(const TrackBeforeDetectConfig& config)
       free_share_(config.free_share),
       hit_share_(config.hit_share),
       free_reach_m_(config.free_reach_m),
-      ray_max_m_(config.ray_max_m),
-      empty_ray_m_(config.empty_ray_m),
       learning_delay_(from_seconds(config.learning_delay_s)),
       rays_per_sweep_(config.rays_per_sweep),
       map_(config.air),
@@ -84,8 +87,8 @@ void LearnedAir::clear(const LocalCloud& cloud, std::span<const Eigen::Vector3f>
 void LearnedAir::clear_beam(const Vector3& from_local_m, const Vector3& direction_local, double range_m,
                             const BeamIndex& beams) {
   const double edge_m = map_.voxel_m();
-  const double length_m = range_m > 0.0 ? std::min(range_m - edge_m, ray_max_m_)
-                                        : std::min(beams.nearest_return_m(direction_local) - edge_m, empty_ray_m_);
+  const double length_m = range_m > 0.0 ? std::min(range_m - edge_m, kRayMax_m)
+                                        : std::min(beams.nearest_return_m(direction_local) - edge_m, kEmptyRay_m);
   if (length_m > 0.0) map_.pass(from_local_m, from_local_m + length_m * direction_local);
 }
 

@@ -9,12 +9,10 @@
 namespace swiftlet {
 
 RayCaster::RayCaster(const VofodConfig& config)
-    : clears_empty_(config.empty_returns),
-      is_scrolling_(config.map.extent == VoxelMapConfig::Extent::kScrolling),
+    : is_scrolling_(config.map.extent == VoxelMapConfig::Extent::kScrolling),
       ray_max_m_(config.ray_max_m),
       ray_weight_(config.ray_weight),
       voxel_m_(config.map.voxel_m),
-      shorten_m_(config.choices.ray_end == VofodChoices::RayEnd::kVoxelBefore ? config.map.voxel_m : 0.0),
       empty_(config.field_of_view) {}
 
 void RayCaster::cast(const LocalCloud& cloud, const VoxelGrid& map) {
@@ -28,13 +26,12 @@ void RayCaster::cast(const LocalCloud& cloud, const VoxelGrid& map) {
       if (masks && beams.masked[i]) continue;
       double length_m = ray_max_m_;
       if (scan.hit(i))
-        length_m = std::min(length_m, static_cast<double>(scan.range_m[i]) - shorten_m_);
-      else if (!clears_empty_ || !(scan.range_m[i] == 0.0F))
+        length_m = std::min(length_m, static_cast<double>(scan.range_m[i]));
+      else if (!(scan.range_m[i] == 0.0F))
         continue;
       add(cloud.T_local_lidar[column], beams.origins_lidar[i], beams.directions_lidar[i], length_m);
     }
   }
-  if (!clears_empty_) return;
   const Pose& T_middle = cloud.T_local_lidar[scan.cols() / 2];
   for (const Eigen::Vector3f& direction_lidar : empty_.find(scan)) {
     add(T_middle, Eigen::Vector3f::Zero(), direction_lidar, ray_max_m_);
@@ -73,8 +70,6 @@ void RayCaster::add(const Pose& T_local_lidar, const Eigen::Vector3f& origin_lid
 }
 
 void RayCaster::apply(int num_classifications, VoxelMap& map) {
-  lengths_.leave_out(left_out_);
-  left_out_.clear();
   lengths_.apply(num_classifications * ray_weight_ / std::sqrt(3.0), map);
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "core/detection/empty_directions.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
@@ -18,8 +16,6 @@ class RayCaster {
 
   /// Sums the ray length [m] in each voxel of a scan, for the next apply().
   void cast(const LocalCloud& cloud, const VoxelGrid& map);
-  /// Excludes a voxel that holds a point from the next apply().
-  void leave_out(const Cell& cell) { left_out_.push_back(cell); }
   /// Updates the voxels by their summed ray lengths [Vrba 2025, eq. 22].
   /// @param num_classifications  N_cls: classifications since the rays were cast
   void apply(int num_classifications, VoxelMap& map);
@@ -33,11 +29,10 @@ class RayCaster {
   void add(const Pose& T_local_lidar, const Eigen::Vector3f& origin_lidar_m, const Eigen::Vector3f& direction_lidar,
            double length_m);
 
-  bool clears_empty_, is_scrolling_;
-  double ray_max_m_, ray_weight_, voxel_m_, shorten_m_;
+  bool is_scrolling_;
+  double ray_max_m_, ray_weight_, voxel_m_;
   EmptyDirections empty_;
   RayLengths lengths_;
-  std::vector<Cell> left_out_;
 };
 
 }  // namespace swiftlet

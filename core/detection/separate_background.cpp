@@ -20,12 +20,10 @@ const std::vector<std::ptrdiff_t>& SeparateBackground::find(const VoxelMap& map,
     if (count >= least) continue;
     for_each_voxel(blocks_[i], [&](std::ptrdiff_t v) { count += map.state(v) == VoxelState::kConfident; });
   }
-  num_kept_ = 0;
   separate_.clear();
   for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
-    const bool kept = num_confident_[parents_[i]] >= least;
-    num_kept_ += kept && parents_[i] == i;
-    if (!kept) for_each_voxel(blocks_[i], [&](std::ptrdiff_t v) { separate_.push_back(v); });
+    if (num_confident_[parents_[i]] >= least) continue;
+    for_each_voxel(blocks_[i], [&](std::ptrdiff_t v) { separate_.push_back(v); });
   }
   std::sort(separate_.begin(), separate_.end());
   return separate_;

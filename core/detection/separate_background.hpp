@@ -19,9 +19,6 @@ class SeparateBackground {
   /// Map indices of the voxels V_sep in ascending order; valid until the next call.
   const std::vector<std::ptrdiff_t>& find(const VoxelMap& map, double distance_m, int least_confident);
 
-  /// Number of clusters that were not separate.
-  int num_kept() const { return num_kept_; }
-
  private:
   struct Block {
     std::ptrdiff_t at;     // index in numbers_
@@ -49,7 +46,6 @@ class SeparateBackground {
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> parents_, num_confident_;
   std::vector<std::ptrdiff_t> separate_;
-  int num_kept_ = 0;
 };
 
 }  // namespace swiftlet

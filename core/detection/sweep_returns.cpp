@@ -13,6 +13,9 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
+/// [m] Largest range of a target. Returns from farther away become background at once. Larger values cost time.
+constexpr double kMaxRange_m = 60.0;
+
 Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   MeasurementNoise noise;
   noise.sigma_range_m = config.sigma_range_m;
@@ -26,7 +29,6 @@ Matrix7 Sigma_w_of(const ExpectedNoise& config) {
 SweepReturns::SweepReturns(const TrackBeforeDetectConfig& config)
     : Sigma_w_(Sigma_w_of(config.noise)),
       sigma_attitude_rad_(config.noise.sigma_attitude_rad),
-      max_range_m_(config.max_range_m),
       cluster_distance_m_(config.cluster_distance_m),
       seen_side_m_(config.target.seen_side_m),
       sigma_sampling_m_(config.target.sigma_sampling_m),
@@ -43,7 +45,7 @@ void SweepReturns::find(const LocalCloud& cloud, LearnedAir& air) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vector3 p_m = cloud.points_local_m[i].cast<double>();
     const double range_m = (p_m - beams_.p_local_lidar_m()).norm();
-    if (air.is_background(p_m) || range_m > max_range_m_ || candidates_.size() == Limits::kMostCandidates) {
+    if (air.is_background(p_m) || range_m > kMaxRange_m || candidates_.size() == Limits::kMostCandidates) {
       air.hit(p_m, 1.0);
       continue;
     }

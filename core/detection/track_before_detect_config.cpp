@@ -55,11 +55,6 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
           "[m] standard deviation of the position, on any axis, up to which a dropped target can be recognized again; "
           "0: never",
           Range::non_negative());
-  v.field("max_range_m", max_range_m, "[m] largest range of a target", Range::positive());
-  v.field("ray_max_m", ray_max_m, "[m] length up to which the air before a return is cleared",
-          Range{0.0, 1000.0, true});
-  v.field("empty_ray_m", empty_ray_m, "[m] length up to which a beam without return clears air; 0: not at all",
-          Range::between(0.0, 1000.0));
   v.field("max_hypotheses", max_hypotheses, "[-] most hypotheses; the most likely ones are kept",
           Range::between(1.0, 4096.0));
   v.field("latency_s", latency_s,

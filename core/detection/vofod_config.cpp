@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/detection/separate_removal.hpp"
 #include "swiftlet/core/detection/clusterer.hpp"
 
 namespace swiftlet {
@@ -20,32 +21,14 @@ void VofodChoices::visit(ConfigVisitor& v) {
            "distances between points (paper) or between centers of voxels that hold points (released code)");
   v.choice("position", position, {"centroid", "box_center"},
            "position of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
-  v.choice("close_to", close_to, {"tentative", "confident"},
-           "rule A: state of nearby voxels from which a cluster is background (rule: tentative; formula below it: "
-           "confident)");
   v.choice("search", search, {"sphere", "octahedron"},
            "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
            "adds to (released code)");
-  v.choice("failed_search", failed_search, {"keep", "clear"},
-           "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
-  v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
-           "rule B: always tested (paper), or only once enough of the area is background (released code)");
-  v.field("sufficient_ratio", sufficient_ratio,
-          "[-] background_ratio: least number of background voxels over number of horizontal cells of the map",
-          Range::probability());
   v.choice("map_update", map_update, {"after", "before"},
            "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
            "detections as other unknown points (released code)");
-  v.choice("ray_end", ray_end, {"point", "voxel_before"},
-           "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
-  v.choice(
-      "hit_voxels", hit_voxels, {"update", "keep"},
-      "voxels that held a point since the last ray casting: rays free them like any voxel (paper) or not (released "
-      "code)");
   v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
            "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
-  v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
-           "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them");
 }
 
 void VofodTiming::visit(ConfigVisitor& v) {
@@ -75,19 +58,11 @@ void VofodConfig::visit(ConfigVisitor& v) {
           "[m] d_search: distance within which free air must enclose a flying cluster (rule B)",
           Range{0.0, 100.0, true});
   v.field("ray_max_m", ray_max_m, "[m] d_max: largest length of a ray", Range{0.0, 1000.0, true});
-  v.field("ray_weight", ray_weight, "[-] w_int: number of updates by a ray along the diagonal of a voxel",
-          Range::between(0.0, 1e6));
-  v.field("empty_returns", empty_returns, "[-] whether rays without return clear the voxels up to ray_max_m");
   v.object("field_of_view", field_of_view,
            "field of view of a LiDAR whose driver reports no directions of shots without return");
-  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: distance between clusters of background",
-          Range{0.0, 100.0, true});
   v.field("separate_min_confident", separate_min_confident,
           "[-] n_conf,min: confident voxels from which a cluster of background is kept", Range::non_negative());
-  v.field("min_points", min_points, "[-] fewest points of a detection; fewest voxels if voxels are clustered",
-          Range::between(1, 1e6));
   v.field("max_size_m", max_size_m, "[m] largest diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
-  v.field("max_range_m", max_range_m, "[m] largest range of a detection; 0: any", Range::non_negative());
   v.field("still_s", still_s,
           "[s] time without motion after which a cluster at the lower edge of the field of view is no longer reported, "
           "until "
@@ -107,7 +82,7 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.object("prior", prior, "prior knowledge of the world");
   v.object("timing", timing, "durations of the modules");
   const double reach_m = kMaxReach_voxels * map.voxel_m;
-  v.check(separate_distance_m <= reach_m, "separate_distance_m", "at most 50 times map.voxel_m");
+  v.check(SeparateRemoval::kDistance_m <= reach_m, "map.voxel_m", "at least 0.014");
   v.check(search_distance_m <= reach_m, "search_distance_m", "at most 50 times map.voxel_m");
   v.check(close_distance_m <= reach_m, "close_distance_m", "at most 50 times map.voxel_m");
   v.check(cluster_distance_m <= reach_m, "cluster_distance_m", "at most 50 times map.voxel_m");

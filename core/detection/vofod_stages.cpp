@@ -16,6 +16,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // view: 1.7 deg, a little less than the spacing of the beams of a Puck. Larger values take more hovering targets for
 // objects on the ground.
 constexpr float kEdge = 0.03F;
+/// [-] Fewest points of a detection; fewest voxels if voxels are clustered. Larger values miss far objects; smaller
+/// ones report single stray returns.
+constexpr std::size_t kMinPoints = 2;
 
 // Sine of the elevation of the lowest beam; of the lowest return if shots without return have no direction.
 float lowest_z(const Scan& scan) {
@@ -34,7 +37,6 @@ VofodStages::VofodStages(const VofodConfig& config)
     : config_(config),
       map_(config.map),
       large_is_background_(config.seed == VofodSeed::kLarge || config.seed == VofodSeed::kLargeAndAltimeter),
-      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
       clusterer_(make_clusterer(config.clusterer)),
       rays_(config),
       separate_(config) {}
@@ -42,7 +44,6 @@ VofodStages::VofodStages(const VofodConfig& config)
 void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
   take_samples(cloud);
   find_background();
-  to_clear_.clear();
   switch (config_.choices.map_update) {
     case VofodChoices::MapUpdate::kAfter:
       classify_then_update(cloud, detections);
@@ -52,14 +53,6 @@ void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& dete
       break;
   }
   set_large();
-  for (const std::ptrdiff_t index : to_clear_) {
-    if (map_.state(index) == VoxelState::kUncertain) map_.set(index, g_just_free_);
-  }
-  if (config_.choices.hit_voxels == VofodChoices::HitVoxels::kKeep) {
-    for (const Samples* samples : {&aside_, &samples_}) {
-      for (const std::ptrdiff_t voxel : samples->voxel) rays_.leave_out(map_.grid().cell(voxel));
-    }
-  }
 }
 
 // The paper: rules first, then eqs. (16) to (18), in this order where a voxel has points of several classes.
@@ -134,9 +127,7 @@ void VofodStages::set_background_aside() {
 }
 
 bool VofodStages::is_near_background(const Eigen::Vector3f& at_local_m) const {
-  const VoxelState at_least =
-      config_.choices.close_to == VofodChoices::CloseTo::kConfident ? VoxelState::kConfident : VoxelState::kTentative;
-  return map_.any_within(at_local_m.cast<double>(), config_.close_distance_m, at_least);
+  return map_.occupied_within(at_local_m.cast<double>(), config_.close_distance_m);
 }
 
 bool VofodStages::is_background(Members members) const {
@@ -144,18 +135,14 @@ bool VofodStages::is_background(Members members) const {
 }
 
 void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& detections) {
-  const bool sufficient = is_sufficient();
   for (int i = 0; i < clusters_.size(); ++i) {
     if (classes_[i] == ClusterClass::kBackground) continue;
     const Members members = clusters_.members(i);
     const ClusterShape shape = shape_of(samples_, members);
     const MovedThings::Motion motion = things_.see(cloud.stamp(), shape.centroid_local_m, in_free_air_[i] != 0);
-    if (sufficient && !rises_into_view(cloud, members, motion) && is_flying(cloud, members, shape, motion.has_moved)) {
+    if (!rises_into_view(cloud, members, motion) && is_flying(cloud, members, shape, motion.has_moved)) {
       classes_[i] = ClusterClass::kFlying;
       detections.push_back(detection_of({cloud, samples_, members, shape, map_, starts_, starts_index_}, config_));
-      if (config_.choices.failed_search == VofodChoices::FailedSearch::kClear) {
-        to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
-      }
     } else if (large_is_background_ && shape.diagonal_m() > config_.max_size_m) {
       classes_[i] = ClusterClass::kTooLarge;
     }
@@ -172,10 +159,7 @@ bool VofodStages::rises_into_view(const LocalCloud& cloud, Members members, cons
 }
 
 bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape, bool has_moved) {
-  if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
-  const Vector3 sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
-  if (config_.max_range_m > 0.0 && (shape.centroid_local_m - sensor_m).norm() > config_.max_range_m) return false;
-
+  if (members.size() < kMinPoints || shape.diagonal_m() > config_.max_size_m) return false;
   starts_index_.clear();
   for (const std::uint32_t i : members) starts_index_.push_back(samples_.voxel[i]);
   std::sort(starts_index_.begin(), starts_index_.end());
@@ -184,7 +168,7 @@ bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const Clus
   for (const std::ptrdiff_t index : starts_index_) starts_.push_back(map_.grid().cell(index));
 
   SearchShape reach = search_shape(shape);
-  reach.sensor_m = sensor_m;
+  reach.sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
   if (has_moved) reach.top_z = rays_.top_z();
   return search_.enclosed(map_, starts_, reach);
 }
@@ -194,15 +178,6 @@ SearchShape VofodStages::search_shape(const ClusterShape& shape) const {
                     .radius_m = config_.search_distance_m};
   reach.radius_steps = static_cast<int>((shape.diagonal_m() + config_.search_distance_m) / config_.map.voxel_m);
   return reach;
-}
-
-// Two conditions of the released code; the first one remains true once met.
-bool VofodStages::is_sufficient() {
-  if (config_.choices.sufficiency == VofodChoices::Sufficiency::kNone) return true;
-  const Cell size = map_.grid().size;
-  const double needed = config_.choices.sufficient_ratio * size.x() * size.y();
-  was_sufficient_ = was_sufficient_ || static_cast<double>(map_.num_occupied()) > needed;
-  return was_sufficient_ && separate_.num_kept() > 0;
 }
 
 void VofodStages::put_aside() {

@@ -71,7 +71,6 @@ class VofodStages {
   bool rises_into_view(const LocalCloud& cloud, Members members, const MovedThings::Motion& motion) const;
   bool is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape, bool has_moved);
   SearchShape search_shape(const ClusterShape& shape) const;
-  bool is_sufficient();
 
   // Map update by points: the interpretations of the paper and of the released code.
   void classify_then_update(const LocalCloud& cloud, std::vector<Detection>& detections);
@@ -86,8 +85,6 @@ class VofodStages {
   VofodConfig config_;
   VoxelMap map_;
   bool large_is_background_;
-  bool was_sufficient_ = false;
-  float g_just_free_;  // greatest value that counts as free
 
   Samples samples_;                            // samples to cluster
   Samples aside_;                              // background samples that are not clustered
@@ -100,7 +97,7 @@ class VofodStages {
   MovedThings things_;
   float lowest_z_ = 1.0F;  // sine of the elevation of the lowest beam
   EnclosureSearch search_;
-  std::vector<std::ptrdiff_t> starts_index_, to_clear_;
+  std::vector<std::ptrdiff_t> starts_index_;
   std::vector<Cell> starts_;
 
   RayCaster rays_;

@@ -13,6 +13,13 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Standard deviation of the height of the ground below the start. Larger values give the first altimeter samples
+/// less weight.
+constexpr double kStartGround_sigma_m = 2.0;
+/// [sigma] Innovation beyond which a measurement is rejected. Larger values accept more outliers.
+constexpr double kGate_sigma = 6.0;
+/// [s] Time without IMU samples after which the estimate is not valid. Larger values extrapolate through longer gaps.
+constexpr double kImuTimeout_s = 0.1;
 constexpr int kRejectedMost = 20;       // rejections in a row after which the measurement is trusted over the filter
 constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
 
@@ -114,7 +121,7 @@ class InsEstimator : public StateEstimator {
     fault_ = "";
     if (!filter_.is_sound())
       fault_ = "inertial navigation failed: its state is not finite";
-    else if (ahead_s > config_.imu_timeout_s)
+    else if (ahead_s > kImuTimeout_s)
       fault_ = "no IMU";
     else if (sigma_p_m > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
@@ -143,7 +150,7 @@ InsFilter::InsFilter(const InsConfig& config, const Pose& T_local_body_start) : 
   P_.diagonal() << Vector3::Constant(square(config.start_position_sigma_m)),
       Vector3::Constant(square(config.start_velocity_sigma_mps)), Vector3::Zero(),
       Vector3::Constant(square(config.start_accel_bias_sigma_mps2)),
-      Vector3::Constant(square(config.start_gyro_bias_sigma_radps)), square(config.start_ground_sigma_m);
+      Vector3::Constant(square(config.start_gyro_bias_sigma_radps)), square(kStartGround_sigma_m);
   P_.block<3, 3>(kTheta, kTheta) = R.transpose() * attitude.asDiagonal() * R;
   remember();
 }
@@ -259,7 +266,7 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
   // Gate: outliers are rejected. If they persist, the filter has diverged.
   const double distance_sq = innovation.dot(S_inverse * innovation);
   if (!std::isfinite(distance_sq) || distance_sq < 0.0) return;
-  if (distance_sq > M * square(config_.gate_sigma)) {
+  if (distance_sq > M * square(kGate_sigma)) {
     ++num_rejected_;
     if (++rejected_in_a_row_[source] <= kRejectedMost) return;
     // Inflates the covariance of the observed states so that they follow the measurement.
@@ -316,7 +323,6 @@ void InsFilter::remember() {
 
 void InsConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  const Range not_negative = Range::non_negative();
   visit_noise(v);
   v.field("start_position_sigma_m", start_position_sigma_m, "[m] standard deviation of the start pose's position",
           positive);
@@ -324,20 +330,10 @@ void InsConfig::visit(ConfigVisitor& v) {
           "[m/s] standard deviation of the start velocity, which is assumed to be zero", positive);
   v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] standard deviation of the start pose's tilt", positive);
   v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] standard deviation of the start pose's heading", positive);
-  v.field("start_ground_sigma_m", start_ground_sigma_m,
-          "[m] standard deviation of the height of the ground below the start", positive);
   v.field("use_gnss", use_gnss, "[-] whether position and velocity of GNSS are used");
   v.field("use_altimeter", use_altimeter, "[-] whether the height above the surface below is used");
-  v.field("use_compass", use_compass, "[-] heading");
+  v.field("use_compass", use_compass, "[-] whether the heading of the compass is used");
   v.field("use_odometry", use_odometry, "[-] whether the velocity of odometry, in body axes, is used");
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps,
-          "[m/s] standard deviation of the odometry's velocity", positive);
-  v.field("ground_walk_m_sqrt_m", ground_walk_m_sqrt_m,
-          "[m/sqrt(m)] random walk of the ground's height per root of the path length", not_negative);
-  v.field("gate_sigma", gate_sigma, "[-] innovation in standard deviations beyond which a measurement is rejected",
-          positive);
-  v.field("imu_timeout_s", imu_timeout_s, "[s] time without IMU samples after which the estimate is not valid",
-          positive);
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of the position above which the estimate is not valid", positive);
 }

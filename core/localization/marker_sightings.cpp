@@ -6,6 +6,8 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Standard deviation of the center of a sighting, by axis. Larger values weigh sightings less.
+constexpr double kSigma_m = 0.05;
 constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; also racks and signs are bright
 constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
 // [-] Iterations that center a body on its returns, because markers lie below and before the center. Fewer leave an
@@ -20,7 +22,7 @@ void MarkerSightings::append(const LocalCloud& cloud, std::vector<Sighting>& fou
     TimeNs t = cloud.stamp();
     bool seen = body.count >= kLeastBright;
     for (int i = 0; i < kRecenterings && seen; ++i) seen = center_on_returns(cloud, body, t);
-    if (seen) found.push_back({t, body.middle_local_m.cast<double>(), sigma_m_ * sigma_m_ * Matrix3::Identity()});
+    if (seen) found.push_back({t, body.middle_local_m.cast<double>(), kSigma_m * kSigma_m * Matrix3::Identity()});
   }
 }
 

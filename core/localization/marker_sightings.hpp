@@ -14,8 +14,8 @@ class MarkerSightings {
  public:
   /// @param reflectivity  least reflectivity of a return from a marker
   /// @param radius_m      all returns within this distance of a vehicle's center belong to it
-  MarkerSightings(double reflectivity, double radius_m, double sigma_m)
-      : reflectivity_(static_cast<float>(reflectivity)), radius_m_(static_cast<float>(radius_m)), sigma_m_(sigma_m) {}
+  MarkerSightings(double reflectivity, double radius_m)
+      : reflectivity_(static_cast<float>(reflectivity)), radius_m_(static_cast<float>(radius_m)) {}
 
   /// Appends the centers of the boxes around the visible part of each vehicle, stamped with the times of their returns.
   void append(const LocalCloud& cloud, std::vector<Sighting>& found);
@@ -29,7 +29,6 @@ class MarkerSightings {
   bool center_on_returns(const LocalCloud& cloud, Body& body, TimeNs& t) const;
 
   float reflectivity_, radius_m_;
-  double sigma_m_;
   std::vector<Body> bodies_;  // in this scan
 };
 

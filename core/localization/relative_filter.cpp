@@ -11,7 +11,9 @@
 namespace swiftlet {
 namespace {
 
-/// [-] Most measurements in the history. Smaller values reject measurements with less delay than history_s.
+/// [s] Largest delay of a sighting or an odometry sample. Larger values accept later ones and cost time.
+constexpr double kHistory_s = 3.0;
+/// [-] Most measurements in the history. Smaller values reject measurements with less delay than kHistory_s.
 constexpr std::size_t kMaxHistory = 128;
 constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor decays within a minute
 // [-] Largest squared standard deviations that one sample contributes: a single outlier must not dominate. Larger
@@ -44,13 +46,6 @@ void RelativeFilterConfig::visit(ConfigVisitor& v) {
   v.field("drift_factor_max", drift_factor_max,
           "[-] largest factor of the odometry's drift that is estimated from sightings; 1: drift as configured",
           Range::between(1.0, 1000.0));
-  v.field("odometry_sigma_m", odometry_sigma_m,
-          "[m] white noise of the position of the other vehicle's odometry, by axis", Range::positive());
-  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps,
-          "[m/s] white noise of the velocity of the other vehicle's odometry", Range::positive());
-  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg,
-          "[deg] white noise of the heading of the other vehicle's odometry", Range::non_negative());
-  v.field("history_s", history_s, "[s] largest delay of a sighting or an odometry sample", Range::between(0.1, 60.0));
 }
 
 RelativeFilter::RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift)
@@ -134,7 +129,7 @@ bool RelativeFilter::insert(Entry entry) {
     history_[i].after = state;
   }
   // The history spans the longest accepted delay.
-  const TimeNs oldest = history_.back().t - from_seconds(config_.history_s);
+  const TimeNs oldest = history_.back().t - from_seconds(kHistory_s);
   std::size_t num_old = 0;
   while (num_old + 1 < history_.size() && (history_[num_old].t < oldest || history_.size() - num_old > kMaxHistory)) {
     ++num_old;

@@ -27,7 +27,7 @@ constexpr double kBody_m = 0.8;         // radius around a known vehicle within 
 class SlidingWindow : public RelativeLocalizer {
  public:
   SlidingWindow(const SlidingWindowConfig& config, const AgentSetup& setup)
-      : config_(config), markers_(config.marker_reflectivity, config.body_radius_m, config.marker_sigma_m) {
+      : config_(config), markers_(config.marker_reflectivity, config.body_radius_m) {
     const std::vector<VehicleId> ids = vehicles_named(config.other, config.others, setup, "relative_localization");
     teammates_.reserve(ids.size());
     for (const VehicleId id : ids) teammates_.emplace_back(id, config);
@@ -62,7 +62,7 @@ class SlidingWindow : public RelativeLocalizer {
     }
     counters.push_back(
         {"sightings that were not the guided vehicle's", num_rejected_, num_sightings_, "marker_reflectivity"});
-    counters.push_back({"sightings or odometry too late", num_late, num_sightings_ + num_reports, "filter.history_s"});
+    counters.push_back({"sightings or odometry too late", num_late, num_sightings_ + num_reports, "clock"});
     counters.push_back({"losses of the guided vehicle", num_lost, std::max<std::uint64_t>(num_starts, num_lost),
                         "position_sigma_max_m"});
   }
@@ -295,8 +295,6 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.field("body_radius_m", body_radius_m,
           "[m] with markers: radius around a vehicle's center in which all returns belong to it",
           Range{0.0, 2.0, true});
-  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of the center of a sighting, by axis",
-          Range::positive());
   v.field("marker_memory_s", marker_memory_s,
           "[s] with tracks: time after its last bright return for which a track counts as the marked vehicle",
           Range::non_negative());

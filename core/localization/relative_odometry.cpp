@@ -29,16 +29,7 @@ void cubic(const OtherMotion& a, const OtherMotion& b, double s, double dt_s, Ot
 void OdometryDriftConfig::visit(ConfigVisitor& v) {
   v.field("position_m_psqrtm", position_m_psqrtm,
           "[m/sqrt(m)] random walk of the position per root of the distance flown, by axis", Range::between(0.0, 10.0));
-  v.field("position_m_psqrtturn", position_m_psqrtturn,
-          "[m/sqrt(turn)] random walk of the position per root of full turns of the heading, by axis",
-          Range::between(0.0, 10.0));
-  v.field("position_m_psqrts", position_m_psqrts, "[m/sqrt(s)] random walk of the position per root of time, by axis",
-          Range::between(0.0, 10.0));
   v.field("yaw_deg_psqrtm", yaw_deg_psqrtm, "[deg/sqrt(m)] random walk of the heading per root of the distance flown",
-          Range::between(0.0, 90.0));
-  v.field("yaw_deg_psqrtturn", yaw_deg_psqrtturn,
-          "[deg/sqrt(turn)] random walk of the heading per root of its full turns", Range::between(0.0, 90.0));
-  v.field("yaw_deg_psqrts", yaw_deg_psqrts, "[deg/sqrt(s)] random walk of the heading per root of time",
           Range::between(0.0, 90.0));
 }
 

@@ -20,19 +20,6 @@ constexpr int kCompareEvery = 2;  // instants between comparisons of paths, once
 
 }  // namespace
 
-void FrameLinkConfig::visit(ConfigVisitor& v) {
-  v.field("min_spread_m", min_spread_m, "[m] least horizontal RMS distance of a path from its mean, for a comparison",
-          Range::positive());
-  v.field("gate_sigma", gate_sigma, "[-] largest distance between tracks of one body, in standard deviations",
-          Range::positive());
-  v.field("margin", margin, "[-] twice the log-likelihood ratio by which a pair must exceed the next alternative",
-          Range::non_negative());
-  v.field("position_sigma_max_m", position_sigma_max_m,
-          "[m] standard deviation of the position above which an alignment is lost", Range::positive());
-  v.field("heading_sigma_max_deg", heading_sigma_max_deg,
-          "[deg] standard deviation of the heading above which an alignment is lost", Range::positive());
-}
-
 FrameLink::FrameLink(const FrameLinkConfig& config, const OdometryDriftConfig& drift)
     : config_(config), drift_(drift), paths_(config, drift) {}
 

@@ -27,6 +27,9 @@ constexpr TimeNs kAhead = kNsPerSecond / 10;
 constexpr TimeNs kRestart = 5 * kNsPerSecond;
 /// [m/s] Standard deviation of an observer's own velocity, per axis. Larger values mark other tracks as observers.
 constexpr double kOwnVelocity_sigma_mps = 0.1;
+/// [-] Least probability of existence of own tracks that are shared. Smaller values share more clutter; the detector's
+/// reported_existence must be as low.
+constexpr double kSharedExistence = 0.1;
 /// [s] Age of a report up to which its tracks count as measured now. Larger values count old reports as new evidence.
 constexpr double kFresh_s = 0.3;
 // [rad] Standard deviation of a teammate's reported heading, added to that of the alignment. Larger values state a less
@@ -113,9 +116,9 @@ class SharedTracks : public Tracker {
     counters.push_back({"track messages that could not be read", num_unreadable_, num_received_, "rate_hz"});
     counters.push_back({"tracks left out of a full report", num_unsent_, num_own_, "max_sent"});
     counters.push_back({"losses of the alignment with another observer's frame", num_lost,
-                        std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
+                        std::max(num_starts, num_lost), "drift.position_m_psqrtm"});
     counters.push_back(
-        {"fused targets that were split again", fusion_.num_broken(), fusion_.num_joined(), "fusion.merge_sq"});
+        {"fused targets that were split again", fusion_.num_broken(), fusion_.num_joined(), "drift.position_m_psqrtm"});
   }
 
  private:
@@ -323,7 +326,7 @@ class SharedTracks : public Tracker {
     order_.clear();
     for (std::size_t i = 0; i < own_tracks_.size(); ++i) {
       ++num_own_;
-      if (existences_[i] >= config_.shared_existence) order_.push_back(i);
+      if (existences_[i] >= kSharedExistence) order_.push_back(i);
     }
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::size_t a, std::size_t b) { return existences_[a] > existences_[b]; });
@@ -379,15 +382,10 @@ void SharedTracksConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] rate of messages, at most that of the detector's scans", Range{0.0, 100.0, true});
   v.field("max_sent", max_sent, "[-] largest number of tracks in a message, the most likely ones first; 120 bytes each",
           Range::between(0, 500));
-  v.field("shared_existence", shared_existence,
-          "[-] least probability of existence of own tracks that are shared; the detector's reported_existence "
-          "must be as low",
-          Range::probability());
   v.field("timeout_s", timeout_s, "[s] time after the newest message for which an observer's tracks are used",
           Range::positive());
   v.field("body_m", body_m, "[m] radius around an observer in which a second track belongs to the same body",
           Range::positive());
-  v.object("frame", frame, "alignment of the local frames of other observers");
   v.object("drift", drift, "drift of each observer's odometry");
   v.object("fusion", fusion, "fusion of tracks of one target");
 }

@@ -17,12 +17,6 @@ void TrackFusionConfig::visit(ConfigVisitor& v) {
   v.field("common_clutter", common_clutter,
           "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
           Range{0.0, 1.0, true});
-  v.field("merge_sq", merge_sq,
-          "[-] squared Mahalanobis distance of position and velocity up to which two tracks agree on one target",
-          Range::positive());
-  v.field("margin", margin, "[-] twice the log-likelihood ratio by which a partner must exceed the next one",
-          Range::non_negative());
-  v.check(merge_sq <= gate_sq, "merge_sq", "at most 22.5");
 }
 
 void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {

@@ -11,6 +11,15 @@
 namespace swiftlet {
 namespace {
 
+/// [-] c_r of eq. (29): factor of the radius r_unc of a track's uncertainty. Larger values associate detections farther
+/// away and lose tracks sooner.
+constexpr double kRadiusScale = 1.5;
+/// [m] r_min of eq. (28): least radius of the search for points around a prediction. Smaller values cut large targets.
+constexpr double kSearchRadiusMin_m = 2.5;
+/// [m] P_0,r: standard deviation of a detection's position, with constant noise. Larger values follow the first
+/// measurements more closely.
+constexpr double kInitialSigma_m = 0.3;
+
 /// Mean of the points, center of the box around them, and the box's diagonal.
 struct Extent {
   Vector3 centroid_m = Vector3::Zero(), box_center_m = Vector3::Zero();
@@ -53,8 +62,6 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
       "[Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I");
   v.field("sigma_m", sigma_m, "[m] Z, with constant noise: standard deviation of a measured position",
           Range::positive());
-  v.field("sigma_initial_m", sigma_initial_m,
-          "[m] P_0,r: standard deviation of a detection's position, with constant noise", Range::positive());
   v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: standard deviation of the range", Range::non_negative());
   v.field("sigma_position_m", sensor.sigma_position_m,
           "[m] Sigma_w: standard deviation of the sensor's position, x y z", Range::non_negative());
@@ -70,14 +77,10 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("buffer_size", buffer_size,
           "[-] N_buf: number of buffered clouds, through which a late detection is propagated",
           Range::between(1, 1000));
-  v.field("radius_scale", radius_scale, "[-] c_r of eq. (29): factor of the radius r_unc of a track's uncertainty",
-          Range::positive());
   v.choice(
       "radius_law", radius_law, {"printed", "sphere"},
       "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "
       "equivalent sphere c_r det(P)^(1/6)");
-  v.field("search_radius_min_m", search_radius_min_m,
-          "[m] r_min of eq. (28): least radius of the search for points around a prediction", Range::positive());
   v.field("radius_max_m", radius_max_m, "[m] r_max: largest r_unc of a track; above it the track is lost",
           Range::positive());
   v.field("cluster_distance_m", cluster_distance_m,
@@ -108,8 +111,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("min_detections", min_detections,
           "[-] number of detections from which a track is reported (released code: 2)", Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
-  v.check(radius_max_m >= search_radius_min_m || radius_law == CloudTrackerConfig::RadiusLaw::kPrinted, "radius_max_m",
-          "at least search_radius_min_m");
+  v.check(radius_max_m >= kSearchRadiusMin_m || radius_law == CloudTrackerConfig::RadiusLaw::kPrinted, "radius_max_m",
+          "at least 2.5 with radius_law: sphere");
 }
 
 CloudTracker::CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
@@ -120,13 +123,13 @@ CloudTracker::CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<Mot
 
 double CloudTracker::uncertainty_radius_m(const Matrix3& position_covariance) const {
   const double det = position_covariance.determinant();
-  return config_.radius_scale * (config_.radius_law == CloudTrackerConfig::RadiusLaw::kPrinted
-                                     ? elementary::cbrt(det)
-                                     : std::sqrt(elementary::cbrt(det)));
+  return kRadiusScale * (config_.radius_law == CloudTrackerConfig::RadiusLaw::kPrinted
+                             ? elementary::cbrt(det)
+                             : std::sqrt(elementary::cbrt(det)));
 }
 
 double CloudTracker::search_radius_m(const Target& target) const {
-  return std::max(config_.search_radius_min_m, uncertainty_radius_m(target.state.belief.position_covariance()));
+  return std::max(kSearchRadiusMin_m, uncertainty_radius_m(target.state.belief.position_covariance()));
 }
 
 double CloudTracker::association_radius_m(const Target& target) const {
@@ -181,8 +184,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
   target.t = detection.t;
   target.num_detections = 1;
   target.corrected = true;
-  const double sigma_m = config_.measurement.sigma_initial_m;
-  Matrix3 covariance = sigma_m * sigma_m * Matrix3::Identity();
+  Matrix3 covariance = kInitialSigma_m * kInitialSigma_m * Matrix3::Identity();
   if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW && buffer_.size() > 0) {
     // Seen from the sensor's pose at that time, or the nearest pose in the buffer.
     std::size_t i = buffer_.size() - 1;

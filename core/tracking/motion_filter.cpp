@@ -22,6 +22,14 @@ constexpr double kGreatestRate_radps = 4.0;
 /// [-] Lower bound of the probability of a mode. At 0 a mode could not become likely again.
 constexpr double kLeastProbability = 1e-6;
 
+/// Process noise of each motion model in a step of process_period_s [m, m/s, m/s^2]. Larger values follow turns sooner
+/// and smooth less.
+constexpr ProcessNoise kConstantVelocityNoise{0.01, 0.05, 0.05};
+constexpr ProcessNoise kConstantAccelerationNoise{0.01, 0.2, 0.6};
+constexpr ProcessNoise kCoordinatedTurnNoise{0.01, 0.05, 0.15};
+/// [s] Mean time until a target changes its motion model. Smaller values change the model sooner, and by chance too.
+constexpr double kMeanSojourn_s = 2.0;
+
 /// [[aI, bI, cI], [0, dI, eI], [0, fI, gI]] on position, velocity, acceleration; the first column is always (I, 0, 0).
 Matrix9 transition(double position_velocity, double position_acceleration, double velocity_velocity,
                    double velocity_acceleration, double acceleration_velocity, double acceleration_acceleration) {
@@ -79,12 +87,12 @@ class ImmFilter : public MotionFilter {
     mix(state, dt_s);
     const double period_s = config_.process_period_s;
     predict_belief(state.modes[0], constant_velocity_transition(dt_s),
-                   config_.constant_velocity.covariance(dt_s, period_s));
+                   kConstantVelocityNoise.covariance(dt_s, period_s));
     predict_belief(state.modes[1], constant_acceleration_transition(dt_s),
-                   config_.constant_acceleration.covariance(dt_s, period_s));
+                   kConstantAccelerationNoise.covariance(dt_s, period_s));
     const double rate_radps = turn_rate_radps(state.modes[2].mean);
     predict_belief(state.modes[2], coordinated_turn_transition(dt_s, rate_radps),
-                   config_.coordinated_turn.covariance(dt_s, period_s));
+                   kCoordinatedTurnNoise.covariance(dt_s, period_s));
     combine(state);
   }
 
@@ -107,8 +115,8 @@ class ImmFilter : public MotionFilter {
   static_assert(kModes <= MotionState::kMaxModes);
 
   // Modes switch at a constant rate, to any other mode alike: the chain has a closed form.
-  void mix(MotionState& state, double dt_s) const {
-    const double leave_rate = 1.0 / config_.mean_sojourn_s * kModes / (kModes - 1);
+  static void mix(MotionState& state, double dt_s) {
+    const double leave_rate = 1.0 / kMeanSojourn_s * kModes / (kModes - 1);
     const double stay = 1.0 / kModes + (1.0 - 1.0 / kModes) * elementary::exp(-leave_rate * dt_s);
     const double change = (1.0 - stay) / (kModes - 1);
     const auto old_modes = state.modes;
@@ -188,17 +196,10 @@ void KalmanConfig::visit(ConfigVisitor& v) {
 }
 
 void ImmConfig::visit(ConfigVisitor& v) {
-  v.object("constant_velocity", constant_velocity,
-           "process noise of the constant-velocity model in a step of process_period_s");
-  v.object("constant_acceleration", constant_acceleration,
-           "process noise of the constant-acceleration model in a step of process_period_s");
-  v.object("coordinated_turn", coordinated_turn,
-           "process noise of the coordinated-turn model in a step of process_period_s");
   v.field(
       "process_period_s", process_period_s,
       "[s] duration for which the process noise is given; the variance is proportional to time; 0: equal in every step",
       Range::non_negative());
-  v.field("mean_sojourn_s", mean_sojourn_s, "[s] mean time until a target changes its motion model", Range::positive());
   v.object("initial", initial, "standard deviations of velocity and acceleration of a new track");
 }
 

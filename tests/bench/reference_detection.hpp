@@ -134,8 +134,8 @@ class Vofod {
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (rule_a(points, found[i])) {
         classes[i] = 0;
-      } else if (static_cast<int>(found[i].size()) >= config_.min_points &&
-                 diagonal_m(points, found[i]) <= config_.max_size_m && rule_b(points, found[i])) {
+      } else if (found[i].size() >= kMinPoints && diagonal_m(points, found[i]) <= config_.max_size_m &&
+                 rule_b(points, found[i])) {
         classes[i] = 2;
         Detection d;
         for (const int p : found[i]) d.position_m += points[p];
@@ -193,7 +193,7 @@ class Vofod {
       voxels.push_back(i);
       centers.push_back(map.center_m(map.cell(i)));
     }
-    for (const auto& cluster : clusters(centers, config_.separate_distance_m)) {
+    for (const auto& cluster : clusters(centers, kSeparate_m)) {
       const auto confident = std::count_if(cluster.begin(), cluster.end(),
                                            [&](int k) { return map.G[voxels[k]] >= config_.map.G_confident; });
       if (confident >= config_.separate_min_confident) continue;
@@ -208,6 +208,9 @@ class Vofod {
   std::vector<double> lengths;  // lengths of the last rays [m], by voxel
 
  private:
+  static constexpr std::size_t kMinPoints = 2;  // fewest points of a detection
+  static constexpr double kSeparate_m = 0.7;    // d_sep: distance between clusters of background
+
   bool rule_a(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     const int reach = static_cast<int>(std::ceil(config_.close_distance_m / config_.map.voxel_m));
     for (const int i : cluster) {

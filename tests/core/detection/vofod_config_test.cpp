@@ -27,14 +27,18 @@ TEST(VofodConfig, ReportsTheMemoryOfItsMap) {
 
 TEST(VofodConfig, IsBoundedByItsVoxels) {
   EXPECT_TRUE(ConfigChecks(VofodConfig{}).problems().empty());
-  for (const auto& [distance, key] : {std::pair(&VofodConfig::separate_distance_m, "separate_distance_m"),
-                                      std::pair(&VofodConfig::search_distance_m, "search_distance_m"),
+  for (const auto& [distance, key] : {std::pair(&VofodConfig::search_distance_m, "search_distance_m"),
                                       std::pair(&VofodConfig::close_distance_m, "close_distance_m"),
                                       std::pair(&VofodConfig::cluster_distance_m, "cluster_distance_m")}) {
     VofodConfig config;
     config.*distance = 1000.0;
     EXPECT_TRUE(ConfigChecks(config).refuses(key)) << key;
   }
+  VofodConfig tiny;
+  tiny.map.voxel_m = 0.0139;
+  EXPECT_TRUE(ConfigChecks(tiny).refuses("map.voxel_m"));
+  tiny.map.voxel_m = 0.0141;
+  EXPECT_FALSE(ConfigChecks(tiny).refuses("map.voxel_m"));
   VofodConfig config;
   config.map.voxel_m = 0.1;
   config.map.size_m.setConstant(1000.0);

@@ -69,22 +69,14 @@ TEST(VofodInterpretations, PlacesDetectionAtCentroidOrCenter) {
   EXPECT_NEAR(FreeAir(config).see(points)[0].extent_m.norm(), std::sqrt(0.24), 1e-6) << "along its own axes";
 }
 
-TEST(VofodInterpretations, LimitsOfPointsSizeAndRange) {
+TEST(VofodInterpretations, LimitsOfPointsAndSize) {
   VofodConfig config = small_box();
-  config.min_points = 3;
   config.max_size_m = 0.5;
-  config.max_range_m = 2.0;
-  const auto count = [&](const std::vector<Eigen::Vector3f>& points_m, const Vector3& from_m) {
-    return FreeAir(config).see(points_m, from_m).size();
-  };
-  const Vector3 near_m = {1.1, 1.1, 4.9}, far_m = {1.1, 1.1, 5.3};
-  EXPECT_EQ(count(kInOneVoxel, near_m), 1u);
-  EXPECT_EQ(count({kInOneVoxel[0], kInOneVoxel[1]}, near_m), 0u) << "two points";
-  EXPECT_EQ(count(kInOneVoxel, far_m), 0u) << "2.2 m away";
-  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.58F, 1.1F, 3.1F}}, near_m), 1u) << "0.48 m";
-  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.62F, 1.1F, 3.1F}}, near_m), 0u) << "0.52 m";
-  config.max_range_m = 0.0;
-  EXPECT_EQ(count(kInOneVoxel, far_m), 1u) << "no limit";
+  const auto count = [&](const std::vector<Eigen::Vector3f>& points_m) { return FreeAir(config).see(points_m).size(); };
+  EXPECT_EQ(count({kInOneVoxel[0], kInOneVoxel[1]}), 1u);
+  EXPECT_EQ(count({kInOneVoxel[0]}), 0u) << "one point";
+  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.58F, 1.1F, 3.1F}}), 1u) << "0.48 m";
+  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.62F, 1.1F, 3.1F}}), 0u) << "0.52 m";
 }
 
 // Unknown air leads out of a search when it reaches its border: 8 voxels away (the paper), or after about as many steps
@@ -132,37 +124,33 @@ TEST(VofodStages, StampsDetectionsWithMeanPointTime) {
 TEST(VofodStages, CountsEveryPointOfAVoxel) {
   VofodConfig config = small_box();
   config.choices.clustering = VofodChoices::Clustering::kVoxels;
-  config.min_points = 1;
-  const auto found = FreeAir(config).see(kInOneVoxel);
+  std::vector<Eigen::Vector3f> points = kInOneVoxel;
+  EXPECT_TRUE(FreeAir(config).see(points).empty()) << "one voxel";
+  points.emplace_back(1.35F, 1.1F, 3.1F);
+  const auto found = FreeAir(config).see(points);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].num_points, 3);
-  config.min_points = 2;
-  EXPECT_TRUE(FreeAir(config).see(kInOneVoxel).empty()) << "of voxels";
+  EXPECT_EQ(found[0].num_points, 4);
 }
 
 // d_close is 0.7 m to the center of a voxel that is at least tentative.
 TEST(VofodInterpretations, TreatsNearbyClustersAsBackground) {
-  for (const auto close_to : {VofodChoices::CloseTo::kTentative, VofodChoices::CloseTo::kConfident}) {
-    for (const double G : {-200.0, 0.0}) {
-      for (const float away_m : {0.69F, 0.71F}) {
-        VofodConfig config = small_box();
-        config.choices.close_to = close_to;
-        FreeAir air(config);
-        const Cell wall = air.cell_of({1.125F, 1.125F, 3.125F});
-        air.set(wall, G);
-        const std::vector<Eigen::Vector3f> points = {{1.125F + away_m, 1.125F, 3.125F}, {1.9F, 1.125F, 3.13F}};
-        const bool is_close = away_m < 0.7F && (close_to == VofodChoices::CloseTo::kTentative || G == 0.0);
-        EXPECT_EQ(air.see(points).size(), is_close ? 0u : 1u) << G << " " << away_m;
-        std::vector<Eigen::Vector3f> background, flying, unknown;
-        air.stages.append_cluster_points(ClusterClass::kBackground, background);
-        air.stages.append_cluster_points(ClusterClass::kFlying, flying);
-        air.stages.append_cluster_points(ClusterClass::kUnknown, unknown);
-        EXPECT_EQ(background.size(), is_close ? 2u : 0u);
-        EXPECT_EQ(flying.size(), is_close ? 0u : 2u);
-        EXPECT_TRUE(unknown.empty());
-        if (is_close) {
-          EXPECT_GT(air.G(air.cell_of(points[0])), -501.0) << "and its points are";
-        }
+  for (const double G : {-200.0, 0.0}) {
+    for (const float away_m : {0.69F, 0.71F}) {
+      FreeAir air(small_box());
+      const Cell wall = air.cell_of({1.125F, 1.125F, 3.125F});
+      air.set(wall, G);
+      const std::vector<Eigen::Vector3f> points = {{1.125F + away_m, 1.125F, 3.125F}, {1.9F, 1.125F, 3.13F}};
+      const bool is_close = away_m < 0.7F;
+      EXPECT_EQ(air.see(points).size(), is_close ? 0u : 1u) << G << " " << away_m;
+      std::vector<Eigen::Vector3f> background, flying, unknown;
+      air.stages.append_cluster_points(ClusterClass::kBackground, background);
+      air.stages.append_cluster_points(ClusterClass::kFlying, flying);
+      air.stages.append_cluster_points(ClusterClass::kUnknown, unknown);
+      EXPECT_EQ(background.size(), is_close ? 2u : 0u);
+      EXPECT_EQ(flying.size(), is_close ? 0u : 2u);
+      EXPECT_TRUE(unknown.empty());
+      if (is_close) {
+        EXPECT_GT(air.G(air.cell_of(points[0])), -501.0) << "and its points are";
       }
     }
   }
@@ -209,23 +197,18 @@ struct Beams {
   std::shared_ptr<Scan> scan;
 };
 
-TEST(VofodStages, ClearsEmptyBeamsOnlyIfConfigured) {
-  for (const bool empty_returns : {true, false}) {
+TEST(VofodStages, ClearsRaysUpToLargestLength) {
+  for (const float range_m : {0.0F, 8.0F}) {
     VofodConfig config = small_box();
     config.ray_weight = 1.0;
     config.ray_max_m = 5.0;
-    config.empty_returns = empty_returns;
     Beams beams(config);
+    beams.scan->range_m.assign(4, range_m);
     beams.cast();
     beams.stages.apply_rays(1);
-    EXPECT_EQ(beams.at(0.875) < -741.0F, empty_returns);
+    EXPECT_LT(beams.at(0.875), -741.0F) << range_m;
     EXPECT_EQ(beams.at(1.375), -740.0F) << "beyond";
     EXPECT_EQ(beams.at(-4.375), -740.0F) << "behind";
-    beams.scan->range_m.assign(4, 8.0F);
-    beams.cast();
-    beams.stages.apply_rays(1);
-    EXPECT_LT(beams.at(0.875), -741.0F);
-    EXPECT_EQ(beams.at(1.375), -740.0F) << "beyond";
   }
 }
 
@@ -256,23 +239,17 @@ TEST(VofodStages, WeightsRaysByLengthInVoxel) {
   }
 }
 
-TEST(VofodInterpretations, ClearsOrKeepsHitVoxels) {
-  for (const auto hit_voxels : {VofodChoices::HitVoxels::kUpdate, VofodChoices::HitVoxels::kKeep}) {
-    VofodConfig config = small_box();
-    config.ray_weight = 1.0;
-    config.choices.hit_voxels = hit_voxels;
-    Beams beams(config);
-    std::vector<Detection> none;
-    beams.cast();
-    beams.stages.classify(cloud_from({0, 0, 4}, {{0.125F, 0.125F, 4.125F}}), none);
-    const float before = beams.at(0.125);
-    beams.stages.apply_rays(1);
-    EXPECT_EQ(beams.at(0.125) == before, hit_voxels == VofodChoices::HitVoxels::kKeep);
-    EXPECT_LT(beams.at(0.375), -741.0F);
-    beams.cast();
-    beams.stages.apply_rays(1);
-    EXPECT_LT(beams.at(0.125), before - 1.0F) << "once";
-  }
+TEST(VofodStages, ClearsHitVoxelsAlongRays) {
+  VofodConfig config = small_box();
+  config.ray_weight = 1.0;
+  Beams beams(config);
+  std::vector<Detection> none;
+  beams.cast();
+  beams.stages.classify(cloud_from({0, 0, 4}, {{0.125F, 0.125F, 4.125F}}), none);
+  const float before = beams.at(0.125);
+  beams.stages.apply_rays(1);
+  EXPECT_LT(beams.at(0.125), before - 1.0F);
+  EXPECT_LT(beams.at(0.375), -741.0F);
 }
 
 TEST(VofodStages, ClearsNothingFromOutsideTheMap) {

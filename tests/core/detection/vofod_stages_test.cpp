@@ -318,15 +318,9 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
   EXPECT_GE(with([](VofodChoices&) {}), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.clustering = VofodChoices::Clustering::kVoxels; }), 3u);
   EXPECT_GE(with([](VofodChoices& c) { c.position = VofodChoices::Position::kBoxCenter; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.close_to = VofodChoices::CloseTo::kConfident; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.search = VofodChoices::Search::kOctahedron; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.failed_search = VofodChoices::FailedSearch::kClear; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.sufficiency = VofodChoices::Sufficiency::kBackgroundRatio; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.map_update = VofodChoices::MapUpdate::kBefore; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.ray_end = VofodChoices::RayEnd::kVoxelBefore; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.hit_voxels = VofodChoices::HitVoxels::kKeep; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = VofodChoices::SeparateBecomes::kFree; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = VofodChoices::SeparateReach::kSphere; }), 6u);
 }
 
 TEST(VofodStages, WidensLateralCovarianceByPoseNoise) {
@@ -379,8 +373,6 @@ TEST(VofodStages, NoCloudBreaksIt) {
   for (const auto clustering : {VofodChoices::Clustering::kPoints, VofodChoices::Clustering::kVoxels}) {
     VofodConfig config = small_config();
     config.choices.clustering = clustering;
-    config.choices.failed_search = VofodChoices::FailedSearch::kClear;
-    config.choices.hit_voxels = VofodChoices::HitVoxels::kKeep;
     VofodStages stages(config);
     std::vector<Detection> detections;
     for (int repeat = 0; repeat < 3; ++repeat) {

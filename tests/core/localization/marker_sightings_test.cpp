@@ -41,7 +41,7 @@ struct Returns {
     cloud.T_local_lidar.assign(points_m.size(), Pose::Identity());
     for (std::uint32_t i = 0; i < points_m.size(); ++i) cloud.beam.push_back(i);
     std::vector<Sighting> found;
-    MarkerSightings(3.0, 0.3, 0.05).append(cloud, found);
+    MarkerSightings(3.0, 0.3).append(cloud, found);
     return found;
   }
 

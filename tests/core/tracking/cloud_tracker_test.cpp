@@ -497,11 +497,11 @@ TEST(CloudTracker, AllocatesNothingOnceWarm) {
 TEST(CloudTrackerConfig, RequiresSearchRadiusForLargestSphere) {
   CloudTrackerConfig config;
   EXPECT_TRUE(test::ConfigChecks(config).problems().empty());
-  config.search_radius_min_m = 6.0;
+  config.radius_max_m = 2.4;
   EXPECT_TRUE(test::ConfigChecks(config).problems().empty()) << "the printed radius is no length";
   config.radius_law = CloudTrackerConfig::RadiusLaw::kSphere;
   EXPECT_TRUE(test::ConfigChecks(config).refuses("radius_max_m"));
-  config.search_radius_min_m = config.radius_max_m;
+  config.radius_max_m = 2.5;
   EXPECT_TRUE(test::ConfigChecks(config).problems().empty());
 }
 

@@ -211,15 +211,13 @@ TEST(KalmanFilter, CovariancesStayPositive) {
 }
 
 TEST(ImmFilter, SwitchesModesByItsMarkovChain) {
-  ImmConfig config;
-  config.mean_sojourn_s = 1.5;
-  const auto filter = make_imm_filter(config);
+  const auto filter = make_imm_filter({});
   MotionState belief = filter->start(Vector3::Zero(), Matrix3::Identity());
   belief.mode_probability = {0.7, 0.2, 0.1};
   // exp(Q t) by tiny steps: a mode is left at the rate 1 / sojourn, to both others alike.
-  const double t_s = 0.8;
-  Matrix3 Q = Matrix3::Constant(0.5 / 1.5);
-  Q.diagonal().setConstant(-1.0 / 1.5);
+  const double t_s = 0.8, sojourn_s = 2.0;
+  Matrix3 Q = Matrix3::Constant(0.5 / sojourn_s);
+  Q.diagonal().setConstant(-1.0 / sojourn_s);
   Matrix3 chain = Matrix3::Identity() + Q * (t_s / 1048576.0);
   for (int i = 0; i < 20; ++i) chain = chain * chain;
   const Eigen::RowVector3d expected = Eigen::RowVector3d(0.7, 0.2, 0.1) * chain;

@@ -556,8 +556,8 @@ TEST(Scenario, RefusesUnreasonableValuesWithTheirPlace) {
       {detector("ray_max_m: 900, map: {size_m: [700, 700, 120]}"), "vehicles[0].agent.detector.ray_max_m"},
       {detector("map: {center_m: [1e18, 0, 0], extent: bounded}"), "vehicles[0].agent.detector.map.center_m"},
       {detector("map: {voxel_m: 1e-9}"), "vehicles[0].agent.detector.map.voxel_m"},
-      {detector("separate_distance_m: 1e18"), "vehicles[0].agent.detector.separate_distance_m"},
-      {detector("separate_distance_m: 90"), "vehicles[0].agent.detector.separate_distance_m"},
+      {detector("close_distance_m: 1e18"), "vehicles[0].agent.detector.close_distance_m"},
+      {detector("close_distance_m: 90"), "vehicles[0].agent.detector.close_distance_m"},
       {"vehicles: [{agent: {guidance: {type: hover, point_m: [1e10, 0, 0]}}}]", "guidance.point_m"},
   };
   for (const auto& [text, key] : cases) {

@@ -77,9 +77,6 @@ struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   /// [m] standard deviation of the position, on any axis, above which a hypothesis is dropped
   double sigma_lost_m = 1.3;
   double sigma_hidden_m = 20.0;
-  double max_range_m = 60.0;
-  double ray_max_m = 60.0;
-  double empty_ray_m = 40.0;
   int rays_per_sweep = 10000;  ///< [-] most beams of a sweep that clear air; the next sweep uses others
   int max_hypotheses = 128;    ///< [-] most hypotheses; the most likely ones are kept
   double latency_s = 0.08;

@@ -19,16 +19,9 @@ inline constexpr int kRayScroll_voxels = 32;
 struct VofodChoices {
   enum class Clustering { kPoints, kVoxels } clustering = Clustering::kPoints;
   enum class Position { kCentroid, kBoxCenter } position = Position::kCentroid;
-  enum class CloseTo { kTentative, kConfident } close_to = CloseTo::kTentative;
   enum class Search { kSphere, kOctahedron } search = Search::kSphere;
-  enum class FailedSearch { kKeep, kClear } failed_search = FailedSearch::kKeep;
-  enum class Sufficiency { kNone, kBackgroundRatio } sufficiency = Sufficiency::kNone;
-  double sufficient_ratio = 0.15;
   enum class MapUpdate { kAfter, kBefore } map_update = MapUpdate::kAfter;
-  enum class RayEnd { kPoint, kVoxelBefore } ray_end = RayEnd::kPoint;
-  enum class HitVoxels { kUpdate, kKeep } hit_voxels = HitVoxels::kUpdate;
   enum class SeparateBecomes { kUnknown, kFree } separate_becomes = SeparateBecomes::kUnknown;
-  enum class SeparateReach { kCluster, kSphere } separate_reach = SeparateReach::kCluster;
 
   void visit(ConfigVisitor& v);
 };
@@ -56,14 +49,11 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   double close_distance_m = 0.7;
   double search_distance_m = 3.0;
   double ray_max_m = 20.0;
+  /// [-] w_int: updates by a ray along the diagonal of a voxel; larger values free air sooner, and thin background too
   double ray_weight = 0.003;
-  bool empty_returns = true;
   FieldOfView field_of_view;
-  double separate_distance_m = 0.7;
   int separate_min_confident = 24;
-  int min_points = 2;
   double max_size_m = 3.0;
-  double max_range_m = 0.0;
   double still_s = 0.2;
   VofodSeed seed = VofodSeed::kLargeAndAltimeter;
   DetectionCovariance covariance = DetectionCovariance::kConstant;

@@ -21,16 +21,14 @@ struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 1.0;
   double start_yaw_sigma_deg = 3.0;
-  double start_ground_sigma_m = 2.0;
   // Sensors in use, and their processing.
   bool use_gnss = true;
   bool use_altimeter = true;
   bool use_compass = true;
   bool use_odometry = true;
-  double odometry_velocity_sigma_mps = 0.1;
+  double odometry_velocity_sigma_mps = 0.1;  ///< [m/s] standard deviation of the odometry's velocity, by axis
+  /// [m/sqrt(m)] random walk of the ground's height over the path; larger values trust the altimeter less over slopes
   double ground_walk_m_sqrt_m = 0.1;
-  double gate_sigma = 6.0;
-  double imu_timeout_s = 0.1;
   double position_sigma_max_m = 30.0;
 
   void visit(ConfigVisitor& v) override;

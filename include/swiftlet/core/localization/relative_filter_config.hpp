@@ -15,7 +15,6 @@ struct RelativeFilterConfig {
   double bias_sigma_m = 0.02;
   double gate_sigma = 4.0;
   double drift_factor_max = 10.0;
-  double history_s = 3.0;  ///< [s] largest delay of a sighting or an odometry sample
 
   void visit(ConfigVisitor& v);
 };

@@ -58,7 +58,6 @@ struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
   Source source = Source::kTracks;
   double marker_reflectivity = 3.0;
   double body_radius_m = 0.3;
-  double marker_sigma_m = 0.05;
   double marker_memory_s = 2.0;
   double center_behind_m = 0.0;
   double center_above_m = 0.0;

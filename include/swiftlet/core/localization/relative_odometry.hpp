@@ -12,12 +12,12 @@ namespace swiftlet {
 /// Drift model of an odometry: a random walk over distance flown, turning and time (as in sim/sensors/odometry). The
 /// defaults are those of the preset odometry_vio.
 struct OdometryDriftConfig {
-  double position_m_psqrtm = 0.058;  ///< per axis
-  double position_m_psqrtturn = 0.03;
-  double position_m_psqrts = 0.0012;
+  double position_m_psqrtm = 0.058;    ///< per axis
+  double position_m_psqrtturn = 0.03;  ///< [m/sqrt(turn)] drift of the position in turns, per axis
+  double position_m_psqrts = 0.0012;   ///< [m/sqrt(s)] drift of the position by time, per axis
   double yaw_deg_psqrtm = 0.1;
-  double yaw_deg_psqrtturn = 0.5;
-  double yaw_deg_psqrts = 0.01;
+  double yaw_deg_psqrtturn = 0.5;  ///< [deg/sqrt(turn)] drift of the heading in turns
+  double yaw_deg_psqrts = 0.01;    ///< [deg/sqrt(s)] drift of the heading by time
 
   void visit(ConfigVisitor& v);
 };

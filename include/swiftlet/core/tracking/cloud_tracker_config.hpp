@@ -11,7 +11,6 @@ struct TrackMeasurementConfig {
   enum class Noise { kConstant, kSigmaW };
   Noise noise = Noise::kConstant;
   double sigma_m = 0.3;            ///< [m] square root of Z, with constant noise
-  double sigma_initial_m = 0.3;    ///< [m] square root of P_0,r: deviation of a first position
   MeasurementNoise sensor;         ///< Sigma_w, with sensor noise
   double sigma_sampling_m = 0.15;  ///< additional standard deviation, because only one side of the target is visible
 
@@ -21,11 +20,9 @@ struct TrackMeasurementConfig {
 /// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md describes where the paper and its
 /// released code differ and which is the default here.
 struct CloudTrackerConfig {
-  int buffer_size = 10;       ///< [-] N_buf: buffered clouds
-  double radius_scale = 1.5;  ///< [-] c_r: factor of r_unc, eq. (29)
+  int buffer_size = 10;  ///< [-] N_buf: buffered clouds
   enum class RadiusLaw { kPrinted, kSphere };
   RadiusLaw radius_law = RadiusLaw::kPrinted;
-  double search_radius_min_m = 2.5;    ///< [m] r_min: least search radius, eq. (28)
   double radius_max_m = 5.0;           ///< [m] r_max: r_unc above which a track is lost
   double cluster_distance_m = 0.7;     ///< [m] d_cluster, equal to that of the detector
   double background_distance_m = 1.0;  ///< [m] d_min: distance to background below which a cluster is background

@@ -82,11 +82,7 @@ std::unique_ptr<MotionFilter> make_kalman_filter(const KalmanConfig& config);
 /// - coordinated turn in the plane of velocity and acceleration, at the estimate's rate |v x a| / |v|^2 (Li and Jilkov,
 ///   IEEE TAES 39(4), 2003, sec. V-B).
 struct ImmConfig {
-  ProcessNoise constant_velocity{0.01, 0.05, 0.05};
-  ProcessNoise constant_acceleration{0.01, 0.2, 0.6};
-  ProcessNoise coordinated_turn{0.01, 0.05, 0.15};
   double process_period_s = 0.1;
-  double mean_sojourn_s = 2.0;
   InitialSpread initial;
 
   void visit(ConfigVisitor& v);
