@@ -196,7 +196,7 @@ class Intercept : public Guidance {
     const bool can_lead = states_.has_target() && states_.outside_s() == 0.0;
     if (can_lead) {
       arrival_s_ = flight_.arrival_s(target()) + std::max(0.0, led_for_s_ - kIntercept.lead_timeout_s);
-      if (states_.is(State::kLeaving)) arrival_s_ += config_.after_capture_s;
+      if (states_.is(State::kLeaving)) arrival_s_ += InterceptStates::kAfterCapture_s;
     }
     team_.decide(now_, can_lead ? std::optional(arrival_s_) : std::nullopt);
   }

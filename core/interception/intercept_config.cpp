@@ -34,10 +34,6 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.field("yield_clearance_m", yield_clearance_m, "[m] distance of plans from another interceptor that arrives sooner",
           Range::non_negative());
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});
-  v.field("track_timeout_s", track_timeout_s, "[s] age above which a track counts as lost", Range::positive());
-  v.field("after_capture_s", after_capture_s,
-          "[s] longest time for which the vehicle flies away from a captured target before the next approach",
-          Range::non_negative());
   v.object("plan", plan, "plan of method mpc");
   v.object("prediction", prediction, "prediction of the target");
   v.object("gains", gains, "gains of the other methods");

@@ -9,8 +9,7 @@ InterceptStates::InterceptStates(const InterceptConfig& config)
     : leaves_after_capture_(config.method == InterceptConfig::Method::kMpc),
       wanted_captures_(config.captures),
       fence_patience_s_(config.fence.patience_s),
-      search_timeout_s_(config.search.timeout_s),
-      after_capture_s_(config.after_capture_s) {}
+      search_timeout_s_(config.search.timeout_s) {}
 
 void InterceptStates::step(const Inputs& inputs, double dt_s) {
   in_state_s_ += dt_s;
@@ -37,7 +36,7 @@ void InterceptStates::follow_target(const Inputs& inputs, double dt_s) {
       break;
     case State::kLeaving:
       note_ = "captured";
-      if (inputs.is_armed || in_state_s_ > after_capture_s_) enter(State::kChasing);
+      if (inputs.is_armed || in_state_s_ > kAfterCapture_s) enter(State::kChasing);
       break;
     case State::kChasing:
       note_ = "chasing";

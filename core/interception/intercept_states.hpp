@@ -9,6 +9,9 @@ namespace swiftlet {
 /// States of an interception and their transitions.
 class InterceptStates {
  public:
+  /// [s] Longest time for which the vehicle flies away from a captured target before the next approach. Larger values
+  /// leave more distance and lose time.
+  static constexpr double kAfterCapture_s = 2.0;
   enum class State { kWaiting, kChasing, kLeaving, kSearching, kAborted, kDone };
 
   /// Observations of one tick.
@@ -48,7 +51,7 @@ class InterceptStates {
 
   bool leaves_after_capture_;
   int wanted_captures_;
-  double fence_patience_s_, search_timeout_s_, after_capture_s_;
+  double fence_patience_s_, search_timeout_s_;
   State state_ = State::kWaiting;
   bool entered_ = false;
   const char* note_ = "";

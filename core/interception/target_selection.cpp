@@ -8,6 +8,8 @@ namespace swiftlet {
 namespace {
 
 struct SelectionTuning {
+  /// [s] Age above which a track counts as lost. Larger values pursue outdated predictions.
+  double track_timeout_s = 1.0;
   /// [m/s] Growth of the gate kSameTarget_m with the time without a track. Larger values take up other objects.
   double gate_growth_mps = 3.0;
   /// [m] Cost of a target that a teammate leads; more than any distance, so that free targets come first.
@@ -19,7 +21,7 @@ constexpr double kIneligible_m = std::numeric_limits<double>::infinity();
 }  // namespace
 
 TargetSelection::TargetSelection(const InterceptConfig& config, std::optional<std::uint32_t> named_id)
-    : prediction_config_(config.prediction), track_timeout_s_(config.track_timeout_s), named_id_(named_id) {}
+    : prediction_config_(config.prediction), named_id_(named_id) {}
 
 const Track* TargetSelection::select(const GuidanceInput& input, const ChaseTeam& team, bool chasing) {
   const Track* best = nullptr;
@@ -45,7 +47,7 @@ const Track* TargetSelection::select(const GuidanceInput& input, const ChaseTeam
 double TargetSelection::cost_m(const Track& track, const GuidanceInput& input, const ChaseTeam& team,
                                bool chasing) const {
   const TimeNs now = input.observation.t;
-  if (to_seconds(now - track.t) > track_timeout_s_) return kIneligible_m;
+  if (to_seconds(now - track.t) > kSelection.track_timeout_s) return kIneligible_m;
   if (named_id_) return track.id == *named_id_ ? 0.0 : kIneligible_m;
   if (team.is_teammate(track.id)) return kIneligible_m;
   const bool is_free = !team.has_leader(track.position_m, now);

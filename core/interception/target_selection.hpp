@@ -36,7 +36,6 @@ class TargetSelection {
   double cost_m(const Track& track, const GuidanceInput& input, const ChaseTeam& team, bool chasing) const;
 
   TargetPredictionConfig prediction_config_;
-  double track_timeout_s_;
   std::optional<std::uint32_t> named_id_, id_;
   TargetPrediction prediction_;
   TimeNs selected_ = 0;             // time of the last selection of a track

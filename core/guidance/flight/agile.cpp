@@ -162,14 +162,10 @@ void AgileConfig::visit(ConfigVisitor& v) {
   v.field("area_min_m", area_min_m,
           "[m] corner of smallest coordinates of the box around trajectory and start, world frame");
   v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
-  v.field("leg_min_m", leg_min_m, "[m] least distance between successive targets", Range::non_negative());
   v.field("pace_min", pace_min,
           "[-] smallest factor on the largest speed and acceleration; the factor of a leg is drawn between this value "
           "and 1",
           Range::between(0.02, 1.0));
-  v.field("knot_s", knot_s,
-          "[s] interval of the spline's knots; the jerk is at most twice the largest acceleration over this interval",
-          Range{0.05, 10.0, false, false});
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
   v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");

@@ -18,6 +18,12 @@ constexpr double kKnot_s = 0.25;
 constexpr double kLandingPace = 0.5;
 /// [m] distance from the perch at which the bird has landed.
 constexpr double kPerched_m = 0.3;
+/// [m] amplitude and [Hz] frequency of the height of bounding flight (flapping and folding the wings). Larger values
+/// need more vertical acceleration.
+constexpr double kBounding_m = 0.03, kBounding_hz = 1.5;
+/// [s] mean time of flight before a perch, and on a perch; each time is 0.5 to 1.5 times the mean. Larger values
+/// perch less often, and for longer.
+constexpr double kFlying_s = 15.0, kPerching_s = 4.0;
 /// [s] time for the bounding to grow or to fade. Smaller values need more vertical acceleration.
 constexpr double kGrowing_s = 1.0;
 
@@ -58,7 +64,7 @@ void BirdFlight::advance(double dt_s) {
   if (phase_ == Phase::kFlying && t_s_ >= change_at_s_ && !config_.perches_m.empty()) seek_perch();
   if (phase_ == Phase::kToPerch && (spline_.reference().position_m - perch_m_).norm() < kPerched_m) {
     phase_ = Phase::kPerched;
-    change_at_s_ = t_s_ + drawn_s(config_.perch_s);
+    change_at_s_ = t_s_ + drawn_s(kPerching_s);
   }
   if (phase_ == Phase::kPerched && t_s_ >= change_at_s_) {
     spline_.roam();
@@ -71,7 +77,7 @@ void BirdFlight::fly() {
   bounds_ = true;
   bounds_since_s_ = t_s_;
   turn_at_s_ = t_s_ + drawn_s(config_.turn_s);
-  change_at_s_ = t_s_ + drawn_s(config_.flight_s);
+  change_at_s_ = t_s_ + drawn_s(kFlying_s);
 }
 
 void BirdFlight::seek_perch() {
@@ -97,14 +103,14 @@ void BirdFlight::bounding_share(double (&share)[3]) const {
 
 Reference BirdFlight::reference() const {
   Reference r = spline_.reference();
-  const double rate_radps = 2.0 * kPi * config_.bound_hz, angle_rad = rate_radps * t_s_;
+  const double rate_radps = 2.0 * kPi * kBounding_hz, angle_rad = rate_radps * t_s_;
   const double sine = elementary::sin(angle_rad), cosine = elementary::cos(angle_rad);
   double share[3];
   bounding_share(share);
-  r.position_m.z() += config_.bound_m * share[0] * sine;
-  r.velocity_mps.z() += config_.bound_m * (share[1] * sine + share[0] * rate_radps * cosine);
+  r.position_m.z() += kBounding_m * share[0] * sine;
+  r.velocity_mps.z() += kBounding_m * (share[1] * sine + share[0] * rate_radps * cosine);
   r.acceleration_mps2.z() +=
-      config_.bound_m * ((share[2] - share[0] * rate_radps * rate_radps) * sine + 2.0 * share[1] * rate_radps * cosine);
+      kBounding_m * ((share[2] - share[0] * rate_radps * rate_radps) * sine + 2.0 * share[1] * rate_radps * cosine);
   return r;
 }
 
@@ -121,12 +127,6 @@ void BirdConfig::visit(ConfigVisitor& v) {
   v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
   v.field("turn_s", turn_s, "[s] mean time between sudden turns; each time is 0.5 to 1.5 times the mean",
           Range::positive());
-  v.field("bound_m", bound_m, "[m] amplitude of the height of bounding flight (flapping and folding the wings)",
-          Range::between(0.0, 1.0));
-  v.field("bound_hz", bound_hz, "[Hz] frequency of bounding flight", Range{0.0, 10.0, true});
-  v.field("flight_s", flight_s, "[s] mean time of flight before a perch; each time is 0.5 to 1.5 times the mean",
-          Range::positive());
-  v.field("perch_s", perch_s, "[s] mean time on a perch; each time is 0.5 to 1.5 times the mean", Range::positive());
   v.field("perches_m", perches_m, "[m] positions of perches, world frame; none: the bird never perches");
   v.destinations("perches_m", perches_m);
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");

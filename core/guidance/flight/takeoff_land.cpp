@@ -22,10 +22,6 @@ class TakeoffLand : public Guidance {
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     if (landed_) return;
     output.goal = top_;
-    output.motors_on = waited_s_ >= config_.wait_s;
-    output.note = "waiting";
-    waited_s_ += input.dt_s;
-    if (!output.motors_on) return;
     output.speed_limit_mps = config_.climb_speed_mps;
     output.note = "climbing";
     if ((input.estimate.T_local_body.translation() - top_.position_m).norm() < kAtHeight_m) arrived_ = true;
@@ -41,13 +37,12 @@ class TakeoffLand : public Guidance {
   Reference top_;
   Landing landing_;
   bool arrived_ = false, landed_ = false;
-  double waited_s_ = 0.0, hovered_s_ = 0.0;
+  double hovered_s_ = 0.0;
 };
 
 }  // namespace
 
 void TakeoffLandConfig::visit(ConfigVisitor& v) {
-  v.field("wait_s", wait_s, "[s] time at the start with motors off before the climb", Range::non_negative());
   v.field("altitude_m", altitude_m, "[m] height of the climb above the start", Range::positive());
   v.field("hover_s", hover_s, "[s] time of hovering before the landing", Range::non_negative());
   v.field("climb_speed_mps", climb_speed_mps, "[m/s]", Range::positive());

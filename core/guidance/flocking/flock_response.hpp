@@ -18,6 +18,7 @@ struct VisualResponse {
   double turn_radps = 0.0;
 };
 
+/// @param retina  scratch memory of at least 8 pixels; its size is the resolution
 VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
                                std::span<const Neighbor> neighbors, std::vector<char>& retina);
 

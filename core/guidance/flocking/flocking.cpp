@@ -23,6 +23,17 @@ constexpr double kNearest_m = 1e-3;
 constexpr double kLevel_m = 0.6;
 /// [ns] Period of the search for the nearest obstacle. Larger values react later and cost less.
 constexpr TimeNs kLook = kNsPerSecond / 10;
+/// [m] Distance below which an obstacle repels the vehicle, and [m/s] the repulsive speed at half of it. Larger values
+/// keep more distance from obstacles.
+constexpr double kObstacle_m = 2.0, kObstacle_mps = 1.5;
+/// [m] Distance below which a neighbor repels a vehicle of PACNav, and [m/s] the repulsive speed at half of it. Larger
+/// values keep more distance between vehicles.
+constexpr double kNeighbor_m = 3.0, kNeighbor_mps = 1.5;
+/// [s] Time span of the remembered paths of neighbors, and time between their points. A longer span follows steadier
+/// leaders; shorter steps add noise to the lengths of paths.
+constexpr double kMemory_s = 8.0, kSample_s = 0.5;
+/// [-] Pixels of the retina around the vehicle. More pixels resolve smaller angles and cost more time.
+constexpr std::size_t kRetinaPixels = 360;
 /// [cruise speeds] Speed limit of Mezey's model. Smaller values cut the acceleration toward distant neighbors.
 constexpr double kMostSpeed = 2.0;
 /// [-] Fewest remembered points of a neighbor's path from which it can be followed. Smaller values follow noise.
@@ -35,15 +46,14 @@ Vector3 horizontal(Vector3 v) {
   return v;
 }
 
-/// Repulsive velocity [m/s] from all neighbors nearer than distance_m: gain_mps at half of the distance, more if
-/// nearer.
-Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
+/// Repulsive velocity [m/s] from all neighbors nearer than kNeighbor_m.
+Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors) {
   Vector3 push = Vector3::Zero();
   for (const Neighbor& neighbor : neighbors) {
     const Vector3 away = horizontal(p_local_m - neighbor.position_local_m);
     const double d = std::max(away.norm(), kNearest_m);
-    if (d >= distance_m) continue;
-    push += gain_mps * (distance_m / d - 1.0) * away / d;
+    if (d >= kNeighbor_m) continue;
+    push += kNeighbor_mps * (kNeighbor_m / d - 1.0) * away / d;
   }
   return push;
 }
@@ -71,8 +81,8 @@ class LevelFlight : public Guidance {
   Vector3 off_obstacle(const Vector3& p_local_m) const {
     const Vector3 away = horizontal(p_local_m - obstacle_m_);
     const double d = std::max(away.norm(), kNearest_m);
-    if (!obstacle_ || d >= lidar_.avoid_distance_m) return Vector3::Zero();
-    return lidar_.avoid_gain_mps * (lidar_.avoid_distance_m / d - 1.0) * away / d;
+    if (!obstacle_ || d >= kObstacle_m) return Vector3::Zero();
+    return kObstacle_mps * (kObstacle_m / d - 1.0) * away / d;
   }
 
   void fly(const Vector3& p_local_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
@@ -92,9 +102,9 @@ class LevelFlight : public Guidance {
     next_look_ = input.observation.t + kLook;
     const Vector3 p_local_m = input.estimate.T_local_body.translation();
     const double edge_m = input.map->edge_m();
-    input.map->occupied_within(p_local_m, lidar_.avoid_distance_m, kEver, voxels_m_);
+    input.map->occupied_within(p_local_m, kObstacle_m, kEver, voxels_m_);
     obstacle_ = false;
-    double least_m = lidar_.avoid_distance_m;
+    double least_m = kObstacle_m;
     for (const Vector3& voxel_m : voxels_m_) {
       if (std::abs(voxel_m.z() - p_local_m.z()) > kLevel_m) continue;
       const Vector3 nearest_m = nearest_in_voxel(p_local_m, voxel_m, edge_m);
@@ -150,7 +160,7 @@ class Pacnav : public LevelFlight {
     const double radius_m = config_.informed ? config_.arrival_radius_m : 2.0 * config_.follow_radius_m;
     arrived_ = arrived_ || to_goal_m <= radius_m;
     Vector3 v = toward(p_local_m, aim(p_local_m, goal_local_m));
-    v += avoidance(p_local_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
+    v += avoidance(p_local_m, neighbors_.neighbors());
     v += off_obstacle(p_local_m);
     if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
     fly(p_local_m, v, config_.speed_mps, output);
@@ -186,17 +196,17 @@ class Pacnav : public LevelFlight {
   }
 
   void remember(TimeNs now) {
-    const auto most = static_cast<std::size_t>(config_.memory_s / config_.sample_s) + 1;
+    const auto most = static_cast<std::size_t>(kMemory_s / kSample_s) + 1;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       auto path =
           std::find_if(paths_.begin(), paths_.end(), [&](const RememberedPath& p) { return p.key == neighbor.key; });
       if (path == paths_.end()) path = paths_.insert(paths_.end(), {neighbor.key, {}, 0});
-      if (!path->points_local_m.empty() && now - path->last < from_seconds(config_.sample_s)) continue;
+      if (!path->points_local_m.empty() && now - path->last < from_seconds(kSample_s)) continue;
       if (path->points_local_m.size() >= most) path->points_local_m.erase(path->points_local_m.begin());
       path->points_local_m.push_back(neighbor.position_local_m);
       path->last = now;
     }
-    std::erase_if(paths_, [&](const RememberedPath& p) { return now - p.last > from_seconds(config_.memory_s); });
+    std::erase_if(paths_, [&](const RememberedPath& p) { return now - p.last > from_seconds(kMemory_s); });
   }
 
   PacnavConfig config_;
@@ -234,7 +244,7 @@ class Mezey : public LevelFlight {
 
  private:
   MezeyConfig config_;
-  std::vector<char> retina_;
+  std::vector<char> retina_ = std::vector<char>(kRetinaPixels);
   double heading_rad_ = 0.0, speed_mps_ = 0.0;
 };
 
@@ -248,8 +258,8 @@ double path_persistence(std::span<const Vector3> path_local_m) {
 
 VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
                                std::span<const Neighbor> neighbors, std::vector<char>& retina) {
-  const int n = config.retina_pixels;
-  retina.assign(static_cast<std::size_t>(n), 0);
+  const int n = static_cast<int>(retina.size());
+  std::fill(retina.begin(), retina.end(), 0);
   const double pixel = 2.0 * kPi / n;
   for (const Neighbor& neighbor : neighbors) {
     const Vector3 offset = horizontal(neighbor.position_local_m - p_local_m);
@@ -277,9 +287,6 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local
 
 void FlockObstacleConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] whether the vehicle avoids obstacles in its map (mapping)");
-  v.field("avoid_distance_m", avoid_distance_m, "[m] distance below which an obstacle repels the vehicle",
-          Range::positive());
-  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] repulsive speed at half of avoid_distance_m", Range::non_negative());
 }
 
 void PacnavConfig::visit(ConfigVisitor& v) {
@@ -294,17 +301,11 @@ void PacnavConfig::visit(ConfigVisitor& v) {
           "the goal",
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
-  v.field("memory_s", memory_s, "[s] time span of the remembered paths of neighbors", Range::positive());
-  v.field("sample_s", sample_s, "[s] time between the points of a remembered path", Range::between(0.001, 1e6));
-  v.field("avoid_distance_m", avoid_distance_m, "[m] distance below which a neighbor repels the vehicle",
-          Range::positive());
-  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] repulsive speed at half of avoid_distance_m", Range::non_negative());
   v.field("least_persistence", least_persistence,
           "[-] least persistence (displacement over length) of a path that is followed", Range::probability());
   v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "avoidance of obstacles");
   v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");
-  v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
 
 void MezeyConfig::visit(ConfigVisitor& v) {
@@ -325,8 +326,6 @@ void MezeyConfig::visit(ConfigVisitor& v) {
   v.field("beta1", beta1, "[-] beta_1: weight of edges in the turn rate", Range::non_negative());
   v.field("body_radius_m", body_radius_m, "[m] radius of a neighbor in the projection on the retina",
           Range::positive());
-  v.field("retina_pixels", retina_pixels, "[-] number of pixels of the retina around the vehicle",
-          Range::between(8, 100000));
   v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "avoidance of obstacles");
 }

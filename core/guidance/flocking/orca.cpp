@@ -20,6 +20,11 @@ constexpr double kApproach_s = 1.5;
 /// [s] Time in which vehicles that are too close separate; the velocity is chosen twice as often. Smaller values push
 /// them apart faster.
 constexpr double kOrcaStep_s = 0.2;
+/// [s] Time horizon for which the chosen velocities keep vehicles apart. Larger values evade earlier and fly slower
+/// among many neighbors.
+constexpr double kOrcaHorizon_s = 4.0;
+/// [deg] Turn of the preferred velocity to the right. At 0, two vehicles that fly straight at each other only brake.
+constexpr double kOrcaTurn_deg = 5.0;
 /// [m/s] Length of a vector below which its direction is arbitrary; guards a division by 0.
 constexpr double kNothing = 1e-9;
 /// [m/s] Accepted violation of a plane. Larger values accept a velocity after fewer relaxations, and are less safe.
@@ -103,10 +108,9 @@ class Orca : public Guidance {
     planes_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
-                                   level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kOrcaStep_s));
+                                   level(neighbor.velocity_local_mps), distance_m, kOrcaHorizon_s, kOrcaStep_s));
     }
-    // Turned slightly to the right, because two vehicles that fly straight at each other would only brake.
-    const Vector3 wanted = Eigen::AngleAxisd(-config_.turn_deg * kRadPerDeg, Vector3::UnitZ()) *
+    const Vector3 wanted = Eigen::AngleAxisd(-kOrcaTurn_deg * kRadPerDeg, Vector3::UnitZ()) *
                            within(to_goal_m / kApproach_s, config_.speed_mps);
     if (!config_.planar) {
       const double up_m = to_local.height(config_.z_max_m) - p_local_m.z();
@@ -179,9 +183,6 @@ void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
-  v.field("horizon_s", horizon_s, "[s] time horizon for which velocities keep vehicles apart", Range::positive());
-  v.field("turn_deg", turn_deg, "[deg] turn of the wanted velocity to the right, which avoids deadlocks",
-          Range::between(-90.0, 90.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
   v.field("planar", planar, "[-] flight at the height of the goal; vehicles avoid each other horizontally");

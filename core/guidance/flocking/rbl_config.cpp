@@ -17,8 +17,6 @@ void RblConfig::visit(ConfigVisitor& v) {
       "[s] time without progress after which the mission ends with the reason: the goal is occupied, or outside of the "
       "limits; 0: never",
       Range::non_negative());
-  v.field("update_rate_hz", update_rate_hz, "[Hz] rate of updates of cells, rules and centroid",
-          Range::between(1e-3, 1e5));
   v.field("speed_mps", speed_mps, "[m/s] largest speed, within the motion limits", Range::positive());
   v.field(
       "ground_m", ground_m,

@@ -295,9 +295,6 @@ void RblDetourConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled,
           "[-] whether a vehicle with `lidar` plans a path in its own map when it makes no progress");
   v.field("patience_s", patience_s, "[s] time without progress before a path is planned", Range::positive());
-  v.field("climb_m", climb_m,
-          "[m] largest height difference of the path to the vehicle; near the goal, also to the goal",
-          Range::non_negative());
   v.field("planning_latency_s", planning_latency_s,
           "[s] delay from the start of a search until its path is flown, as of the onboard computer",
           Range::between(0.0, 1000.0));

@@ -19,6 +19,8 @@ constexpr double kAims_m = 1.0;
 constexpr double kUnseen_m = 0.2;
 /// [sensing radii] Range within which a view counts as evidence of free space. Larger values trust sparse returns.
 constexpr double kSeesFree_radii = 2.0;
+/// [s] Age of the last hit up to which a voxel counts as sensed now and cuts A'. Larger values keep ghosts for longer.
+constexpr double kSensed_s = 0.5;
 /// [m] Step of the search for a free height. Larger values may step over thin obstacles.
 constexpr double kHeightStep_m = 0.2;
 /// [deg] Bounds of the elevation of the edge of the field of view, for the distance from which the goal is in view. The
@@ -88,7 +90,7 @@ Vector3 RblLidar::within_sight(const Situation& situation, const RblCell& cell, 
   }
   for (const HalfSpace& side : view(T_local_body.linear())) sensed_.cut(side);
   sensed_cuts_.clear();
-  if (!whole_cell) cut_by(sensed_, sensed_cuts_, situation, situation.now - from_seconds(config_.sensed_s));
+  if (!whole_cell) cut_by(sensed_, sensed_cuts_, situation, situation.now - from_seconds(kSensed_s));
   const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
   if (sample >= 0 && !faces(T_local_body, yaw_rad)) return p_local_m;
   const Vector3 seen_agent_m = sample >= 0 ? sensed_.point(sample) : Vector3::Zero();

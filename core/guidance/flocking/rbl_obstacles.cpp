@@ -79,8 +79,6 @@ void RblLidarConfig::visit(ConfigVisitor& v) {
   v.field("facing_deg", facing_deg,
           "[deg] largest angle between heading and direction to the centroid at which the vehicle flies",
           Range::between(1.0, 180.0));
-  v.field("sensed_s", sensed_s, "[s] age of the last hit up to which a voxel counts as sensed now (cell A')",
-          Range::positive());
 }
 
 }  // namespace swiftlet

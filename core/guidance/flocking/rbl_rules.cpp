@@ -65,7 +65,7 @@ double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, 
     next = std::clamp(phi_rad + sense * step, -kMostElevation_rad, kMostElevation_rad);
   }
   const bool is_counterproductive = std::abs(now.partitioned_agent_m.z()) > std::abs(now.unrotated_agent_m.z());
-  return rules.elevation_reset && std::abs(next) >= kMostElevation_rad && is_counterproductive ? 0.0 : next;
+  return std::abs(next) >= kMostElevation_rad && is_counterproductive ? 0.0 : next;
 }
 
 }  // namespace
@@ -75,7 +75,8 @@ bool wants_elevation(const RblRules& rules, const RblSituation& now) {
   const bool apart = rules.elevation_condition == RblRules::ElevationCondition::kGap ? gap_m > rules.elevation_gap_m
                                                                                      : gap_m < rules.elevation_gap_m;
   const double shrink_m = length_xy(now.sensing_agent_m) - length_xy(now.partitioned_agent_m);
-  const bool shrunk = (rules.elevation_shrink_absolute ? std::abs(shrink_m) : shrink_m) > rules.elevation_shrink_m;
+  // The document takes the absolute value of shrink_m. A level path that neighbors do not shorten needs no elevation.
+  const bool shrunk = shrink_m > rules.elevation_shrink_m;
   return (apart && std::abs(now.partitioned_agent_m.z()) < rules.elevation_near_m) || shrunk;
 }
 
@@ -165,17 +166,12 @@ void RblRules::visit(ConfigVisitor& v) {
       "program), or farther than d_3");
   v.choice("elevation_condition", elevation_condition, {"gap", "printed"},
            "[-] first part of (2.15): vertical gap above d_6 and c_A nearer than d_5, or below d_6 as printed");
-  v.field("elevation_shrink_absolute", elevation_shrink_absolute,
-          "[-] whether the second part of (2.15) takes the absolute value, as printed");
   v.choice("direction_influence", direction_influence, {"north", "printed", "program"},
            "[-] (2.17): +1 to the north, -1 to the south (the text), the printed formula, or the authors' program");
   v.choice("elevation_sense", elevation_sense, {"level", "up", "printed"},
            "[-] positive phi turns the destination up, and its own turn counts backwards in (2.18); up, and counts as "
            "printed; or down, as (2.20) is printed");
-  v.field("elevation_reset", elevation_reset,
-          "[-] whether phi falls to 0 at its limit when it has no effect (the authors' program)");
   v.field("azimuth_rule", azimuth_rule, "[-] whether the right-hand rule (2.8) to (2.12) is applied");
-  v.field("elevation_rule", elevation_rule, "[-] whether the z-rule (2.15) to (2.19) is applied; never in 2D");
   v.check(centering_weight + direction_weight > 0.0, "direction_weight", "a weight above 0 beside centering_weight");
   v.check(beta_min_m <= beta_desired_m, "beta_min_m", "at most beta_desired_m");
 }

@@ -32,7 +32,6 @@ void GuideConfig::visit(ConfigVisitor& v) {
   v.field("periodic", periodic, "[-] whether the rest of the path is sent periodically; false: the path once");
   v.choice("motion", motion, {"alternate", "ahead", "together"},
            "[-] the next leg is planned while both hover, while the guided vehicle flies, or so that both fly at once");
-  v.field("guiding_rate_hz", guiding_rate_hz, "[Hz] rate of guiding messages", Range::between(0.01, 1000.0));
   v.field("visited_m", visited_m, "[m] distance within which a waypoint counts as visited", Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] highest speed of the guide, horizontal and vertical each", Range::positive());
   v.field("planning_latency_s", planning_latency_s,

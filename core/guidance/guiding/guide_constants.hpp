@@ -5,6 +5,8 @@ namespace swiftlet {
 
 /// Constants of the guide.
 struct GuideConstants {
+  /// [s] period of guiding messages. Larger values save radio capacity and correct the guided vehicle's path later.
+  static constexpr double kGuidingPeriod_s = 0.2;
   /// [m] clearance around the figure that a lost vehicle flies: its radius and the error of its last known position.
   /// Larger values request smaller figures, or none.
   static constexpr double kFigureClearance_m = 0.6;

@@ -12,7 +12,7 @@ void GuideReporter::send(const GuidanceInput& input, const GuidedTeam& team, con
                          MissionStatus mission, Outbox& outbox) {
   const TimeNs now = input.observation.t;
   if (now < next_ || std::ranges::none_of(team.vehicles(), &GuidedVehicle::was_known)) return;
-  next_ = now + period_;
+  next_ = now + from_seconds(GuideConstants::kGuidingPeriod_s);
   ++num_sent_;
   for (const GuidedVehicle& vehicle : team.vehicles()) {
     if (vehicle.was_known) send_to(vehicle, input, team, path, mission, outbox);

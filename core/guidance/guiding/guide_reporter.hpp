@@ -11,8 +11,7 @@ namespace swiftlet {
 class GuideReporter {
  public:
   /// @param config  must outlive this object
-  explicit GuideReporter(const GuideConfig& config)
-      : config_(config), period_(from_seconds(1.0 / config.guiding_rate_hz)) {}
+  explicit GuideReporter(const GuideConfig& config) : config_(config) {}
 
   /// Marks the path as new, so that it is sent even if paths are not sent periodically.
   void start_path() { was_path_sent_ = false; }
@@ -25,7 +24,7 @@ class GuideReporter {
                MissionStatus mission, Outbox& outbox);
 
   const GuideConfig& config_;
-  TimeNs period_, next_ = 0;
+  TimeNs next_ = 0;
   std::uint32_t num_sent_ = 0;
   bool was_path_sent_ = false;
 };

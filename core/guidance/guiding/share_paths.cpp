@@ -17,6 +17,8 @@ namespace {
 
 /// Constants of shared paths.
 struct SharePathsConstants {
+  /// [s] longest duration of a plan. Larger values admit longer paths and take more time to plan.
+  static constexpr double kLongest_s = 6.0;
   /// [s] interval between points of a predicted path, and [-] steps of the governor in it. Larger intervals save time
   /// and overlook short conflicts.
   static constexpr double kInterval_s = 0.1;
@@ -146,7 +148,7 @@ class SharePaths : public Guidance {
     Reference goal;
     goal.position_m = to_local_m;
     goal.yaw_rad = governor.state().yaw_rad;
-    const int most = static_cast<int>(config_.longest_s / PathConstants::kInterval_s);
+    const int most = static_cast<int>(PathConstants::kLongest_s / PathConstants::kInterval_s);
     for (int i = 0; i < most; ++i) {
       for (int k = 0; k < PathConstants::kParts; ++k)
         governor.step(goal, PathConstants::kInterval_s / PathConstants::kParts, config_.speed_mps);
@@ -268,11 +270,9 @@ void SharePathsConfig::visit(ConfigVisitor& v) {
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
           Range::positive());
-  v.field("period_s", period_s, "[s] period of planning", Range::positive());
   v.field("check_s", check_s,
           "[s] delay check: time in which a conflicting path cancels a plan; at least the delay of the radio",
           Range::non_negative());
-  v.field("longest_s", longest_s, "[s] longest duration of a plan", Range::between(0.5, 60.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
   v.field("planar", planar, "[-] flight at the height of the start");

@@ -11,6 +11,8 @@
 namespace swiftlet {
 namespace {
 
+/// [s] Period at which planes and admitted goal are computed. Smaller values react sooner and cost more time.
+constexpr double kKeepApartPeriod_s = 0.1;
 /// [-] Rounds of projections onto the planes. With fewer, a goal among many neighbors stays farther behind some plane,
 /// and the vehicle waits.
 constexpr int kProjections = 30;
@@ -38,7 +40,7 @@ class KeptApart : public Guidance {
       : guidance_(std::move(guidance)),
         config_(config),
         planar_(planar),
-        period_(from_seconds(1.0 / config.update_rate_hz)),
+        period_(from_seconds(kKeepApartPeriod_s)),
         neighbors_(config.neighbors, setup.agent.neighbor_views),
         safety_(config, {.limits = setup.limits,
                          .views = setup.agent.neighbor_views,

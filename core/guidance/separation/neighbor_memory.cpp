@@ -13,9 +13,12 @@ namespace {
 /// [m^2] Variance of positions received by radio, per axis. Larger values smooth the estimated velocities and delay
 /// them.
 constexpr double kRadioVariance_m2 = 1e-4;
-/// [ns] Longest prediction. After that the position is held, and its uncertainty grows with unseen_speed_mps. Larger
+/// [ns] Longest prediction. After that the position is held, and its uncertainty grows with kUnseenGrowth_mps. Larger
 /// values trust old velocities.
 constexpr TimeNs kLongestAhead = 1'000'000'000;
+/// [m/s] Growth of the standard deviation of a held position. Larger values keep more distance from unmeasured
+/// neighbors.
+constexpr double kUnseenGrowth_mps = 0.5;
 /// [ns] Time after kLongestAhead until an unmeasured neighbor counts as at rest. Larger values brake for lost
 /// neighbors.
 constexpr TimeNs kLongestMotion = 2'000'000'000;
@@ -44,9 +47,6 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("first_speed_sigma_mps", first_speed_sigma_mps,
           "[m/s] standard deviation by axis of the velocity of a neighbor after its first measurement",
           Range::positive());
-  v.field("unseen_speed_mps", unseen_speed_mps,
-          "[m/s] growth of the position's standard deviation of an unmeasured neighbor after the first second",
-          Range::non_negative());
   v.field(
       "remember_hidden", remember_hidden,
       "[-] whether the timeout counts only while the neighbor should be in view: a neighbor in the blind sector is not "
@@ -104,7 +104,7 @@ Vector3 NeighborMemory::position_now_local_m(const Filter& filter) const {
   return ahead > 0 ? Vector3(filter.x.head<3>() + to_seconds(ahead) * filter.x.tail<3>()) : filter.x.head<3>();
 }
 
-// State carried forward to now. Beyond kLongestAhead the position is held and becomes uncertain with unseen_speed_mps.
+// State carried forward to now. Beyond kLongestAhead the position is held and becomes uncertain with kUnseenGrowth_mps.
 Neighbor NeighborMemory::now_of(const Filter& filter) const {
   const TimeNs now = now_;
   Neighbor neighbor{filter.key,
@@ -129,7 +129,7 @@ Neighbor NeighborMemory::now_of(const Filter& filter) const {
       neighbor.unpredicted_s = 0.0;
       neighbor.velocity_local_mps.setZero();
     }
-    const double beyond_m = config_.unseen_speed_mps * to_seconds(now - ahead.t);
+    const double beyond_m = kUnseenGrowth_mps * to_seconds(now - ahead.t);
     neighbor.covariance_local_m2 += beyond_m * beyond_m * Matrix3::Identity();
   }
   return neighbor;

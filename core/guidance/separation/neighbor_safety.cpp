@@ -11,6 +11,9 @@ constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Constants of the rules.
 struct Rule {
+  /// [s] Delay before a vehicle brakes, in addition to the period of the updates. Larger values keep more distance and
+  /// slow the vehicle down.
+  static constexpr double kReaction_s = 0.2;
   /// [m] Violation of a plane above which the vehicle evades. Smaller values evade for noise.
   static constexpr double kViolation_m = 0.01;
   /// [s] Time without measurement after which a neighbor no longer shrinks the cell below kMinCellSize_m. Larger values
@@ -58,7 +61,7 @@ NeighborSafety::NeighborSafety(const SeparationConfig& config, const Vehicle& ve
       vehicle_(vehicle),
       distance_m_(config.distance_m(vehicle.encumbrance_m)),
       vertical_m_(vehicle.planar ? distance_m_ : config.vertical_m),
-      reaction_s_(config.reaction_s + to_seconds(vehicle.period)),
+      reaction_s_(Rule::kReaction_s + to_seconds(vehicle.period)),
       range_m_(range_of(vehicle.views)),
       reference_(config.within(vehicle.limits), vehicle.planar),
       sight_(vehicle.views) {
@@ -232,7 +235,7 @@ std::optional<double> NeighborSafety::evasion_height_local_m(const Situation& si
 }
 
 double NeighborSafety::speed_limit_mps(const SampleTiming& timing) const {
-  const double unknown_s = timing.longest_s + timing.latency_s + config_.reaction_s + to_seconds(vehicle_.period);
+  const double unknown_s = timing.longest_s + timing.latency_s + Rule::kReaction_s + to_seconds(vehicle_.period);
   return speed_into_unknown_mps(range_m_, unknown_s, distance_m_, vehicle_.limits.horizontal_acceleration_mps2);
 }
 

@@ -23,8 +23,6 @@ void SeparationConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
           Range::positive());
-  v.field("reaction_s", reaction_s, "[s] delay before a vehicle brakes, added to the period of the updates",
-          Range::non_negative());
   v.field("pledge_share", pledge_share,
           "[-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles. 0: no "
           "pledges",
@@ -39,8 +37,6 @@ void SeparationConfig::visit(ConfigVisitor& v) {
 void KeepApartConfig::visit(ConfigVisitor& v) {
   SeparationConfig::visit(v);
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
-  v.field("update_rate_hz", update_rate_hz, "[Hz] rate at which planes and admitted goal are computed",
-          Range::between(1e-3, 1e5));
   v.field("z_min_m", z_min_m, "[m] lowest height of an evasion");
   v.field("z_max_m", z_max_m, "[m] highest height of an evasion");
   v.object("neighbors", neighbors, "source of the neighbors to keep apart from");

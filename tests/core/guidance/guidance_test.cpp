@@ -124,21 +124,6 @@ TEST(Waypoints, LandAtEndAndStopMotors) {
   EXPECT_NEAR(flight.p().x(), 3.0, 0.2);
 }
 
-TEST(TakeoffLand, WaitsWithItsMotorsOff) {
-  TakeoffLandConfig config;
-  config.wait_s = 2.0;
-  IdealFlight flight("takeoff_land", config, MotionLimitsConfig::Set::kMedium);
-  bool was_off = true;
-  for (int i = 0; i < static_cast<int>(4.0 / kDt); ++i) {
-    flight.step();
-    if (flight.out.motors_on == was_off) {
-      EXPECT_NEAR(i * kDt, 2.0, 2 * kDt);
-    }
-    was_off = !flight.out.motors_on;
-  }
-  EXPECT_FALSE(was_off);
-}
-
 TEST(TakeoffLand, ClimbsHoversLandsAndIsDone) {
   TakeoffLandConfig config;
   config.altitude_m = 3.0;

@@ -97,8 +97,6 @@ TEST(RblInterpretations, RequestsElevationForGapOrLoss) {
   EXPECT_FALSE(wants({1.0, 0, 0.3}, {1.0, 0, 0.3}));
   EXPECT_TRUE(wants({0.6, 0, 0}, {1.0, 0, 0})) << "loss";
   EXPECT_FALSE(wants({1.4, 0, 0}, {1.0, 0, 0})) << "a gain is no loss";
-  rules.elevation_shrink_absolute = true;
-  EXPECT_TRUE(wants({1.4, 0, 0}, {1.0, 0, 0}));
   rules.elevation_condition = RblRules::ElevationCondition::kPrinted;
   EXPECT_TRUE(wants({1.0, 0, 0.1}, {1.0, 0, 0.1})) << "printed: without a gap";
   EXPECT_FALSE(wants({1.0, 0, 0.1}, {1.0, 0, 1.5}));

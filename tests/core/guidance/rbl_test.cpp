@@ -212,7 +212,6 @@ TEST(RblRules, OwnTurnCountsBackwardsLimitingPhi) {
 
 TEST(RblRules, PhiRisesToAnEighthTurn) {
   RblRules rules;
-  rules.elevation_reset = false;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
   now.goal_agent_m = {1, 10, 0};

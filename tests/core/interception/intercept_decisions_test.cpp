@@ -40,11 +40,9 @@ TEST(InterceptDecisions, AcceptsOnlyTracksNearThePrediction) {
 }
 
 TEST(InterceptDecisions, LosesATrackAfterItsTimeout) {
-  InterceptConfig config;
-  config.track_timeout_s = 0.8;
-  Prey hunt(config, {-25.0, 0.0, 12.0});
+  Prey hunt({}, {-25.0, 0.0, 12.0});
   hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero()); });
-  hunt.run(0.75);
+  hunt.run(0.95);
   EXPECT_FALSE(noted(hunt, kLost));
   hunt.run(0.1);
   EXPECT_TRUE(noted(hunt, kLost));

@@ -17,9 +17,9 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
   double acceleration_max_mps2 = 4.5;
   Eigen::Vector3d area_min_m = {-30.0, -30.0, 4.0};
   Eigen::Vector3d area_max_m = {30.0, 30.0, 10.0};
-  double leg_min_m = 15.0;
-  double pace_min = 1.0;  ///< smallest share of speed_max_mps and acceleration_max_mps2 drawn for a leg
-  double knot_s = 0.5;
+  double leg_min_m = 15.0;  ///< [m] least distance between successive targets; smaller values turn more often
+  double pace_min = 1.0;    ///< smallest share of speed_max_mps and acceleration_max_mps2 drawn for a leg
+  double knot_s = 0.5;      ///< [s] interval of the spline's knots; smaller values allow more jerk
   enum class Yaw { kAlongPath, kFixed };
   Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;

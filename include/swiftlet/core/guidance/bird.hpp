@@ -19,10 +19,6 @@ struct BirdConfig : ModuleConfigOf<BirdConfig> {
   Eigen::Vector3d area_min_m = {-30.0, -30.0, 4.0};
   Eigen::Vector3d area_max_m = {30.0, 30.0, 10.0};
   double turn_s = 2.0;
-  double bound_m = 0.03;
-  double bound_hz = 1.5;
-  double flight_s = 15.0;
-  double perch_s = 4.0;
   std::vector<Eigen::Vector3d> perches_m;
 
   void visit(ConfigVisitor& v) override;

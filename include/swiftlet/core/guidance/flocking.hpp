@@ -15,8 +15,6 @@ namespace swiftlet {
 /// repels the vehicle.
 struct FlockObstacleConfig {
   bool enabled = false;
-  double avoid_distance_m = 2.0;
-  double avoid_gain_mps = 1.5;
 
   void visit(ConfigVisitor& v);
 };
@@ -34,10 +32,6 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   double arrival_radius_m = 0.2;
   double follow_radius_m = 3.0;
   double speed_mps = 1.0;
-  double memory_s = 8.0;
-  double sample_s = 0.5;
-  double avoid_distance_m = 3.0;
-  double avoid_gain_mps = 1.5;
   double least_persistence = 0.3;
   NeighborSourceConfig neighbors = NeighborSourceConfig::without_memory();
   FlockObstacleConfig lidar;
@@ -62,7 +56,6 @@ struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
   double beta0 = 1.5;
   double beta1 = 0.12;
   double body_radius_m = 0.5;
-  int retina_pixels = 360;
   NeighborSourceConfig neighbors = NeighborSourceConfig::without_memory();
   FlockObstacleConfig lidar;
 

@@ -44,7 +44,6 @@ struct GuideConfig : ModuleConfigOf<GuideConfig> {
   bool loop = false;
   bool periodic = true;
   Motion motion = Motion::kAlternate;
-  double guiding_rate_hz = 5.0;
   double visited_m = 0.2;
   double speed_mps = 1.0;
   double planning_latency_s = 0.5;

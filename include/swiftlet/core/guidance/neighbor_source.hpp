@@ -12,7 +12,6 @@ struct NeighborSourceConfig {
   double timeout_s = 10.0;
   double acceleration_sigma_mps2 = 2.0;
   double first_speed_sigma_mps = 2.0;
-  double unseen_speed_mps = 0.5;
   bool remember_hidden = true;
   bool predict = true;
 

@@ -20,8 +20,6 @@ struct OrcaConfig : ModuleConfigOf<OrcaConfig> {
   double speed_mps = 2.0;
   double encumbrance_m = 0.5;
   double margin_m = 0.1;
-  double horizon_s = 4.0;
-  double turn_deg = 5.0;
   double z_min_m = 1.0;
   double z_max_m = 10.0;
   bool planar = false;

@@ -15,7 +15,7 @@ namespace swiftlet {
 struct RblDetourConfig {
   bool enabled = true;
   double patience_s = 3.0;
-  double climb_m = 1.0;
+  double climb_m = 1.0;  ///< [m] largest height difference of the path to the vehicle; near the goal, also to the goal
   double planning_latency_s = 0.5;
   double retry_after_s = 2.0;
   int retries = 3;
@@ -43,7 +43,6 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double arrival_radius_m = 0.2;
   double settle_s = 8.0;
-  double update_rate_hz = 10.0;
   double speed_mps = 4.0;
   double ground_m = 0.0;
   double z_min_m = 1.0;

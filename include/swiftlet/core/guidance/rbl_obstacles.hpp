@@ -20,7 +20,6 @@ struct RblLidarConfig {
   double fov_lower_deg = 20.0;
   double fov_deg = 59.0;
   double facing_deg = 60.0;
-  double sensed_s = 0.5;
 
   void visit(ConfigVisitor& v);
 };

@@ -7,7 +7,7 @@
 namespace swiftlet {
 
 /// Rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
-/// differs from its authors' program, the interpretation is an option (docs/rbl.md).
+/// differs from its authors' program, the interpretation is an option, or fixed (docs/rbl.md).
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
@@ -31,14 +31,12 @@ struct RblRules {
   AzimuthReset azimuth_reset = AzimuthReset::kDetour;
   enum class ElevationCondition { kGap, kPrinted };
   ElevationCondition elevation_condition = ElevationCondition::kGap;
-  bool elevation_shrink_absolute = false;
   enum class DirectionInfluence { kNorth, kPrinted, kProgram };
   DirectionInfluence direction_influence = DirectionInfluence::kNorth;
   enum class ElevationSense { kLevel, kUp, kPrinted };
   ElevationSense elevation_sense = ElevationSense::kLevel;
-  bool elevation_reset = true;
   bool azimuth_rule = true;
-  bool elevation_rule = true;
+  bool elevation_rule = true;  ///< z-rule (2.15) to (2.19); RblConfig enables it for the variant 3d_z only
 
   void visit(ConfigVisitor& v);
 };

@@ -13,7 +13,6 @@ struct SeparationConfig {
   double margin_m = 0.1;
   double sigmas = 2.0;
   double vertical_m = 1.5;
-  double reaction_s = 0.2;
   double pledge_share = 0.45;
   double acceleration_mps2 = 2.5;
   double jerk_mps3 = 15.0;
@@ -29,7 +28,6 @@ struct SeparationConfig {
 /// Separation of a guidance other than `rbl`: the vehicle's own goals are admitted, moved or held back (kept_apart()).
 struct KeepApartConfig : SeparationConfig {
   double encumbrance_m = 0.5;
-  double update_rate_hz = 10.0;
   double z_min_m = 1.0;
   double z_max_m = 10.0;
   NeighborSourceConfig neighbors;

@@ -20,9 +20,8 @@ struct SharePathsConfig : ModuleConfigOf<SharePathsConfig> {
   double encumbrance_m = 0.5;
   double margin_m = 0.1;
   double vertical_m = 1.5;
-  double period_s = 0.5;
+  double period_s = 0.5;  ///< [s] period of planning; smaller values replan sooner and send more messages
   double check_s = 0.2;
-  double longest_s = 6.0;
   double z_min_m = 1.0;
   double z_max_m = 10.0;
   bool planar = false;

@@ -9,7 +9,6 @@ namespace swiftlet {
 
 /// Takeoff, hover, landing, motors off. Done when landed.
 struct TakeoffLandConfig : ModuleConfigOf<TakeoffLandConfig> {
-  double wait_s = 0.0;
   double altitude_m = 2.0;
   double hover_s = 5.0;
   double climb_speed_mps = 1.0;
