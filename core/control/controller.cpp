@@ -14,6 +14,12 @@ namespace {
 
 /// [kg/m^3] Density of air at sea level, for the compensation of drag.
 constexpr double kAirDensity_kgpm3 = 1.225;
+/// [m/s^2] Limit of the feedback of position and velocity errors together. Larger values return faster from large
+/// errors, with more tilt.
+constexpr double kFeedbackMax_mps2 = 6.0;
+/// [-] Share of the motors' lag that is compensated. Larger values permit faster loops and command larger changes of
+/// speed.
+constexpr double kMotorLead = 0.5;
 
 /// Gains derived from the airframe's motors; numbers in the configuration override them.
 ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {
@@ -21,7 +27,7 @@ ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& co
   // Delay in the rate loop [s]: the part of the motors' lag that is not compensated, and one and a half ticks. Each
   // outer loop is slower than the loop inside by a fixed factor.
   const double motor_lag_s = 0.5 * (airframe.motor_time_constant_up_s + airframe.motor_time_constant_down_s);
-  const double lag_s = (1.0 - config.motor_lead) * motor_lag_s + 1.5 * tick_s;
+  const double lag_s = (1.0 - kMotorLead) * motor_lag_s + 1.5 * tick_s;
   const double rate = given_or(config.rate_radps, std::clamp(0.5 / lag_s, 4.0, 35.0));
   const double attitude = given_or(config.attitude_radps, rate / 4.0);  // critically damped with the rate loop
   const double position = given_or(config.position_radps, std::min(attitude / 2.5, 2.5));
@@ -82,8 +88,6 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
   v.field("position_damping", position_damping, "[-] damping ratio of the position loop", Range::positive());
   v.field("integral_time_s", integral_time_s, "[s] integral time of the position loop; 0: no integral part", range);
   v.field("integral_max_mps2", integral_max_mps2, "[m/s^2] limit of the integral part, which compensates wind", range);
-  v.field("feedback_max_mps2", feedback_max_mps2, "[m/s^2] limit of the feedback of position and velocity errors",
-          Range::positive());
   v.field("attitude_radps", attitude_radps, "[rad/s] commanded rate per rad of tilt error; 0: from the airframe",
           range);
   v.field("rate_radps", rate_radps, "[1/s] angular acceleration per error of roll or pitch rate; 0: from the airframe",
@@ -97,9 +101,6 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
   v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] limit of commanded roll and pitch rates",
           Range::positive());
   v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] limit of the commanded yaw rate", Range::positive());
-  v.field("motor_lead", motor_lead, "[-] share of the motors' lag that is compensated", Range::between(0.0, 0.9));
-  v.field("drag_compensation", drag_compensation,
-          "[-] whether the commanded thrust compensates the airframe's drag in still air");
 }
 
 MultirotorController::MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s)
@@ -175,14 +176,14 @@ Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate,
   const Vector3 p_error = reference.position_m - estimate.T_local_body.translation();
   const Vector3 v_error = reference.velocity_mps - estimate.v_local_mps;
   const Vector3 feedback = gains_.position * p_error + gains_.velocity * v_error;
-  const Vector3 limited = limit_norm(feedback, config_.feedback_max_mps2);
+  const Vector3 limited = limit_norm(feedback, kFeedbackMax_mps2);
 
   // Anti-windup: integrate only while neither the feedback nor the thrust is at its limit, and never beyond the bound.
-  if (!saturated_ && feedback.squaredNorm() <= config_.feedback_max_mps2 * config_.feedback_max_mps2) {
+  if (!saturated_ && feedback.squaredNorm() <= kFeedbackMax_mps2 * kFeedbackMax_mps2) {
     integral_mps2_ = limit_norm(integral_mps2_ + gains_.integral * dt_s * p_error, config_.integral_max_mps2);
   }
   Vector3 wanted = reference.acceleration_mps2 + limited + integral_mps2_;
-  if (config_.drag_compensation) wanted -= drag_mps2(estimate.T_local_body.linear(), reference.velocity_mps);
+  wanted -= drag_mps2(estimate.T_local_body.linear(), reference.velocity_mps);
   return wanted;
 }
 
@@ -203,11 +204,11 @@ void MultirotorController::predict_rotor_speeds(double dt_s) {
     decay_dt_s_ = dt_s;
     decay_up_ = elementary::exp(-dt_s / airframe_.motor_time_constant_up_s);
     decay_down_ = elementary::exp(-dt_s / airframe_.motor_time_constant_down_s);
-    // Factor of the commanded change of speed with which the motor's effective time constant is (1 - motor_lead) times
+    // Factor of the commanded change of speed with which the motor's effective time constant is (1 - kMotorLead) times
     // its own.
-    const double lag_share = 1.0 - config_.motor_lead;
+    constexpr double kLagShare = 1.0 - kMotorLead;
     const auto lead = [&](double tau, double decay) {
-      return (1.0 - elementary::exp(-dt_s / (lag_share * tau))) / (1.0 - decay);
+      return (1.0 - elementary::exp(-dt_s / (kLagShare * tau))) / (1.0 - decay);
     };
     lead_up_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_up_s, decay_up_) : 1.0;
     lead_down_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_down_s, decay_down_) : 1.0;

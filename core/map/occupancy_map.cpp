@@ -45,8 +45,8 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
       hit_(log_odds_of(config.p_hit)),
       miss_(log_odds_of(config.p_miss)),
       occupied_(log_odds_of(config.p_occupied)),
-      min_(log_odds_of(config.p_min)),
-      max_(log_odds_of(config.p_max)),
+      min_(log_odds_of(OccupancyMapConfig::kProbabilityMin)),
+      max_(log_odds_of(OccupancyMapConfig::kProbabilityMax)),
       after_misses_(log_odds_after_misses(miss_, min_, max_)),
       rays_(config.edge_m),
       blocks_(config.places_across(), after_misses_),
@@ -286,8 +286,6 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
           Range{0.0, 0.5, true, false});
   v.field("p_occupied", p_occupied, "[-] probability from which a cell counts as occupied",
           Range{0.0, 1.0, true, true});
-  v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
-  v.field("p_max", p_max, "[-] upper limit of a cell's probability", Range{0.5, 1.0, true, true});
   v.field("range_max_m", range_max_m,
           "[m] largest length of rays; longer ones clear cells up to this length, without a hit",
           Range{0.0, 1000.0, true});
@@ -296,8 +294,8 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("distance_max_m", distance_max_m,
           "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
           Range{0.0, 1000.0, true});
-  v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < p_max, "p_occupied",
-          "more than p_miss and less than p_max");
+  v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < kProbabilityMax, "p_occupied",
+          "more than p_miss and less than 0.971");
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");

@@ -198,12 +198,6 @@ double RayLengths::exit_edges(const Vector3& origin, const Vector3& direction) c
   return exit;
 }
 
-void RayLengths::leave_out(std::span<const Cell> cells) {
-  for (const Cell& cell : cells) {
-    if (window_.contains(cell)) lengths_[window_.index(cell)] = 0.0F;
-  }
-}
-
 double RayLengths::length_m(const Cell& cell) const {
   return window_.contains(cell) ? window_.edge_m * lengths_[window_.index(cell)] : 0.0;
 }

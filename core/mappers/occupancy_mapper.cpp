@@ -19,8 +19,7 @@ class OccupancyMapper : public Mapper {
   OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup)
       : config_(config),
         map_(config.map),
-        scan_rays_(
-            {config.every_column, config.every_row, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
+        scan_rays_({config.every_column, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
     if (!config.send_rays_to.empty()) receiver_ = vehicle_named(config.send_rays_to, setup, "mapping.send_rays_to");
@@ -102,7 +101,6 @@ class OccupancyMapper : public Mapper {
 
 void OccupancyMapperConfig::visit(ConfigVisitor& v) {
   v.field("every_column", every_column, "[-] every n-th column of a scan is used (paper: 4)", Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] every n-th row of a scan is used", Range::between(1, 10000));
   v.field("range_min_m", range_min_m, "[m] range below which returns are of the own vehicle and ignored",
           Range::non_negative());
   v.field("clear_range_m", clear_range_m,

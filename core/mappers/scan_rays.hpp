@@ -11,7 +11,7 @@ namespace swiftlet {
 
 /// Selection of the beams of a scan that update a map.
 struct ScanRaysRules {
-  int every_column = 1, every_row = 1;
+  int every_column = 1;
   double range_min_m = 0.0;    ///< nearer returns are from the own body
   double range_max_m = 0.0;    ///< farther returns only clear
   double clear_range_m = 0.0;  ///< beams without return clear up to here; 0: they are ignored
@@ -29,9 +29,7 @@ class ScanRays {
   }
 
  private:
-  bool chosen(int beam, int cols) const {
-    return beam % cols % rules_.every_column == 0 && beam / cols % rules_.every_row == 0;
-  }
+  bool chosen(int beam, int cols) const { return beam % cols % rules_.every_column == 0; }
   void take_without_return(const LocalCloud& cloud);
 
   ScanRaysRules rules_;

@@ -17,6 +17,9 @@ namespace {
 constexpr double kSubmapsShown_m = 15.0;  // radius around the vehicle of the cells in the overlay mapping.cells
 // depth below the vehicle to which cells are shown; lower ones are mostly ground
 constexpr double kSubmapsShownBelow_m = 1.0;
+// [m] Distance from its start after which a submap continues in another piece. Larger pieces take more memory
+// while they grow.
+constexpr double kPiece_m = 12.0;
 constexpr double kPathMargin_m = 2.0;  // margin for the offset of the LiDARs and the flight between two scans
 constexpr int kLookEvery = 32;         // stride of the blocks sampled to estimate how much of a piece is covered
 constexpr int kNewest = 2;             // newest pieces, which are never thinned
@@ -30,8 +33,7 @@ class SubmapMapper : public Mapper {
  public:
   explicit SubmapMapper(const SubmapMapperConfig& config)
       : config_(config),
-        scan_rays_(
-            {config.every_column, config.every_row, config.range_min_m, config.range_max_m, config.clear_range_m}),
+        scan_rays_({config.every_column, config.range_min_m, config.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m),
         map_(config.whole()) {}
 
@@ -170,7 +172,7 @@ class SubmapMapper : public Mapper {
 
   void take(const LocalCloud& cloud) {
     const double edge_m = RayCells::kSide * config_.edge_m;
-    if (growing_ != nullptr && (p_local_m_ - edge_m * offset_.cast<double>()).norm() > config_.piece_m) finish();
+    if (growing_ != nullptr && (p_local_m_ - edge_m * offset_.cast<double>()).norm() > kPiece_m) finish();
     if (growing_ == nullptr) begin();
     std::vector<OccupancyMap::Ray>& rays = scan_rays_.take(cloud, vehicles_);
     const Eigen::Vector3f offset_m = (edge_m * offset_.cast<double>()).cast<float>();
@@ -316,7 +318,6 @@ class SubmapMapper : public Mapper {
 
 void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("every_column", every_column, "[-] every n-th column of a scan is used", Range::between(1, 10000));
-  v.field("every_row", every_row, "[-] every n-th row of a scan is used", Range::between(1, 10000));
   v.field("range_min_m", range_min_m, "[m] range below which returns are of the own vehicle and ignored",
           Range::non_negative());
   v.field("range_max_m", range_max_m,
@@ -337,14 +338,10 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("p_occupied", p_occupied,
           "[-] probability above which cells of a finished submap are occupied; from 0.5 up to it they are left out",
           Range{0.5, 1.0, false, true});
-  v.field("p_min", p_min, "[-] lower limit of a cell's probability", Range{0.0, 0.5, true, true});
-  v.field("p_max", p_max, "[-] upper limit of a cell's probability", Range{0.5, 1.0, true, true});
   v.field("outvoted_by", outvoted_by,
           "[-] newer pieces in a row that must report a cell free before it is no longer occupied; 0: it always stays "
           "occupied",
           Range::between(0, 3));
-  v.field("piece_m", piece_m, "[m] distance from its start after which a submap continues in another piece",
-          Range{0.0, 200.0, true});
   v.field("covered_share", covered_share,
           "[-] share of the cells of a piece known in newer pieces above which those cells are dropped; 1: none are",
           Range::probability());
@@ -352,10 +349,10 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("distance_max_m", distance_max_m,
           "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
           Range{0.0, 1000.0, true});
-  v.check(p_occupied < p_max, "p_occupied", "less than p_max");
+  v.check(p_occupied < OccupancyMapConfig::kProbabilityMax, "p_occupied", "less than 0.971");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
-  v.check(range_max_m + piece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
-          "with piece_m and 2 m at most 480 times edge_m");
+  v.check(range_max_m + kPiece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
+          "with 14 m more at most 480 times edge_m");
   v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
@@ -364,16 +361,14 @@ OccupancyMapConfig SubmapMapperConfig::growing() const {
   config.edge_m = edge_m;
   config.p_hit = p_hit;
   config.p_miss = p_miss;
-  config.p_min = p_min;
-  config.p_max = p_max;
   config.range_max_m = range_max_m;
-  config.keep_radius_m = range_max_m + piece_m + kPathMargin_m;
+  config.keep_radius_m = range_max_m + kPiece_m + kPathMargin_m;
   config.distance_max_m = edge_m;  // distances are not queried
   return config;
 }
 
 double SubmapMapperConfig::bytes() const {
-  const double reach_cells = (range_max_m + 0.5 * piece_m) / edge_m;
+  const double reach_cells = (range_max_m + 0.5 * kPiece_m) / edge_m;
   const double blocks = 4.19 * reach_cells * reach_cells * reach_cells / 512.0;
   // Observed share of the reach of a piece; bytes of a block of a piece, and of a block of the composed map.
   constexpr double kSeen = 0.25, kPieceBlock = 110.0, kMapBlock = 200.0;

@@ -16,9 +16,11 @@ namespace swiftlet::sim {
 /// In dimensionless form that is the same limit for every vehicle.
 /// @param height_m  height of the rotor's hub above the surface; negative values count as contact
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient);
+/// [-] Coefficient of a whole quadrotor in the simulation. Larger values give more thrust near the ground.
+inline constexpr double kGroundEffectCoefficient = 11.36859;
 /// [-] Upper bound of the gain.
 inline constexpr double kGroundEffectGainMax = 4.0 / 15.0;
-/// Height in propeller radii above which the effect is neglected (gain 0.3 % at the default coefficient).
+/// Height in propeller radii above which the effect is neglected (gain 0.3 % at kGroundEffectCoefficient).
 inline constexpr double kGroundEffectReachRadii = 15.0;
 
 /// Air speed in the wake of a multirotor, with all rotors replaced by one disc of equal area A.

@@ -12,8 +12,6 @@ void PhysicsConfig::visit(ConfigVisitor& v) {
   v.field("rotor_drag", rotor_drag, "[-] in-plane drag of the rotors acts on the body");
   v.field("body_drag", body_drag, "[-] quadratic drag acts on the body");
   v.field("ground_effect", ground_effect, "[-] rotors near a surface below give more thrust");
-  v.field("ground_effect_coefficient", ground_effect_coefficient,
-          "[-] extra thrust = coefficient * (radius / (4 height))^2, at most 4/15", Range::between(0.0, 100.0));
   v.field("downwash", downwash, "[-] rotor wakes push vehicles below");
   v.field("contacts", contacts, "[-] vehicles touch the world and each other");
   v.field("contact_friction", contact_friction, "[-] Coulomb friction of a vehicle", Range::between(0.0, 100.0));

@@ -63,7 +63,7 @@ void apply_ground_effect(WorldVehicle& vehicle, const VehicleState& state, const
       if (height_m <= 0.0) continue;
     }
     vehicle.air.ground_effect_gain[i] =
-        upright * ground_effect_gain(height_m, airframe.propeller_radius_m, config.ground_effect_coefficient);
+        upright * ground_effect_gain(height_m, airframe.propeller_radius_m, kGroundEffectCoefficient);
   }
 }
 

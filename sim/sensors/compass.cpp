@@ -13,10 +13,12 @@ void CompassConfig::visit(ConfigVisitor& v) {
   v.field("bias_sigma_deg", bias_sigma_deg, "[deg] standard deviation of the constant error", Range::non_negative());
   v.field("disturbance_sigma_deg", disturbance_sigma_deg, "[deg] standard deviation of slow disturbances",
           Range::non_negative());
-  v.field("disturbance_time_s", disturbance_time_s, "[s] correlation time of slow disturbances", Range::positive());
 }
 
 namespace {
+
+// [s] Correlation time of slow disturbances. Larger values keep a disturbance longer.
+constexpr double kDisturbanceTime_s = 30.0;
 
 class CompassSensor final : public Sensor {
  public:
@@ -28,8 +30,7 @@ class CompassSensor final : public Sensor {
         sigma_rad_(config.sigma_deg * kRadPerDeg),
         bias_rad_(config.bias_sigma_deg * kRadPerDeg * stream("compass.bias").normal(0, 0)),
         disturbance_(GaussMarkov::stationary(Vector3::UnitX() * config.disturbance_sigma_deg * kRadPerDeg,
-                                             config.disturbance_time_s,
-                                             normal3(stream("compass.disturbance.start"), 0))),
+                                             kDisturbanceTime_s, normal3(stream("compass.disturbance.start"), 0))),
         total_sigma_rad_(kRadPerDeg *
                          elementary::hypot(config.sigma_deg, config.bias_sigma_deg, config.disturbance_sigma_deg)) {}
 

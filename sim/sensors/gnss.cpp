@@ -37,7 +37,6 @@ void GnssConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 80.0));
   v.field("multipath_sigma_m", multipath_sigma_m,
           "[m] standard deviation of multipath per axis when all satellites are blocked", Range::non_negative());
-  v.field("multipath_time_s", multipath_time_s, "[s] correlation time of multipath", Range::positive());
 }
 
 namespace {
@@ -45,6 +44,8 @@ namespace {
 constexpr double kSkyRange_m = 500.0;  // obstacles farther away do not block satellites
 // [-] Fewest visible satellites of a fix: position and clock are four unknowns.
 constexpr int kMinSatellites = 4;
+// [s] Correlation time of multipath. Larger values keep an error longer.
+constexpr double kMultipathTime_s = 10.0;
 
 /// Directions spread evenly over the sky above the mask: equal areas in elevation, golden angle in azimuth.
 std::vector<Vector3> constellation(int count, double mask_rad, double first_azimuth_rad) {
@@ -102,8 +103,8 @@ class GnssSensor final : public Sensor {
         multipath_noise_(stream("gnss.multipath")),
         drift_(GaussMarkov::stationary(drift_sigma(), config.drift_time_s, normal3(stream("gnss.drift.start"), 0))),
         altitude_(GaussMarkov::walking({0.0, 0.0, config.altitude_walk_m_psqrts}, 0.0)),
-        multipath_(GaussMarkov::stationary(Vector3::Ones(), config.multipath_time_s,
-                                           normal3(stream("gnss.multipath.start"), 0))),
+        multipath_(
+            GaussMarkov::stationary(Vector3::Ones(), kMultipathTime_s, normal3(stream("gnss.multipath.start"), 0))),
         random_outages_(stream("gnss.outage"), config.random_outages_per_min, config.random_outage_mean_s),
         satellites_(constellation(config.num_satellites, config.elevation_mask_deg * kRadPerDeg,
                                   stream("gnss.satellites").uniform(0.0, 2.0 * std::numbers::pi, 0, 0))) {}

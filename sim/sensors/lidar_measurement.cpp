@@ -17,6 +17,9 @@ constexpr int kRangeEntries = 2048;
 constexpr int kIncidenceEntries = 256;
 constexpr int kSignalEntries = 1024;
 constexpr double kQuantile90 = 1.2815515655446004;  // Phi(this) = 0.9
+// [-] Detection threshold in standard deviations of the receiver's noise. With larger values the probability of a
+// return falls within a shorter interval of range.
+constexpr double kThresholdSnr = 6.0;
 // [-] Reflectivities to which the two ranges of a data sheet refer.
 constexpr double kReflectivityLow = 0.1;
 constexpr double kReflectivityHigh = 0.8;
@@ -71,8 +74,6 @@ void DetectionConfig::visit(ConfigVisitor& v) {
           "[m] range at which 9 of 10 shots on a Lambertian surface of 10 % reflectivity return", Range::positive());
   v.field("range_80_percent_m", range_80_percent_m,
           "[m] range at which 9 of 10 shots on a Lambertian surface of 80 % reflectivity return", Range::positive());
-  v.field("threshold_snr", threshold_snr, "[-] detection threshold in standard deviations of the receiver's noise",
-          Range::positive());
   v.field("retro_gain", retro_gain,
           "[-] signal of a retro-reflector relative to a Lambertian surface of its reflectivity", Range::positive());
   v.check(range_80_percent_m > range_10_percent_m, "range_80_percent_m", "more than range_10_percent_m");
@@ -91,10 +92,10 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   last_ = kRangeEntries;
   entries_per_m_ = static_cast<float>(kRangeEntries / range_max_m);
   const bool all_detected = ideal || detection.always;
-  threshold_ = all_detected ? -1e30F : static_cast<float>(detection.threshold_snr);
+  threshold_ = all_detected ? -1e30F : static_cast<float>(kThresholdSnr);
   const double exponent = elementary::log(kReflectivityHigh / kReflectivityLow) /
                           elementary::log(detection.range_80_percent_m / detection.range_10_percent_m);
-  const double snr_90 = detection.threshold_snr + kQuantile90;
+  const double snr_90 = kThresholdSnr + kQuantile90;
   for (int i = 0; i <= kRangeEntries; ++i) {
     const double range_m = i * range_max_m / kRangeEntries;
     Entry entry{};

@@ -39,6 +39,9 @@ void resize(int rows, int cols, BeamTable& beams) {
 
 // ---- Ouster ----
 
+// [deg] Azimuth of the connector, at which column 0 and the sweep begin.
+constexpr double kConnector_deg = 180.0;
+
 /// The sensor's own arithmetic (Ouster firmware manual, "lidar data to XYZ"): encoder and beam azimuth both count
 /// clockwise.
 class Ouster final : public LidarPattern {
@@ -48,7 +51,7 @@ class Ouster final : public LidarPattern {
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
     resize(config_.rows, config_.columns, beams);
     for (int c = 0; c < beams.cols; ++c) {
-      const double encoder = config_.connector_deg * kRadPerDeg - 2.0 * kPi * c / beams.cols;
+      const double encoder = kConnector_deg * kRadPerDeg - 2.0 * kPi * c / beams.cols;
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
       const Eigen::Vector3f origin = Eigen::Vector3d(config_.beam_origin_m * elementary::cos(encoder),
                                                      config_.beam_origin_m * elementary::sin(encoder), 0.0)
@@ -94,13 +97,13 @@ constexpr double kLivoxPeriod = 4962.0;  // steps per period of the slow elevati
 
 class LivoxMid360 final : public LidarPattern {
  public:
-  LivoxMid360(const LivoxMid360Config& config, double sweep_s)
-      : first_step_(config.first_step), steps_(static_cast<int>(std::lround(sweep_s / kLivoxStep_s))) {}
+  LivoxMid360(const LivoxMid360Config&, double sweep_s)
+      : steps_(static_cast<int>(std::lround(sweep_s / kLivoxStep_s))) {}
 
   void fill(std::uint32_t sweep, BeamTable& beams) const override {
     resize(kLivoxLines, steps_, beams);
     for (int k = 0; k < steps_; ++k) beams.column_offset_s[k] = static_cast<float>(k * kLivoxStep_s);
-    for (int k = 0; k < steps_; k += 4) fire(first_step_ + static_cast<double>(sweep) * steps_, k, beams);
+    for (int k = 0; k < steps_; k += 4) fire(static_cast<double>(sweep) * steps_, k, beams);
   }
   bool repeats() const override { return false; }
   bool is_image() const override { return false; }
@@ -167,7 +170,6 @@ class LivoxMid360 final : public LidarPattern {
     return std::copysign(std::abs(rest), rest == 0.0 ? x : rest);
   }
 
-  double first_step_;
   int steps_;
 };
 
@@ -343,16 +345,11 @@ void OusterConfig::visit(ConfigVisitor& v) {
           "[deg] azimuth of the beams relative to the encoder, clockwise; repeats over the rows",
           Range::between(-180, 180));
   v.field("beam_origin_m", beam_origin_m, "[m] distance of the beams' origin from the axis", Range::non_negative());
-  v.field("connector_deg", connector_deg, "[deg] azimuth of the connector, at which column 0 and the sweep begin",
-          Range::between(-180, 180));
   v.check(rows < 1 || elevations_deg.size() % rows == 0, "elevations_deg",
           "as many elevations as rows, or a multiple of which every second, third ... row is taken");
 }
 
-void LivoxMid360Config::visit(ConfigVisitor& v) {
-  v.field("first_step", first_step, "[-] start of the first sweep in the pattern, in steps of 20 us",
-          Range::non_negative());
-}
+void LivoxMid360Config::visit(ConfigVisitor&) {}
 
 void VelodynePuckConfig::visit(ConfigVisitor&) {}
 

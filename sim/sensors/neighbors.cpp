@@ -37,9 +37,6 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
   v.field("elevation_max_deg", elevation_max_deg, "[deg] highest bearing in body axes when there are no cameras",
           Range::between(-90.0, 90.0));
   v.field("occlusion", occlusion, "[-] whether the world and other vehicles occlude a vehicle");
-  v.field("occluder_scale", occluder_scale,
-          "[-] radius of the occluding sphere, relative to the vehicle's circumscribed radius",
-          Range::between(0.0, 1.0));
   v.field("dropout_probability", dropout_probability, "[-] probability of missing a vehicle in view",
           Range::probability());
   v.field("id_swap_probability", id_swap_probability,
@@ -50,6 +47,9 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
+// [-] Radius of the sphere that occludes, relative to a vehicle's circumscribed radius. Larger values hide more
+// vehicles.
+constexpr double kOccluderScale = 0.5;
 constexpr double kIdealVariance_m2 = 1e-6;  // positive, since filters invert the covariance
 
 NeighborView::Cone view_cone(const NeighborCamera& camera) {
@@ -109,7 +109,7 @@ class NeighborsSensor final : public Sensor {
     const Vector3& to = p_world_m_[other];
     for (VehicleId third = 0; third < static_cast<VehicleId>(p_world_m_.size()); ++third) {
       if (third == setup_.vehicle || third == other) continue;
-      const double radius_m = config_.occluder_scale * setup_.vehicle_shapes[third]->circumscribed_radius_m;
+      const double radius_m = kOccluderScale * setup_.vehicle_shapes[third]->circumscribed_radius_m;
       if (segment_meets_sphere(from, to, p_world_m_[third], radius_m)) return true;
     }
     return setup_.world && setup_.world->occluded(from, to);

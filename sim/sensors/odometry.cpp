@@ -16,14 +16,12 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("initial_yaw_deg", initial_yaw_deg,
           "[deg] frame: random. Half-width of the uniform distribution of the heading against the world",
           Range::between(0.0, 180.0));
-  v.field("drift_reference_m", drift_reference_m, "[m] length of path for drift_percent and yaw_drift_deg",
-          Range::positive());
-  v.field("drift_percent", drift_percent, "[%] RMS position error after the reference path, relative to its length",
+  v.field("drift_percent", drift_percent, "[%] RMS position error after a path of 100 m, relative to its length",
           Range::non_negative());
   v.field("drift_per_turn_m", drift_per_turn_m, "[m] RMS position error after a full turn", Range::non_negative());
   v.field("drift_m_psqrts", drift_m_psqrts, "[m/sqrt(s)] RMS position error by time, in hover as well",
           Range::non_negative());
-  v.field("yaw_drift_deg", yaw_drift_deg, "[deg] RMS yaw error after the reference path", Range::non_negative());
+  v.field("yaw_drift_deg", yaw_drift_deg, "[deg] RMS yaw error after a path of 100 m", Range::non_negative());
   v.field("yaw_drift_per_turn_deg", yaw_drift_per_turn_deg, "[deg] RMS yaw error after a full turn",
           Range::non_negative());
   v.field("yaw_drift_deg_psqrts", yaw_drift_deg_psqrts, "[deg/sqrt(s)] RMS yaw error by time", Range::non_negative());
@@ -32,11 +30,15 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("sigma_position_m", sigma_position_m, "[m] white noise of the position by axis", Range::non_negative());
   v.field("sigma_tilt_deg", sigma_tilt_deg, "[deg] standard deviation of the error of roll and pitch",
           Range::non_negative());
-  v.field("tilt_time_s", tilt_time_s, "[s] correlation time of the error of roll and pitch", Range::positive());
   v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] white noise of the velocity by axis", Range::non_negative());
 }
 
 namespace {
+
+// [m] Length of path of the keys drift_percent and yaw_drift_deg.
+constexpr double kDriftReference_m = 100.0;
+// [s] Correlation time of the error of roll and pitch. Larger values keep an error longer.
+constexpr double kTiltTime_s = 5.0;
 
 /// Variance rates of a random walk over path length, turned angle and time.
 struct WalkRates {
@@ -60,13 +62,12 @@ class OdometrySensor final : public Sensor {
         white_velocity_(stream("odometry.velocity")),
         tilt_noise_(stream("odometry.tilt")),
         scale_(1.0 + 0.01 * config.scale_error_percent * stream("odometry.scale").normal(0, 0)),
-        tilt_(GaussMarkov::stationary(Vector3(1.0, 1.0, 0.0) * config.sigma_tilt_deg * kRadPerDeg, config.tilt_time_s,
+        tilt_(GaussMarkov::stationary(Vector3(1.0, 1.0, 0.0) * config.sigma_tilt_deg * kRadPerDeg, kTiltTime_s,
                                       normal3(stream("odometry.tilt.start"), 0))) {
     constexpr double kTurn = 2.0 * std::numbers::pi;
-    const double reference_m = config.drift_reference_m;
-    position_rates_ = {square(0.01 * config.drift_percent) * reference_m, square(config.drift_per_turn_m) / kTurn,
+    position_rates_ = {square(0.01 * config.drift_percent) * kDriftReference_m, square(config.drift_per_turn_m) / kTurn,
                        square(config.drift_m_psqrts)};
-    yaw_rates_ = {square(config.yaw_drift_deg * kRadPerDeg) / reference_m,
+    yaw_rates_ = {square(config.yaw_drift_deg * kRadPerDeg) / kDriftReference_m,
                   square(config.yaw_drift_per_turn_deg * kRadPerDeg) / kTurn,
                   square(config.yaw_drift_deg_psqrts * kRadPerDeg)};
   }

@@ -22,6 +22,13 @@ using Eigen::Vector3f;
 // [m] Thickness of the walls, and depth of the panes behind the surface.
 constexpr double kWall_m = 0.35;
 constexpr double kPaneInset_m = 0.12;
+// [m] Overhang of the roof beyond the walls, and height of the kerbs.
+constexpr double kEaves_m = 0.6;
+constexpr double kKerbHeight_m = 0.12;
+// [m] Width of the ring around the walls without obstacles taller than a kerb or a doorstep.
+constexpr double kFreeRing_m = 9.0;
+// [m] Smallest distance between trees, lamp posts and cars. Larger values let fewer of them fit.
+constexpr double kSpacing_m = 6.0;
 // [-] Draws of a position for one object; then the object is left out.
 constexpr int kMaxAttempts = 400;
 
@@ -114,10 +121,10 @@ void add_walls(SceneBuilder& scene, const CampusConfig& config) {
 void add_roof(SceneBuilder& scene, const CampusConfig& config) {
   const Vector2d half = 0.5 * config.building_size_m;
   const double slope = config.roof_height_m / half.y();
-  const double eaves_z = config.wall_height_m - slope * config.eaves_m;
+  const double eaves_z = config.wall_height_m - slope * kEaves_m;
   const double ridge_z = config.wall_height_m + config.roof_height_m;
-  const double end_x = half.x() + config.eaves_m;
-  const double edge_y = half.y() + config.eaves_m;
+  const double end_x = half.x() + kEaves_m;
+  const double edge_y = half.y() + kEaves_m;
   constexpr double kThickness_m = 0.18;
   Mesh roof, gables, details;
   for (const double side : {-1.0, 1.0}) {
@@ -183,7 +190,7 @@ void add_path(SceneBuilder& scene, const CampusConfig& config) {
   for_each_side(config, config.path_distance_m, end_m,
                 [&](const Vector2d& low, const Vector2d& high) { add_floor(path, low, high, kPathHeight_m); });
   const auto add_kerb = [&](const Vector2d& low, const Vector2d& high) {
-    add_building_box(kerbs, {low.x(), low.y(), -0.1}, {high.x(), high.y(), config.kerb_height_m});
+    add_building_box(kerbs, {low.x(), low.y(), -0.1}, {high.x(), high.y(), kKerbHeight_m});
   };
   for_each_side(config, config.path_distance_m - kKerb_m, config.path_distance_m, add_kerb);
   for_each_side(config, end_m, end_m + kKerb_m, add_kerb);
@@ -198,7 +205,7 @@ std::optional<Vector2d> find_place(const CampusConfig& config, double reach_m, S
     const double x_m = dice.uniform(-half.x(), half.x());
     const double y_m = dice.uniform(-half.y(), half.y());
     const Vector2d p(x_m, y_m);
-    if (distance_to_building_m(config, p) < config.free_ring_m + reach_m || config.keep_clear.distance_m(p) < reach_m)
+    if (distance_to_building_m(config, p) < kFreeRing_m + reach_m || config.keep_clear.distance_m(p) < reach_m)
       continue;
     if (spacing.try_add(p)) return p;
   }
@@ -284,17 +291,10 @@ void CampusConfig::visit(ConfigVisitor& v) {
           Range::between(4.0, 1000.0));
   v.field("wall_height_m", wall_height_m, "[m] height of the walls below the roof", Range::between(2.0, 100.0));
   v.field("roof_height_m", roof_height_m, "[m] height of the ridge above the walls", Range::positive());
-  v.field("eaves_m", eaves_m, "[m] overhang of the roof beyond the walls", Range::non_negative());
   v.field("path_distance_m", path_distance_m, "[m] distance of the paved path from the walls",
           Range::between(0.2, 100.0));
   v.field("path_width_m", path_width_m, "[m]", Range::positive());
-  v.field("kerb_height_m", kerb_height_m, "[m]", Range::positive());
-  v.field("free_ring_m", free_ring_m,
-          "[m] width of the ring around the walls without obstacles taller than a kerb or a doorstep",
-          Range::non_negative());
   v.field("num_trees", num_trees, "[-] largest number of trees, limited by space", Range::between(0, 10000));
-  v.field("tree_spacing_m", tree_spacing_m, "[m] smallest distance between trees, lamp posts and cars",
-          Range::positive());
   v.field("num_lamps", num_lamps, "[-] largest number of lamp posts, limited by space", Range::between(0, 10000));
   v.field("num_cars", num_cars, "[-] largest number of parked cars, limited by space", Range::between(0, 10000));
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
@@ -321,7 +321,7 @@ Scene make_campus(const CampusConfig& config, std::uint64_t seed) {
                      {"size_y_m", config.building_size_m.y()},
                      {"height_m", config.wall_height_m + config.roof_height_m}}});
   add_path(scene, config);
-  Spacing spacing(config.tree_spacing_m);
+  Spacing spacing(kSpacing_m);
   add_trees(scene, config, seed, spacing);
   add_lamps(scene, config, seed, spacing);
   add_cars(scene, config, seed, spacing);

@@ -6,14 +6,16 @@
 #include <numbers>
 
 #include "swiftlet/core/base/elementary.hpp"
-#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-// [-] Range of natural frequencies of trees and leaves, relative to the configured frequency. A wider range makes the
+// [-] Range of natural frequencies of trees and leaves, relative to the mean frequency. A wider range makes the
 // motion of the plants more different.
 constexpr double kSlowest = 0.8, kFastest = 1.25;
+// [Hz] Mean natural frequency of the trees, and mean flutter frequency of the leaf clusters. Larger values make leaves
+// faster.
+constexpr double kSway_hz = 0.3, kFlutter_hz = 2.0;
 constexpr double kAcross = 0.5;     // sway across the wind, relative to that along it
 constexpr double kFlutterUp = 0.5;  // vertical flutter, relative to that along the other axes
 constexpr std::uint32_t kOfTrees = 0, kOfPatterns = 1, kOfLeaves = 2;  // separate random streams
@@ -29,18 +31,11 @@ double oscillation(const Random& random, std::uint32_t domain, std::uint32_t fir
 }  // namespace
 
 void FoliageConfig::visit(ConfigVisitor& v) {
-  v.field("sway_m", sway_m, "[m] amplitude of a tree's top along the wind; 0: trees stand still",
+  v.field("sway_m", sway_m, "[m] amplitude of a tree's top along the wind, which blows east; 0: trees stand still",
           Range::between(0.0, 5.0));
-  v.field("sway_hz", sway_hz, "[Hz] mean natural frequency of the trees; that of a tree is 0.8 to 1.25 times the mean",
-          Range{0.0, 10.0, true});
   v.field("flutter_m", flutter_m,
           "[m] amplitude of a leaf cluster along each horizontal axis; half of it along the vertical",
           Range::between(0.0, 1.0));
-  v.field("flutter_hz", flutter_hz,
-          "[Hz] mean flutter frequency of the leaf clusters; that of a cluster is 0.8 to 1.25 times the mean",
-          Range{0.0, 50.0, true});
-  v.field("wind_deg", wind_deg, "[deg] direction towards which the wind blows, from east to north",
-          Range::between(-360.0, 360.0));
 }
 
 double FoliageConfig::reach_m() const {
@@ -48,17 +43,13 @@ double FoliageConfig::reach_m() const {
 }
 
 FoliageMotion::FoliageMotion(const FoliageConfig& config, std::uint64_t seed)
-    : config_(config), random_(seed, "world.foliage") {
-  const double wind_rad = radians(config.wind_deg);
-  along_ = Vector3(elementary::cos(wind_rad), elementary::sin(wind_rad), 0.0);
-  across_ = Vector3(-along_.y(), along_.x(), 0.0);
-}
+    : config_(config), random_(seed, "world.foliage") {}
 
 Vector3 FoliageMotion::sway_m(std::uint32_t tree, double t_s) const {
   const std::uint32_t first = kNumbersOfOne * tree;
-  const double along = oscillation(random_, kOfTrees, first, config_.sway_hz, t_s);
-  const double across = kAcross * oscillation(random_, kOfTrees, first + 2, config_.sway_hz, t_s);
-  return config_.sway_m * (along * along_ + across * across_);
+  const double along = oscillation(random_, kOfTrees, first, kSway_hz, t_s);
+  const double across = kAcross * oscillation(random_, kOfTrees, first + 2, kSway_hz, t_s);
+  return config_.sway_m * Vector3(along, across, 0.0);
 }
 
 double FoliageMotion::share_of_sway(double height) {
@@ -68,9 +59,7 @@ double FoliageMotion::share_of_sway(double height) {
 
 Vector3 FoliageMotion::flutter_m(std::uint32_t pattern, double t_s) const {
   const std::uint32_t first = kNumbersOfOne * pattern;
-  const auto axis = [&](std::uint32_t k) {
-    return oscillation(random_, kOfPatterns, first + 2 * k, config_.flutter_hz, t_s);
-  };
+  const auto axis = [&](std::uint32_t k) { return oscillation(random_, kOfPatterns, first + 2 * k, kFlutter_hz, t_s); };
   return config_.flutter_m * Vector3(axis(0), axis(1), kFlutterUp * axis(2));
 }
 

@@ -24,6 +24,8 @@ using Eigen::Vector3f;
 constexpr int kAttemptsPerStem = 1000;
 // [-] Relative standard deviation of the height of a tree about the curve of its species.
 constexpr double kHeightScatter = 0.07;
+// [-] Shape of the Weibull distribution of diameters. Larger values make the diameters more alike.
+constexpr double kDiameterShape = 2.2;
 constexpr int kNumSpecies = 3;
 const double kLeafCluster_m = 0.28 / std::sqrt(2.0);
 
@@ -45,7 +47,7 @@ Vector3d on_ground(const Relief& relief, const Vector2d& p) { return {p.x(), p.y
 
 double weibull_quantile(const ForestConfig& config, double probability) {
   return config.dbh_min_m +
-         config.dbh_scale_m * elementary::pow(-elementary::log(1.0 - probability), 1.0 / config.dbh_shape);
+         config.dbh_scale_m * elementary::pow(-elementary::log(1.0 - probability), 1.0 / kDiameterShape);
 }
 
 Vector2d draw_place(const ForestConfig& config, Dice& dice) {
@@ -277,7 +279,6 @@ void ForestConfig::visit(ConfigVisitor& v) {
   v.field("dbh_min_m", dbh_min_m, "[m] location of the Weibull distribution of diameters at breast height",
           Range::between(0.03, 1.0));
   v.field("dbh_scale_m", dbh_scale_m, "[m] scale of the Weibull distribution of diameters", Range::positive());
-  v.field("dbh_shape", dbh_shape, "[-] shape of the Weibull distribution of diameters", Range::between(0.5, 20.0));
   v.field("pine_share", pine_share, "[-] weight in the mixture: high crowns on bare trunks", Range::non_negative());
   v.field("spruce_share", spruce_share, "[-] weight in the mixture: cones nearly down to the ground",
           Range::non_negative());

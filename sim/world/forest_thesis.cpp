@@ -20,6 +20,8 @@ constexpr int kThesisTrunkSides = 24;
 constexpr int kCrownSubdivisions = 3;
 // [-] Draws of a position for one tree; then the area has no room.
 constexpr int kTriesPerTree = 20000;
+// [m] Width of the ground around the area.
+constexpr double kGroundMargin_m = 10.0;
 constexpr float kThesisRootDepth_m = 0.1F;  // extends the trunk below the ground without a gap
 
 struct ThesisTree {
@@ -84,7 +86,6 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
   v.choice("spread", spread, {"uniform", "normal"},
            "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions truncated at "
            "two of them");
-  v.field("ground_margin_m", ground_margin_m, "[m] ground around the area", Range::non_negative());
   v.object("keep_clear", keep_clear, "zones kept free for flights");
   const double widest = spread == ForestThesisConfig::Spread::kNormal ? 2.0 : 1.0;
   v.check(area_max_m.x() > area_min_m.x() && area_max_m.y() > area_min_m.y(), "area_max_m", "more than area_min_m");
@@ -102,8 +103,8 @@ Scene make_forest_thesis(const ForestThesisConfig& config, std::uint64_t seed) {
   SceneBuilder scene;
 
   Mesh ground;
-  const Eigen::Vector2f low = (config.area_min_m.array() - config.ground_margin_m).cast<float>();
-  const Eigen::Vector2f high = (config.area_max_m.array() + config.ground_margin_m).cast<float>();
+  const Eigen::Vector2f low = (config.area_min_m.array() - kGroundMargin_m).cast<float>();
+  const Eigen::Vector2f high = (config.area_max_m.array() + kGroundMargin_m).cast<float>();
   add_quad(ground, {low.x(), low.y(), 0}, {high.x(), low.y(), 0}, {high.x(), high.y(), 0}, {low.x(), high.y(), 0});
   scene.add(std::move(ground), materials::forest_floor(), SurfaceClass::kGround);
 

@@ -18,6 +18,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// [m] Thickness of all walls, and largest extent of the crates from the outer ones.
+constexpr double kHallWall_m = 0.25;
+constexpr double kCrateZone_m = 1.0;
+
 double hide_top_m(const HallConfig& config) {
   return config.hide_height_m > 0.0 ? config.hide_height_m : config.size_m.z();
 }
@@ -30,7 +34,7 @@ std::pair<Vector2d, Vector2d> hide_ends(const HallConfig& config) {
 }
 
 Mesh make_walls(const HallConfig& config) {
-  const double t = config.wall_thickness_m;
+  const double t = kHallWall_m;
   const double x = 0.5 * config.size_m.x() + 0.5 * t;
   const double y = 0.5 * config.size_m.y() + 0.5 * t;
   const double height_m = config.size_m.z();
@@ -49,7 +53,7 @@ void add_crates(SceneBuilder& scene, const HallConfig& config, std::uint64_t see
   for (int i = 0; i < config.num_crates; ++i) {
     Dice dice(random, i);
     const int wall = dice.pick(4);
-    const double depth_m = config.crate_zone_m * dice.uniform(0.5, 1.0);
+    const double depth_m = kCrateZone_m * dice.uniform(0.5, 1.0);
     const double width_m = dice.uniform(0.5, 1.2);
     const double height_m = std::min(dice.uniform(0.4, 1.0), 0.9 * config.size_m.z());
     const bool is_along_x = wall < 2;
@@ -77,7 +81,6 @@ void add_crates(SceneBuilder& scene, const HallConfig& config, std::uint64_t see
 void HallConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
-  v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("hide_center_m", hide_center_m, "[m] center of the free-standing wall");
   v.field("hide_length_m", hide_length_m, "[m] length of the free-standing wall", Range::positive());
@@ -85,7 +88,6 @@ void HallConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("hide_yaw_deg", hide_yaw_deg, "[deg] direction of the free-standing wall");
   v.field("num_crates", num_crates, "[-] number of crates along the outer walls", Range::between(0, 1000));
-  v.field("crate_zone_m", crate_zone_m, "[m] largest extent of the crates from the walls", Range::positive());
   const auto [start_m, end_m] = hide_ends(*this);
   const Vector2d half_m = 0.5 * size_m.head<2>();
   v.check((start_m.cwiseAbs().array() <= half_m.array()).all() && (end_m.cwiseAbs().array() <= half_m.array()).all(),
@@ -95,7 +97,7 @@ void HallConfig::visit(ConfigVisitor& v) {
 
 Scene make_hall(const HallConfig& config, std::uint64_t seed) {
   SceneBuilder scene;
-  const Vector2d half_m = 0.5 * config.size_m.head<2>() + Vector2d::Constant(config.wall_thickness_m);
+  const Vector2d half_m = 0.5 * config.size_m.head<2>() + Vector2d::Constant(kHallWall_m);
   Mesh floor;
   add_floor(floor, -half_m, half_m, 0.0);
   scene.add(std::move(floor), materials::concrete(), SurfaceClass::kGround);
@@ -110,17 +112,16 @@ Scene make_hall(const HallConfig& config, std::uint64_t seed) {
 
   const auto [start_m, end_m] = hide_ends(config);
   Mesh hide;
-  add_wall(hide, start_m, end_m, hide_top_m(config), config.wall_thickness_m);
+  add_wall(hide, start_m, end_m, hide_top_m(config), kHallWall_m);
   const std::uint16_t instance = scene.next_instance(SurfaceClass::kWall);
   scene.add(std::move(hide), materials::brick(), SurfaceClass::kWall, instance);
-  scene.add_object({instance,
-                    SurfaceClass::kWall,
-                    "hide",
-                    {config.hide_center_m.x(), config.hide_center_m.y(), 0.5 * hide_top_m(config)},
-                    radians(config.hide_yaw_deg),
-                    {{"length_m", config.hide_length_m},
-                     {"height_m", hide_top_m(config)},
-                     {"thickness_m", config.wall_thickness_m}}});
+  scene.add_object(
+      {instance,
+       SurfaceClass::kWall,
+       "hide",
+       {config.hide_center_m.x(), config.hide_center_m.y(), 0.5 * hide_top_m(config)},
+       radians(config.hide_yaw_deg),
+       {{"length_m", config.hide_length_m}, {"height_m", hide_top_m(config)}, {"thickness_m", kHallWall_m}}});
   add_crates(scene, config, seed);
   return scene.finish();
 }

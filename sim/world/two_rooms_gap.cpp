@@ -8,6 +8,12 @@
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
+namespace {
+
+// [m] Thickness of the walls.
+constexpr double kRoomWall_m = 0.2;
+
+}  // namespace
 
 void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
   v.field("gap_width_m", gap_width_m,
@@ -21,7 +27,6 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
   v.field("room_size_m", room_size_m, "[m] inner size of each room: along the path through the gap, and across it",
           Range::positive());
   v.field("height_m", height_m, "[m] inner height", Range::positive());
-  v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("yaw_deg", yaw_deg, "[deg] direction of the path through the gap, in the world");
   v.field("random_yaw", random_yaw, "[-] a direction drawn from the seed is added to yaw_deg");
@@ -38,7 +43,7 @@ Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
   const double turn_rad = config.random_yaw ? Dice(Random(seed, "world.two_rooms_gap.yaw"), 0).angle_rad() : 0.0;
   const double yaw_rad = radians(config.yaw_deg) + turn_rad;
   const Eigen::Vector2d& room_m = config.room_size_m;
-  const double thickness_m = config.wall_thickness_m;
+  const double thickness_m = kRoomWall_m;
   const double gap_top_m = config.gap_height_m > 0.0 ? config.gap_height_m : config.height_m;
 
   // Middle planes of the walls in the building's frame: origin in the gap, x axis through it.

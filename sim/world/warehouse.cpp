@@ -17,6 +17,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// [m] Thickness of the outer walls, least width of the cross aisles at both ends, and edge of the pillars.
+constexpr double kOuterWall_m = 0.2;
+constexpr double kEndAisle_m = 5.0;
+constexpr double kPillar_m = 0.4;
 constexpr double kFlue_m = 0.2;  // gap between the two racks of a double row
 // [m] Edge of an upright, height of a beam, and width of the tape.
 constexpr double kUpright_m = 0.1;
@@ -40,7 +44,7 @@ double upright_height_m(const WarehouseConfig& config) {
 }
 
 void add_shell(SceneBuilder& scene, const WarehouseConfig& config) {
-  const double t = config.wall_thickness_m;
+  const double t = kOuterWall_m;
   const double x = 0.5 * (config.size_m.x() + t);
   const double y = 0.5 * (config.size_m.y() + t);
   const double height_m = config.size_m.z();
@@ -53,13 +57,13 @@ void add_shell(SceneBuilder& scene, const WarehouseConfig& config) {
   add_wall(walls, {-x - 0.5 * t, y}, {x + 0.5 * t, y}, height_m, t);
   add_wall(walls, {-x, -y + 0.5 * t}, {-x, y - 0.5 * t}, height_m, t);
   const Vector2d start_m(x, -y + 0.5 * t);
-  const Opening gate = {config.door_offset_m - start_m.y(), config.gate_width_m, 0.0, config.gate_height_m};
+  const Opening gate = {-start_m.y(), config.gate_width_m, 0.0, config.gate_height_m};
   add_wall(walls, start_m, {x, y - 0.5 * t}, height_m, t, {&gate, 1});
   scene.add(std::move(walls), materials::metal_sheet(), SurfaceClass::kWall, 1);
 
   // The leaves of the gate close it except for the door.
   Mesh leaves;
-  const double gate_start_m = config.door_offset_m - 0.5 * config.gate_width_m;
+  const double gate_start_m = -0.5 * config.gate_width_m;
   const Opening door = {0.5 * config.gate_width_m, config.door_width_m, 0.0, config.door_height_m};
   add_wall(leaves, {x, gate_start_m}, {x, gate_start_m + config.gate_width_m}, config.gate_height_m, std::min(0.06, t),
            {&door, 1});
@@ -67,7 +71,7 @@ void add_shell(SceneBuilder& scene, const WarehouseConfig& config) {
   scene.add_object({1,
                     SurfaceClass::kDoor,
                     "door",
-                    {x, config.door_offset_m, 0.5 * config.door_height_m},
+                    {x, 0.0, 0.5 * config.door_height_m},
                     0.0,
                     {{"width_m", config.door_width_m}, {"height_m", config.door_height_m}}});
 
@@ -82,7 +86,7 @@ void add_shell(SceneBuilder& scene, const WarehouseConfig& config) {
 }
 
 void add_pillars(SceneBuilder& scene, const WarehouseConfig& config) {
-  const double half_width_m = 0.5 * config.pillar_width_m;
+  const double half_width_m = 0.5 * kPillar_m;
   for (int row = 0; row < config.num_double_rows(); ++row) {
     for (const double side : {-1.0, 1.0}) {
       const Vector3d foot_m(side * (0.5 * racks_length_m(config) + 0.3 + half_width_m), config.row_center_y_m(row),
@@ -92,7 +96,7 @@ void add_pillars(SceneBuilder& scene, const WarehouseConfig& config) {
                  foot_m + Vector3d(half_width_m, half_width_m, config.size_m.z()));
       const std::uint16_t instance = scene.next_instance(SurfaceClass::kPillar);
       scene.add(std::move(mesh), materials::concrete(), SurfaceClass::kPillar, instance);
-      scene.add_object({instance, SurfaceClass::kPillar, "pillar", foot_m, 0.0, {{"width_m", config.pillar_width_m}}});
+      scene.add_object({instance, SurfaceClass::kPillar, "pillar", foot_m, 0.0, {{"width_m", kPillar_m}}});
     }
   }
 }
@@ -244,8 +248,7 @@ void add_floor_tape(SceneBuilder& scene, const WarehouseConfig& config) {
     }
   }
   const double door_x = 0.5 * config.size_m.x() - 1.0;
-  add_strip({door_x, config.door_offset_m - 0.5 * config.gate_width_m},
-            {door_x + kTape_m, config.door_offset_m + 0.5 * config.gate_width_m});
+  add_strip({door_x, -0.5 * config.gate_width_m}, {door_x + kTape_m, 0.5 * config.gate_width_m});
 }
 
 }  // namespace
@@ -253,10 +256,8 @@ void add_floor_tape(SceneBuilder& scene, const WarehouseConfig& config) {
 void WarehouseConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
-  v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("roof", roof, "[-] whether the building has a roof");
   v.field("aisle_width_m", aisle_width_m, "[m] least width of the aisles between the racks", Range::positive());
-  v.field("end_aisle_m", end_aisle_m, "[m] least width of the cross aisles at both ends", Range::positive());
   v.field("rack_depth_m", rack_depth_m, "[m]", Range::between(0.5, 3.0));
   v.field("bay_width_m", bay_width_m, "[m] distance between the uprights of a rack; from 1.9 m it holds two pallets",
           Range::between(0.5, 10.0));
@@ -271,16 +272,12 @@ void WarehouseConfig::visit(ConfigVisitor& v) {
           "[m] width left open by the leaves of the gate [Pritzl 2024, Table III: 1.2, 1.1, 1.0, 0.9]",
           Range::positive());
   v.field("door_height_m", door_height_m, "[m]", Range::positive());
-  v.field("door_offset_m", door_offset_m, "[m] y of the middle of the door");
-  v.field("pillar_width_m", pillar_width_m, "[m] edge length of the pillars at the ends of the rows",
-          Range::positive());
   v.field("tape", tape, "[-] retro-reflective tape on the floor and on the uprights");
   v.check(door_width_m <= gate_width_m, "door_width_m", "at most gate_width_m");
   v.check(door_height_m <= gate_height_m, "door_height_m", "at most gate_height_m");
   v.check(gate_height_m <= size_m.z(), "gate_height_m", "at most the height of the hall");
-  v.check(std::abs(door_offset_m) + 0.5 * gate_width_m <= 0.5 * size_m.y(), "door_offset_m",
-          "a gate inside the east wall");
-  v.check(2.0 * end_aisle_m < size_m.x(), "end_aisle_m", "room for both cross aisles");
+  v.check(gate_width_m <= size_m.y(), "gate_width_m", "at most the size of the hall along y");
+  v.check(2.0 * kEndAisle_m < size_m.x(), "size_m", "more than 10 m along x, for both cross aisles");
 }
 
 int WarehouseConfig::num_double_rows() const {
@@ -297,7 +294,7 @@ double WarehouseConfig::row_center_y_m(int row) const {
   return aisle_center_y_m(row) + 0.5 * aisle_width() + 0.5 * double_row_depth_m(*this);
 }
 int WarehouseConfig::num_bays() const {
-  return std::max(0, static_cast<int>(std::floor((size_m.x() - 2.0 * end_aisle_m) / bay_width_m)));
+  return std::max(0, static_cast<int>(std::floor((size_m.x() - 2.0 * kEndAisle_m) / bay_width_m)));
 }
 
 Scene make_warehouse(const WarehouseConfig& config, std::uint64_t seed) {

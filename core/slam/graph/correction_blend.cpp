@@ -14,6 +14,8 @@ namespace {
 constexpr double kSteepness = 1.5, kMiddle_s = 3.0, kWindow_s = 7.0;
 // Peak speed, acceleration and jerk of the quintic from rest to rest over a distance of 1 in 1 s.
 constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.7735027, kPeakJerk = 60.0;
+// [m/s^3] Jerk limit of the limited form. Larger values shorten blends of small corrections.
+constexpr double kJerkMax_mps3 = 0.15;
 constexpr double kMargin = 1.001;  // margin for peaks between two samples
 /// [-] Instants at which a blend is compared with its limits. More of them miss smaller peaks and cost time.
 constexpr int kSamples = 48;
@@ -149,7 +151,7 @@ bool CorrectionBlend::begin_limited(TimeNs t) {
   const double displacement_m = start.value.u_world_m.norm() + config_.lever_m * start.value.turn_world_rad.norm();
   double duration_s = kMargin * std::max({kPeakSpeed * displacement_m / config_.speed_max_mps,
                                           std::sqrt(kPeakAcceleration * displacement_m / config_.acceleration_max_mps2),
-                                          elementary::cbrt(kPeakJerk * displacement_m / config_.jerk_max_mps3), 1e-3});
+                                          elementary::cbrt(kPeakJerk * displacement_m / kJerkMax_mps3), 1e-3});
   for (int i = 0; i < kMaxAttempts; ++i, duration_s *= kLonger) {
     if (peak_share(start, duration_s) > 1.0) continue;
     begin_blend(t, T_next_, next_pivot_local_m_);
@@ -173,7 +175,7 @@ double CorrectionBlend::peak_share(const Motion& start, double duration_s) const
     };
     peak = std::max({peak, both(u.first(s), turn.first(s)) / (T * config_.speed_max_mps),
                      both(u.second(s), turn.second(s)) / (T * T * config_.acceleration_max_mps2),
-                     both(u.third(s), turn.third(s)) / (T * T * T * config_.jerk_max_mps3)});
+                     both(u.third(s), turn.third(s)) / (T * T * T * kJerkMax_mps3)});
   }
   return peak;
 }
@@ -185,7 +187,6 @@ void CorrectionBlendConfig::visit(ConfigVisitor& v) {
   v.field("speed_max_mps", speed_max_mps, "[m/s] speed limit of the limited form", Range::positive());
   v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] acceleration limit of the limited form",
           Range::positive());
-  v.field("jerk_max_mps3", jerk_max_mps3, "[m/s^3] jerk limit of the limited form", Range::positive());
   v.field("lever_m", lever_m, "[m] distance from the vehicle up to which points keep the limits",
           Range::non_negative());
 }

@@ -265,10 +265,6 @@ Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
 void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.object("imu", imu, "noise of the IMU, and uncertainty at the start");
   v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
-  v.field("map_voxel_m", map_voxel_m, "[m] edge of the cubes of which each contributes one return to the map",
-          Range::between(0.01, 5.0));
-  v.field("match_voxel_m", match_voxel_m, "[m] edge of the cubes of which each contributes one return to the matching",
-          Range::between(0.01, 10.0));
   v.field("start_scans", start_scans,
           "[-] number of first scans that are matched again with the biases estimated from them; 0: none",
           Range::between(0, 100));

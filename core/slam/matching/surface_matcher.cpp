@@ -9,6 +9,9 @@ namespace {
 constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
 /// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
 constexpr double kCropEvery_m = 10.0;
+/// [m] Edges of the cubes that contribute one return each to the map and to the matching. Smaller cubes keep more
+/// detail and cost time.
+constexpr float kMapVoxel_m = 0.2F, kMatchVoxel_m = 0.5F;
 
 /// Keeps at most `most` points, evenly spaced in their order.
 void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
@@ -25,8 +28,8 @@ ScanMatcher::Admission SurfaceMatcher::admission() const {
 }
 
 void SurfaceMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool first) {
-  thinner_.thin_into(returns_body_m, static_cast<float>(config_.map_voxel_m), dense_body_m_);
-  thinner_.thin_into(dense_body_m_, static_cast<float>(config_.match_voxel_m), sparse_body_m_);
+  thinner_.thin_into(returns_body_m, kMapVoxel_m, dense_body_m_);
+  thinner_.thin_into(dense_body_m_, kMatchVoxel_m, sparse_body_m_);
   if (!first) thin_to(static_cast<std::size_t>(config_.map_points), dense_body_m_);
   thin_to(static_cast<std::size_t>(config_.match_points), sparse_body_m_);
 }

@@ -11,6 +11,9 @@
 namespace swiftlet {
 namespace {
 
+// [m] Largest distance to an own submap at which another vehicle's cloud is requested once closures agree. Larger
+// values find more closures and take more of the data rate.
+constexpr double kRequestNear_m = 12.0;
 constexpr std::size_t kMaxWaiting = 2;  // received clouds not yet searched, beyond which no more are requested
 
 }  // namespace
@@ -98,7 +101,7 @@ std::optional<Pose> MapSharing::prediction_of(const PeerMap& from, int submap) c
 
 bool MapSharing::is_near_own(const Vector3& p_local_m) const {
   for (std::size_t i = 0; i < own_.submaps.size(); ++i) {
-    if ((own_.places[i].T_local_submap.translation() - p_local_m).norm() <= config_.near_m) return true;
+    if ((own_.places[i].T_local_submap.translation() - p_local_m).norm() <= kRequestNear_m) return true;
   }
   return false;
 }
@@ -271,10 +274,6 @@ void MapSharingConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] whether the map is joined with those of other vehicles by radio");
   v.field("latency_s", latency_s, "[s] duration of a search for one submap", Range::between(0.0, 60.0));
   v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included", positive);
-  v.field(
-      "near_m", near_m,
-      "[m] largest distance to an own submap at which another vehicle's cloud is requested once the maps are joined",
-      positive);
   v.object("cloud", cloud, "part of a submap that is transmitted");
   v.object("join", join, "tests of closures and estimation of the transform between the maps");
 }

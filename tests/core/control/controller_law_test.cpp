@@ -13,12 +13,10 @@ namespace {
 
 constexpr double kTick_s = 0.004, kWeight_mps2 = 9.81;
 
-/// Force and torques that a controller commands in its first tick. Its motors have no lead, so that the commands are
-/// the wanted speeds.
+/// Force and torques that a controller wants in its first tick.
 class FirstTick {
  public:
   explicit FirstTick(const Airframe& airframe_in, ControlGainsConfig config = {}) : airframe(airframe_in) {
-    config.motor_lead = 0.0;
     config.integral_time_s = 0.0;
     controller = std::make_unique<MultirotorController>(airframe, config, kTick_s);
     estimate.valid = true;
@@ -31,9 +29,17 @@ class FirstTick {
     Mixer::Forces force_N{};
     for (int i = 0; i < airframe.num_rotors(); ++i) {
       const double least = airframe.rotor_speed_min_radps, most = airframe.rotor_speed_max_radps;
-      force_N[i] = airframe.thrust_constant_N_per_radps2 * std::pow(least + commands[i] * (most - least), 2);
+      force_N[i] =
+          airframe.thrust_constant_N_per_radps2 * std::pow(wanted_radps(least + commands[i] * (most - least)), 2);
     }
     return controller->mixer().wrench(force_N);
+  }
+  /// Rotor speed for which this one is commanded. Compensating half of the lag tau multiplies the change from hover by
+  /// (1 - exp(-2 dt / tau)) / (1 - exp(-dt / tau)).
+  double wanted_radps(double commanded_radps) const {
+    const double hover_radps = airframe.hover_rotor_speed_radps(), change_radps = commanded_radps - hover_radps;
+    const double tau_s = change_radps > 0.0 ? airframe.motor_time_constant_up_s : airframe.motor_time_constant_down_s;
+    return hover_radps + change_radps / (1.0 + std::exp(-kTick_s / tau_s));
   }
   /// Torque of an angular acceleration.
   double torque_Nm(int axis, double radps2) const { return airframe.inertia_diagonal_kgm2[axis] * radps2; }
@@ -78,25 +84,39 @@ TEST_P(ControlLaw, TiltCommandsTorqueAndReducedThrust) {
 }
 
 // Beyond its bound an error commands no more.
-TEST_P(ControlLaw, BoundsRatesTiltAndFeedback) {
+TEST_P(ControlLaw, BoundsRatesAndTilt) {
   ControlGainsConfig config;
   config.yaw_rate_max_degps = 1.0;
   config.tilt_rate_max_degps = 10.0;
   config.tilt_max_deg = 1.0;
-  config.feedback_max_mps2 = 0.1;
-  const auto torque_Nm = [&](double yaw_rad, double tilt_rad, double position_m, double acceleration_mps2) {
+  const auto torque_Nm = [&](double yaw_rad, double tilt_rad, double acceleration_mps2) {
     FirstTick tick(airframe, config);
     tick.turn(tilt_rad, Vector3(0.6, 0.8, 0.0));
     tick.reference.yaw_rad = yaw_rad;
+    tick.reference.acceleration_mps2 = acceleration_mps2 * Vector3(0.6, 0.8, 0.0);
+    return tick.wrench().torque_body_Nm;
+  };
+  EXPECT_LT((torque_Nm(1.5, 0, 0) - torque_Nm(0.8, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((torque_Nm(0, 0.25, 0) - torque_Nm(0, 0.2, 0)).norm(), 1e-9);
+  EXPECT_LT((torque_Nm(0, 0, 5.0) - torque_Nm(0, 0, 2.0)).norm(), 1e-9);
+  EXPECT_GT((torque_Nm(0, 0, 5.0) - torque_Nm(0, 0, 0.0)).norm(), 1e-4);
+}
+
+// Beyond its bound of 6 m/s^2 the feedback commands no more. Slow loops keep the torques small.
+TEST_P(ControlLaw, BoundsFeedback) {
+  ControlGainsConfig config;
+  config.position_radps = 2.5;
+  config.attitude_radps = 0.1;
+  config.rate_radps = 0.5;
+  const auto torque_Nm = [&](double position_m, double acceleration_mps2) {
+    FirstTick tick(airframe, config);
     tick.reference.position_m = position_m * Vector3(0.6, 0.8, 0.0);
     tick.reference.acceleration_mps2 = acceleration_mps2 * Vector3(0.6, 0.8, 0.0);
     return tick.wrench().torque_body_Nm;
   };
-  EXPECT_LT((torque_Nm(1.5, 0, 0, 0) - torque_Nm(0.8, 0, 0, 0)).norm(), 1e-9);
-  EXPECT_LT((torque_Nm(0, 0.25, 0, 0) - torque_Nm(0, 0.2, 0, 0)).norm(), 1e-9);
-  EXPECT_LT((torque_Nm(0, 0, 300.0, 0) - torque_Nm(0, 0, 30.0, 0)).norm(), 1e-9);
-  EXPECT_LT((torque_Nm(0, 0, 0, 5.0) - torque_Nm(0, 0, 0, 2.0)).norm(), 1e-9);
-  EXPECT_GT((torque_Nm(0, 0, 0, 5.0) - torque_Nm(0, 0, 0, 0.0)).norm(), 1e-4);
+  EXPECT_LT((torque_Nm(30.0, 0.0) - torque_Nm(0.0, 6.0)).norm(), 1e-9);
+  EXPECT_LT((torque_Nm(300.0, 0.0) - torque_Nm(0.0, 6.0)).norm(), 1e-9);
+  EXPECT_GT(torque_Nm(0.0, 6.0).norm(), 1.1 * torque_Nm(0.0, 5.0).norm());
 }
 
 TEST_P(ControlLaw, KeepsThrustWhenSinking) {
@@ -144,8 +164,10 @@ TEST_P(ControlLaw, PositionAndVelocityErrorsTiltThrust) {
   ControlGainsConfig config;
   config.position_radps = 0.5;
   config.position_damping = 0.8;
-  config.drag_compensation = false;
-  FirstTick tick(airframe, config);
+  Airframe dragless = airframe;
+  dragless.body_drag_area_m2.setZero();
+  dragless.rotor_drag_N_per_radps_mps = 0.0;
+  FirstTick tick(dragless, config);
   tick.reference.position_m = {0.4, 0.0, 0.2};
   tick.reference.velocity_mps = {0.0, -0.3, 0.0};
   tick.reference.acceleration_mps2 = {0.1, 0.0, 0.0};

@@ -64,7 +64,6 @@ TEST_P(EveryAirframe, SettlesTiltQuicklyWithLittleOvershoot) {
   ControlGainsConfig gains;
   gains.position_radps = 1e-6;
   gains.integral_time_s = 0.0;
-  gains.drag_compensation = false;
   MultirotorController controller(airframe, gains, kDt);
   FinePlant plant(airframe);
   Reference push;

@@ -112,7 +112,7 @@ TEST(OccupancyMap, ResolvesRayTiesLikeTheLibrary) {
   expect_equal(map, tree);
 }
 
-// A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates at once.
+// A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates soon.
 TEST(OccupancyMap, MatchesTheLibraryWithOtherProbabilities) {
   for (const double p_miss : {0.49, 0.46, 0.2}) {
     OccupancyMapConfig config;
@@ -120,15 +120,11 @@ TEST(OccupancyMap, MatchesTheLibraryWithOtherProbabilities) {
     config.p_hit = 0.6;
     config.p_miss = p_miss;
     config.p_occupied = 0.7;
-    config.p_min = 0.25;
-    config.p_max = 0.9;
     OccupancyMap map(config);
     octomap::OcTree tree(config.edge_m);
     tree.setProbHit(config.p_hit);
     tree.setProbMiss(config.p_miss);
     tree.setOccupancyThres(config.p_occupied);
-    tree.setClampingThresMin(config.p_min);
-    tree.setClampingThresMax(config.p_max);
     for (std::uint32_t scan = 0; scan < 40; ++scan) {
       const std::vector<Beam> rays = random_scan(scan, kOrigin, 400, 8.0);
       map.insert(rays, scan * kScan);

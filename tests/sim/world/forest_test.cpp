@@ -66,7 +66,7 @@ TEST(Forest, FollowsWeibullDiametersAndHeightCurve) {
     EXPECT_LE(std::abs(deviation), 2.5 * 0.07 + 1e-9);
     sum_of_deviations += deviation;
   }
-  const double k = config.dbh_shape;
+  constexpr double k = 2.2;  // shape
   const double mean = config.dbh_min_m + config.dbh_scale_m * std::tgamma(1 + 1 / k);
   const double variance =
       config.dbh_scale_m * config.dbh_scale_m * (std::tgamma(1 + 2 / k) - std::pow(std::tgamma(1 + 1 / k), 2));

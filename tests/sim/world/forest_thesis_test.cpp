@@ -122,12 +122,11 @@ TEST(ForestThesis, GroundExceedsTheAreaTreesFill) {
   ForestThesisConfig config;
   config.area_min_m = {-3.0, 5.0};
   config.area_max_m = {37.0, 25.0};
-  config.ground_margin_m = 4.0;
   config.min_distance_m = 0.1;
   config.num_trees = 1000;
   const Scene scene = make_forest_thesis(config, 2);
   EXPECT_TRUE(test::bounds_of(scene, SurfaceClass::kGround)
-                  .isApprox(Eigen::AlignedBox3d(Eigen::Vector3d(-7, 1, 0), Eigen::Vector3d(41, 29, 0)), 1e-6));
+                  .isApprox(Eigen::AlignedBox3d(Eigen::Vector3d(-13, -5, 0), Eigen::Vector3d(47, 35, 0)), 1e-6));
   std::vector<double> xs, ys;
   for (const WorldObject& tree : objects_of(scene, SurfaceClass::kTrunk)) {
     xs.push_back(tree.position_world_m.x());

@@ -36,9 +36,8 @@ TEST(Warehouse, DoorHasSetWidthAndHeight) {
   for (const double width_m : {1.2, 1.1, 1.0, 0.9}) {
     WarehouseConfig config;
     config.door_width_m = width_m;
-    config.door_offset_m = 1.5;
     const Scene scene = make_warehouse(config, 1);
-    const Vector3d in_door(0.5 * config.size_m.x() + 0.5 * config.wall_thickness_m, 1.5, 1.2);
+    const Vector3d in_door(0.5 * config.size_m.x() + 0.1, 0.0, 1.2);
     EXPECT_NEAR(free_width_m(scene, in_door, Vector3d::UnitY()), width_m, 1e-4);
     EXPECT_NEAR(free_width_m(scene, in_door, Vector3d::UnitZ()), config.door_height_m, 1e-4);
     EXPECT_FALSE(test::trace(scene, in_door, Vector3d::UnitX()));  // out of the building
@@ -75,12 +74,12 @@ TEST(Warehouse, AislesAreFreeForEverySeed) {
 TEST(Warehouse, KeepsAisleWidthsAndEndAisles) {
   WarehouseConfig config;
   config.fill = 0.0;
-  for (const double end_aisle_m : {3.0, 4.4, 6.1}) {
-    config.end_aisle_m = end_aisle_m;
+  for (const double length_m : {36.0, 38.8, 42.2}) {
+    config.size_m.x() = length_m;
     const double racks_end_m = 0.5 * config.num_bays() * config.bay_width_m;
     const double left_m = 0.5 * config.size_m.x() - racks_end_m;
-    EXPECT_GE(left_m, end_aisle_m);
-    EXPECT_LT(left_m, end_aisle_m + 0.5 * config.bay_width_m);
+    EXPECT_GE(left_m, 5.0);
+    EXPECT_LT(left_m, 5.0 + 0.5 * config.bay_width_m);
     const Scene scene = make_warehouse(config, 1);
     ASSERT_GE(config.aisle_width(), config.aisle_width_m);
     for (int aisle = 0; aisle <= config.num_double_rows(); ++aisle) {
@@ -161,7 +160,7 @@ TEST(TwoRoomsGap, KeepsItsWidthAtAnyRotation) {
     EXPECT_NEAR(free_width_m(scene, in_gap, across), 1.75, 1e-4);
     EXPECT_NEAR(free_width_m(scene, in_gap, Vector3d::UnitZ()), 2.5, 1e-4);
     // Both rooms have their length, and their width is shifted by the offset.
-    EXPECT_NEAR(free_width_m(scene, in_gap, through), 2 * config.room_size_m.x() + config.wall_thickness_m, 1e-4);
+    EXPECT_NEAR(free_width_m(scene, in_gap, through), 2 * config.room_size_m.x() + 0.2, 1e-4);
     const auto left = test::trace(scene, in_gap + 2.0 * through, across);
     const auto right = test::trace(scene, in_gap + 2.0 * through, -across);
     ASSERT_TRUE(left && right);

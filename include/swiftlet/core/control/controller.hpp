@@ -17,7 +17,6 @@ struct ControlGainsConfig {
   double position_damping = 1.0;
   double integral_time_s = 2.0;    ///< 0: no integral part
   double integral_max_mps2 = 3.0;  ///< limit of the integral part; larger values compensate stronger wind
-  double feedback_max_mps2 = 6.0;  ///< limit of the feedback of position and velocity errors together
   double attitude_radps = 0.0;     ///< commanded rate per tilt error
   double rate_radps = 0.0;         ///< angular acceleration per error of roll or pitch rate
   double yaw_attitude_radps = 0.0;
@@ -25,8 +24,6 @@ struct ControlGainsConfig {
   double tilt_max_deg = 60.0;
   double tilt_rate_max_degps = 570.0;
   double yaw_rate_max_degps = 170.0;
-  double motor_lead = 0.5;        ///< share of the motor lag that is compensated, 0..0.9
-  bool drag_compensation = true;  ///< whether the thrust compensates the drag of the airframe in still air
 
   void visit(ConfigVisitor& v);
 };

@@ -100,8 +100,6 @@ struct InterceptConfig : ModuleConfigOf<InterceptConfig> {
   double bystander_clearance_m = 3.0;
   double yield_clearance_m = 6.0;
   double period_s = 0.05;
-  double track_timeout_s = 1.0;
-  double after_capture_s = 2.0;
   ChasePlanConfig plan;
   TargetPredictionConfig prediction;
   PursuitGains gains;

@@ -17,12 +17,13 @@ namespace swiftlet {
 
 /// Sensor model of OctoMap [Hornung 2013]; the defaults are its library's.
 struct OccupancyMapConfig {
+  /// [-] Limits of a cell's probability, as the library's. Wider limits let a cell change later.
+  static constexpr double kProbabilityMin = 0.1192, kProbabilityMax = 0.971;
+
   double edge_m = 0.1;
   double p_hit = 0.7;
   double p_miss = 0.4;
   double p_occupied = 0.5;
-  double p_min = 0.1192;
-  double p_max = 0.971;
   double range_max_m = 20.0;
   double keep_radius_m = 30.0;
   double distance_max_m = 1.5;

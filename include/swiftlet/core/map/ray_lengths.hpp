@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "swiftlet/core/map/voxel_map.hpp"
@@ -23,8 +22,6 @@ class RayLengths {
   /// Adds one ray. Ignored when it is not finite, starts outside of the box or is longer than the reach.
   /// @param direction  unit vector
   void add(const Vector3& origin_m, const Vector3& direction, double length_m);
-  /// Excludes voxels from apply(), regardless of the rays through them.
-  void leave_out(std::span<const Cell> cells);
   /// Eqs. (9), (12), (22): updates every voxel on a ray toward g_free with n = updates_per_edge * length / edge. Ends
   /// the sweep.
   void apply(double updates_per_edge, VoxelMap& map);

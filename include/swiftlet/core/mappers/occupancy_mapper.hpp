@@ -14,7 +14,6 @@ namespace swiftlet {
 /// of another vehicle that is localized in the same world.
 struct OccupancyMapperConfig : ModuleConfigOf<OccupancyMapperConfig> {
   int every_column = 4;
-  int every_row = 1;
   double range_min_m = 0.6;
   double clear_range_m = 8.0;
   double tracked_radius_m = 1.0;

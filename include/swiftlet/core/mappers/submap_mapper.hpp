@@ -14,7 +14,6 @@ namespace swiftlet {
 /// occupied and free by its scans. When the graph changes, the map moves with its submaps.
 struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
   int every_column = 4;
-  int every_row = 1;
   double range_min_m = 0.6;
   double range_max_m = 20.0;
   double clear_range_m = 8.0;
@@ -23,10 +22,7 @@ struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
   double p_hit = 0.7;
   double p_miss = 0.4;
   double p_occupied = 0.7;
-  double p_min = 0.1192;
-  double p_max = 0.971;
   int outvoted_by = 2;
-  double piece_m = 12.0;
   double covered_share = 0.9;
   int pieces_max = 300;
   double distance_max_m = 2.0;

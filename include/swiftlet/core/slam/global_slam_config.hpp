@@ -24,7 +24,6 @@ struct CorrectionBlendConfig {
   BlendForm form = BlendForm::kLimited;
   double speed_max_mps = 0.25;
   double acceleration_max_mps2 = 0.1;
-  double jerk_max_mps3 = 0.15;
   double lever_m = 10.0;
 
   void visit(ConfigVisitor& v);

@@ -49,9 +49,7 @@ struct ScanToMapConfig {
 };
 
 struct SurfaceMatchingConfig {
-  double map_voxel_m = 0.2;
-  int map_points = 20000;  ///< [-] most points of a scan that go into the map
-  double match_voxel_m = 0.5;
+  int map_points = 20000;   ///< [-] most points of a scan that go into the map
   int match_points = 4000;  ///< [-] most points of a scan that are matched
   int iterations = 5;
   double insert_after_m = 0.3;    ///< [m] motion after which a scan goes into the map

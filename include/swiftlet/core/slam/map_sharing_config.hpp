@@ -47,8 +47,7 @@ struct MapSharingConfig {
   double retry_after_s = 3.0;  ///< [s] time without a reply after which missing data is requested again
   double likeness_min = 0.5;   ///< [-] least similarity of the descriptors of two submaps that are compared
   int search_submaps = 8;      ///< [-] most own submaps in which another vehicle's submap is searched at once
-  double near_m = 12.0;
-  int closures_enough = 8;  ///< [-] consistent closures with one vehicle after which no more clouds are requested
+  int closures_enough = 8;     ///< [-] consistent closures with one vehicle after which no more clouds are requested
   CompactCloudConfig cloud;
   MapJoinConfig join;
 

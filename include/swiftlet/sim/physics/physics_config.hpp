@@ -17,8 +17,6 @@ struct PhysicsConfig {
   bool body_drag = true;
   bool ground_effect = true;
   bool downwash = true;
-  /// Coefficient of the law in sim/physics/air_effects.hpp; 1: a single rotor of Cheeseman and Bennett
-  double ground_effect_coefficient = 11.36859;
   bool contacts = true;
   double contact_friction = 0.6;  ///< Coulomb friction coefficient between a vehicle and any surface
   double contact_restitution = 0.1;

@@ -11,7 +11,6 @@ struct CompassConfig : SensorConfigOf<CompassConfig> {
   double sigma_deg = 1.0;
   double bias_sigma_deg = 2.0;
   double disturbance_sigma_deg = 1.0;
-  double disturbance_time_s = 30.0;
 
   void visit(ConfigVisitor& v) override;
 };

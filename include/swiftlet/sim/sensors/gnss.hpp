@@ -33,7 +33,6 @@ struct GnssConfig : SensorConfigOf<GnssConfig> {
   int num_satellites = 12;
   double elevation_mask_deg = 10.0;
   double multipath_sigma_m = 5.0;
-  double multipath_time_s = 10.0;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -46,7 +46,6 @@ struct DetectionConfig {
   bool always = false;
   double range_10_percent_m = 40.0;
   double range_80_percent_m = 120.0;
-  double threshold_snr = 6.0;
   double retro_gain = 20.0;  ///< signal of a retro-reflector relative to a Lambertian surface of its reflectivity
 
   void visit(ConfigVisitor& v);

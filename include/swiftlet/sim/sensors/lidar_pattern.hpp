@@ -39,7 +39,6 @@ struct OusterConfig : ModuleConfigOf<OusterConfig> {
   std::vector<double> elevations_deg;  ///< explicit table, top to bottom; empty: equal steps from top to bottom
   std::vector<double> azimuths_deg = {4.2, 1.4, -1.4, -4.2};
   double beam_origin_m = 0.015806;
-  double connector_deg = 180.0;
 
   void visit(ConfigVisitor& v) override;
 };
@@ -47,8 +46,6 @@ struct OusterConfig : ModuleConfigOf<OusterConfig> {
 /// Livox Mid-360: 4 beams every 20 us on a curve that does not repeat between frames. Fitted to a public table of
 /// shots (weighted RMS 0.87 deg): reproduces look and density, not the exact shots.
 struct LivoxMid360Config : ModuleConfigOf<LivoxMid360Config> {
-  int first_step = 0;
-
   void visit(ConfigVisitor& v) override;
 };
 

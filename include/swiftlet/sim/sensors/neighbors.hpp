@@ -31,7 +31,6 @@ struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   double elevation_min_deg = -60.0;
   double elevation_max_deg = 60.0;
   bool occlusion = true;
-  double occluder_scale = 0.5;
   double dropout_probability = 0.05;
   double id_swap_probability = 0.0;
 

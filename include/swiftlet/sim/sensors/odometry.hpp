@@ -9,8 +9,8 @@ namespace swiftlet::sim {
 /// drifts in position and yaw. Roll and pitch are observable, so they have errors but no drift.
 ///
 /// The drift is a random walk over distance, turning and time. Over a step of length s, turn |dpsi| and time dt:
-///   var(yaw)           = yaw_drift^2 s / reference + yaw_drift_per_turn^2 |dpsi| / 2 pi + yaw_drift_psqrts^2 dt
-///   var(position, 3D)  = (drift_percent/100 reference)^2 s / reference + drift_per_turn^2 |dpsi| / 2 pi +
+///   var(yaw)           = yaw_drift^2 s / 100 m + yaw_drift_per_turn^2 |dpsi| / 2 pi + yaw_drift_psqrts^2 dt
+///   var(position, 3D)  = (drift_percent/100 * 100 m)^2 s / 100 m + drift_per_turn^2 |dpsi| / 2 pi +
 ///                        drift_psqrts^2 dt
 /// Each axis has a third of the latter, so the drift grows faster at higher speed and turn rate.
 struct OdometryConfig : SensorConfigOf<OdometryConfig> {
@@ -20,7 +20,6 @@ struct OdometryConfig : SensorConfigOf<OdometryConfig> {
   Frame frame = Frame::kStart;
   Eigen::Vector3d initial_offset_m = {10.0, 10.0, 1.0};
   double initial_yaw_deg = 180.0;
-  double drift_reference_m = 100.0;
   double drift_percent = 1.0;
   double drift_per_turn_m = 0.05;
   double drift_m_psqrts = 0.002;
@@ -30,7 +29,6 @@ struct OdometryConfig : SensorConfigOf<OdometryConfig> {
   double scale_error_percent = 0.2;
   double sigma_position_m = 0.003;
   double sigma_tilt_deg = 0.2;
-  double tilt_time_s = 5.0;
   double sigma_velocity_mps = 0.03;
 
   void visit(ConfigVisitor& v) override;

@@ -10,19 +10,15 @@ namespace swiftlet::sim {
 
 /// A small building to fly around, as in [Orsulic 2021], with gabled roof, windows, doors, chimney and steps. A paved
 /// path with kerbs surrounds it; farther out is a lawn with trees, lamp posts and parked cars. Only kerbs stand nearer
-/// to the walls than `free_ring_m`, so that a circle in that ring is free for every seed.
+/// to the walls than 9 m, so that a circle in that ring is free for every seed.
 struct CampusConfig : ModuleConfigOf<CampusConfig> {
   Eigen::Vector2d size_m = {90.0, 90.0};
   Eigen::Vector2d building_size_m = {14.0, 9.0};
   double wall_height_m = 4.5;
   double roof_height_m = 2.8;
-  double eaves_m = 0.6;
   double path_distance_m = 3.0;
   double path_width_m = 2.0;
-  double kerb_height_m = 0.12;
-  double free_ring_m = 9.0;
   int num_trees = 22;
-  double tree_spacing_m = 6.0;
   int num_lamps = 8;
   int num_cars = 5;
   double detail = 1.0;

@@ -12,10 +12,7 @@ namespace swiftlet::sim {
 /// Motion of leaves in wind. Off by default.
 struct FoliageConfig {
   double sway_m = 0.0;
-  double sway_hz = 0.3;
   double flutter_m = 0.0;
-  double flutter_hz = 2.0;
-  double wind_deg = 0.0;
 
   void visit(ConfigVisitor& v);
   bool moves() const { return sway_m > 0.0 || flutter_m > 0.0; }
@@ -24,8 +21,8 @@ struct FoliageConfig {
 };
 
 /// Motion of leaves: a pure function of (config, seed, tree, leaf, time). A tree sways as a clamped beam in its first
-/// mode, with the square of the height, along the wind and by half of that across it. Each tree has its own frequencies
-/// near the configured one (conifers: 0.1 to 0.6 Hz, Moore and Maguire 2004). Each leaf cluster additionally flutters
+/// mode, with the square of the height, along the wind (east) and by half of that across it. Each tree has its own
+/// frequencies near 0.3 Hz (conifers: 0.1 to 0.6 Hz, Moore and Maguire 2004). Each leaf cluster additionally flutters
 /// along all three axes. All motions are harmonic. Leaves do not rotate.
 class FoliageMotion {
  public:
@@ -45,7 +42,6 @@ class FoliageMotion {
  private:
   FoliageConfig config_;
   Random random_;
-  Vector3 along_, across_;
 };
 
 }  // namespace swiftlet::sim

@@ -21,7 +21,6 @@ struct ForestConfig : ModuleConfigOf<ForestConfig> {
   double min_spacing_m = 1.8;
   double dbh_min_m = 0.07;
   double dbh_scale_m = 0.20;
-  double dbh_shape = 2.2;
   double pine_share = 0.4;
   double spruce_share = 0.35;
   double broadleaf_share = 0.25;

@@ -24,7 +24,6 @@ struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
   double crown_radius_spread_m = 0.5;
   enum class Spread { kUniform, kNormal };
   Spread spread = Spread::kUniform;
-  double ground_margin_m = 10.0;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

@@ -10,14 +10,12 @@ namespace swiftlet::sim {
 /// from the walls are within the 16 m of Table IV. Crates stand along the outer walls only.
 struct HallConfig : ModuleConfigOf<HallConfig> {
   Eigen::Vector3d size_m = {15.0, 10.0, 6.0};
-  double wall_thickness_m = 0.25;
   bool ceiling = true;
   Eigen::Vector2d hide_center_m = {1.5, 0.0};
   double hide_length_m = 4.0;
   double hide_height_m = 0.0;
   double hide_yaw_deg = 90.0;
   int num_crates = 8;
-  double crate_zone_m = 1.0;
 
   void visit(ConfigVisitor& v) override;
 };

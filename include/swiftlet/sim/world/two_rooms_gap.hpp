@@ -17,7 +17,6 @@ struct TwoRoomsGapConfig : ModuleConfigOf<TwoRoomsGapConfig> {
   double gap_offset_m = 0.0;
   Eigen::Vector2d room_size_m = {9.0, 10.0};
   double height_m = 4.0;
-  double wall_thickness_m = 0.2;
   bool ceiling = true;
   double yaw_deg = 0.0;
   bool random_yaw = false;

@@ -8,14 +8,12 @@ namespace swiftlet::sim {
 
 /// A hall with pallet racks in double rows along x, aisles between them, and a cross aisle at either end. Pillars stand
 /// at the ends of the rows. Retro-reflective tape marks the floor and the uprights. The leaves of a gate in the east
-/// wall (+x) leave a door opening of configurable width [Pritzl 2024, sec. III-C] (1.2 m down to 0.9 m). The load of
-/// the racks is drawn from the seed; walls, aisles, pillars and door are the same for every seed.
+/// wall (+x) leave a door opening in its middle, of configurable width [Pritzl 2024, sec. III-C] (1.2 m down to 0.9 m).
+/// The load of the racks is drawn from the seed; walls, aisles, pillars and door are the same for every seed.
 struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
   Eigen::Vector3d size_m = {40.0, 26.0, 9.0};
-  double wall_thickness_m = 0.2;
   bool roof = true;
   double aisle_width_m = 3.2;
-  double end_aisle_m = 5.0;
   double rack_depth_m = 1.1;
   double bay_width_m = 2.8;
   int levels = 4;
@@ -25,8 +23,6 @@ struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
   double gate_height_m = 4.0;
   double door_width_m = 1.2;
   double door_height_m = 2.5;
-  double door_offset_m = 0.0;
-  double pillar_width_m = 0.4;
   bool tape = true;
 
   void visit(ConfigVisitor& v) override;
