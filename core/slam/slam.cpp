@@ -142,7 +142,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
         make_pose(nav.p_m + ahead_s * nav.v_mps, (nav.q * rotation_by(ahead_s * nav.omega_body_radps)).normalized());
     estimate_.v_local_mps = nav.v_mps;
     estimate_.omega_body_radps = nav.omega_body_radps;
-    estimate_.covariance = slam_.pose_covariance();
+    estimate_.covariance = slam_.pose_covariance(ahead_s);
   }
 
   void learn_world(const Observation& observation) {

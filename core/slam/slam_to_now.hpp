@@ -40,8 +40,8 @@ class SlamToNow {
   const LocalSlam& at_scan() const { return slam_; }
   /// State at the last IMU sample.
   const InertialFilter& now() const { return num_ahead() > 0 ? now_ : slam_.filter(); }
-  /// Covariance of the present pose, in the local frame.
-  Matrix6 pose_covariance() const { return slam_.pose_covariance(now()); }
+  /// Covariance of the pose `ahead_s` after that state, in the local frame.
+  Matrix6 pose_covariance(double ahead_s) const { return slam_.pose_covariance(now(), ahead_s); }
 
  private:
   struct Arrival {

@@ -18,6 +18,7 @@ LIDARS = {"mid360": "Mid-360", "os1_128": "OS1-128", "puck_lite": "Puck LITE"}
 FIRST_SEED = 9105
 FLIGHT_S, WRONG_INPUT_S, QUICK_S = 40.0, 20.0, 12.0  # durations from the start of SLAM on
 SETTLED_S = 5.0  # NEES counts from here on; the start pose is exact by definition
+CLOCK_S = 1.0  # clocks of the software and of all sensors at the start of the flight, so that early stamps are positive
 WRONG_M, CONFIDENT_M = 1.0, 0.1  # an error above the first with a sigma below the second is confidently wrong
 
 # Judged: what it is, its value from a flight and the flight without a fault, and its limit.
@@ -34,8 +35,8 @@ LOST = ("lost without a report [-]", lambda flight, ideal: not flight["worst_m"]
 UNKNOWN_START = {"local.imu.start_velocity_sigma_mps": 5, "local.imu.start_tilt_sigma_deg": 15}
 FAULTS = {
     "no fault": {"judged": (ERROR, NEES)},
-    **{f"IMU stamps {ms} ms early": {"judged": (ERROR, NEES), "imu": {"clock.offset_s": -1e-3 * ms}} for ms in (40, 20, 10)},
-    **{f"IMU stamps {ms} ms late": {"judged": (ERROR, NEES), "imu": {"clock.offset_s": 1e-3 * ms, "latency_s": 1e-3 * ms}}
+    **{f"IMU stamps {ms} ms early": {"judged": (ERROR, NEES), "imu": {"clock.offset_s": CLOCK_S - 1e-3 * ms}} for ms in (40, 20, 10)},
+    **{f"IMU stamps {ms} ms late": {"judged": (ERROR, NEES), "imu": {"clock.offset_s": CLOCK_S + 1e-3 * ms, "latency_s": 1e-3 * ms}}
        for ms in (10, 20, 40)},
     "IMU noise x 10": {"judged": (RATIO,), "imu": {"gyro_noise_density_radps_psqrthz": 3.39e-3,
                                                    "accel_noise_density_mps2_psqrthz": 0.04}},
@@ -65,9 +66,10 @@ QUICK = [("campus", "mid360", fault) for fault in ("no fault", "IMU stamps 20 ms
 
 def changes_of(world, lidar, fault, seed):
     name, start_m, yaw_deg, waypoints_m, _, _, more = WORLDS[world]
+    clock = {"offset_s": CLOCK_S}
     vehicle = {"name": name, "model": "x500", "start": {"position_m": start_m, "yaw_deg": yaw_deg},
-               "sensors": [{"type": "lidar", "model": lidar, "mount": {"position_m": [0, 0, 0.15]}},
-                           {"type": "imu", "model": "imu_adis16448"}],
+               "sensors": [{"type": "lidar", "model": lidar, "mount": {"position_m": [0, 0, 0.15]}, "clock": clock},
+                           {"type": "imu", "model": "imu_adis16448", "clock": clock}],
                "agent": {"localization": {"type": "ground_truth"},
                          "guidance": {"type": "waypoints", "speed_mps": 3, "loop": True, "waypoints_m": waypoints_m}}}
     return {"seed": seed, "duration_s": 1000, "snapshots": [], "recorders": [], "vehicles": [vehicle], **more,
@@ -112,7 +114,7 @@ def fly_fault(world, lidar, fault, seed, duration_s):
                 continue
             software, start_s = start_software(scenario, fault, p_m, R), simulator.t_s
         feed(software, fault, vehicle)
-        software.step(simulator.t_ns)
+        software.step(simulator.t_ns + int(1e9 * CLOCK_S))
         if len(vehicle.scans):
             T, covariance = software.estimate.local_pose, software.estimate.cov_m2
             turned = 0.5 * (T[:3, :3].T @ R - R.T @ T[:3, :3])  # cross product matrix of the attitude error, a small angle

@@ -178,6 +178,22 @@ Matrix6 InertialFilter::pose_covariance() const {
   return out + twist_ * columns.row(kTimeOffset);
 }
 
+/// While the vehicle moves, an error of the time offset displaces the present pose as well.
+Matrix6 InertialFilter::pose_covariance_after(double dt_s) const {
+  Eigen::Matrix<double, 6, kStates> A = Eigen::Matrix<double, 6, kStates>::Zero();
+  A.block<3, 3>(0, kP).setIdentity();
+  A.block<3, 3>(0, kV).diagonal().setConstant(dt_s);
+  A.block<3, 1>(0, kTimeOffset) = state_.nav.v_mps;
+  A.block<3, 3>(3, kTheta).setIdentity();
+  A.block<3, 3>(3, kGyroBias).diagonal().setConstant(-dt_s);
+  A.block<3, 1>(3, kTimeOffset) = state_.nav.omega_body_radps;
+  Matrix6 out = A * P_ * A.transpose();
+  const double dt3_s3 = dt_s * dt_s * dt_s;
+  out.diagonal().head<3>().array() += squared(kCoastAccel_mps2_sqrt_hz) * dt3_s3 / 3.0;
+  out.diagonal().tail<3>().array() += squared(kCoastAngularAccel_radps2_sqrt_hz) * dt3_s3 / 3.0;
+  return out;
+}
+
 /// P H^T, with the derivative H of the measured pose by the state.
 InertialFilter::PoseColumns InertialFilter::pose_columns() const {
   PoseColumns columns;

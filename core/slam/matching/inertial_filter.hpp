@@ -76,6 +76,8 @@ class InertialFilter : public InertialModel {
   const Covariance& covariance() const { return P_; }
   /// Covariance of position (local frame) and attitude (body axes) at the time of the LiDAR.
   Matrix6 pose_covariance() const;
+  /// Covariance of the pose dt_s after the state, predicted with constant velocity and body rate.
+  Matrix6 pose_covariance_after(double dt_s) const;
   /// Square of the last scan's innovation, normalized by its covariance. Expected: the number of directions that the
   /// scan constrains.
   double innovation_sq() const { return innovation_sq_; }

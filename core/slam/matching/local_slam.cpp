@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
@@ -31,6 +32,16 @@ constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 // Scans at the start without an estimate of the time offset. With fewer, errors of the first velocities count as an
 // offset.
 constexpr int kSettlingScans = 10;
+// Normalized square of an innovation per direction: 1 for exact noise models, 0.1 to 0.3 in simulated flights. Above
+// it, other time offsets are tried. Larger values miss offsets of 10 ms.
+constexpr double kExpectedInnovation = 1.0;
+// Time offsets tried at the start: multiples of a quarter of their standard deviation up to 2.5 of them. Smaller steps
+// cost time, larger ones leave the right offset outside of the range from which the filter finds it.
+constexpr int kTriedSteps = 10;
+constexpr double kTriedStep = 0.25;
+// Most repetitions of the start, which end when the time offset changes by less than its standard deviation. More of
+// them cost time.
+constexpr int kMostRepeats = 5;
 
 /// Motion without the parts that may be noise, from which no time offset can be learned.
 Eigen::Matrix<double, 6, 1> clear_part(Eigen::Matrix<double, 6, 1> motion) {
@@ -74,37 +85,82 @@ ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVeh
   return outcome;
 }
 
-/// Repeats the start with the learned biases: all later scans refer to the first ones, which were undistorted by a
-/// gyroscope of unknown bias.
+/// Repeats the start: all later scans refer to the first ones, which were undistorted by a gyroscope of unknown bias
+/// and with an unknown time offset.
 void LocalSlam::begin_again() {
   start_.over = true;
   if (!start_.imu.empty() && start_.imu.size() < kMostStartSamples) {
-    InertialFilter learned = filter_;
-    Vector3 v_start_local_mps = learned.state().nav.v_mps - velocity_gained(learned);
-    if (config_.imu.start_tilt_sigma_deg * kRadPerDeg > config_.imu.start_accel_bias_sigma_mps2 / kGravity_mps2) {
-      const Matrix3 R = learned.level();
-      v_start_local_mps = R * v_start_local_mps;
-      T_local_body_start_.linear() = R * T_local_body_start_.linear();
-    }
-    filter_ = InertialFilter(config_.imu, T_local_body_start_);
-    filter_.begin_with(learned, v_start_local_mps);
-    motion_ = {};
-    matcher_->clear();
-    innovations_ = {};
-    drift_ = MapDrift(T_local_body_start_.translation());
-    shared_covariance_.setZero();
-    inserted_ = {};
-    num_inserted_ = 0;
-    motion_known_ = false;
-    std::size_t next = 0;
-    for (const Start::Swept& swept : start_.scans) {
-      const auto is_ahead = [&] { return filter_.state().nav.t < imu_time_of_end(*swept.scan); };
-      for (; next < start_.imu.size() && (next < swept.after_sample || is_ahead()); ++next) add(start_.imu[next]);
-      match(*swept.scan, swept.others);
+    const bool is_explained = start_.mean_innovation() < kExpectedInnovation;
+    const InertialFilter first = filter_;
+    repeat_until_settled(first);
+    if (config_.imu.time_offset_sigma_s > 0.0 && !is_explained) {
+      const double innovation = start_.mean_innovation();
+      repeat_until_settled(best_of_time_offsets());
+      if (start_.mean_innovation() > innovation) repeat_until_settled(first);
     }
   }
-  start_.imu = {};
-  start_.scans = {};
+  start_ = {.over = true};
+}
+
+/// Repeats the start with what has been learned, until the time offset stays the same.
+void LocalSlam::repeat_until_settled(const InertialFilter& learned) {
+  filter_ = learned;
+  for (int i = 0; i < kMostRepeats; ++i) {
+    const double offset_before_s = filter_.state().time_offset_s;
+    repeat_start(learned_start());
+    if (std::abs(filter_.state().time_offset_s - offset_before_s) < filter_.time_offset_sigma_s()) return;
+  }
+}
+
+/// Filter whose time offset at the start explains the first scans best. From one start value a large offset is not
+/// found: biases and attitude are learned from wrong stamps before it.
+InertialFilter LocalSlam::best_of_time_offsets() {
+  InertialFilter best = filter_;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = -kTriedSteps; i <= kTriedSteps; ++i) {
+    InertialConfig tried = config_.imu;
+    tried.time_offset_s += kTriedStep * i * config_.imu.time_offset_sigma_s;
+    tried.time_offset_sigma_s *= 0.5 * kTriedStep;
+    repeat_start(InertialFilter(tried, T_local_body_start_));
+    if (start_.num_innovations < config_.start_scans / 2 || start_.mean_innovation() >= least) continue;
+    least = start_.mean_innovation();
+    best = filter_;
+  }
+  return best;
+}
+
+/// Filter at the start with what has been learned since.
+InertialFilter LocalSlam::learned_start() {
+  InertialFilter learned = filter_;
+  Vector3 v_start_local_mps = learned.state().nav.v_mps - velocity_gained(learned);
+  if (config_.imu.start_tilt_sigma_deg * kRadPerDeg > config_.imu.start_accel_bias_sigma_mps2 / kGravity_mps2) {
+    const Matrix3 R = learned.level();
+    v_start_local_mps = R * v_start_local_mps;
+    T_local_body_start_.linear() = R * T_local_body_start_.linear();
+  }
+  InertialFilter filter(config_.imu, T_local_body_start_);
+  filter.begin_with(learned, v_start_local_mps);
+  return filter;
+}
+
+void LocalSlam::repeat_start(const InertialFilter& filter) {
+  filter_ = filter;
+  motion_ = {};
+  matcher_->clear();
+  innovations_ = {};
+  drift_ = MapDrift(T_local_body_start_.translation());
+  shared_covariance_.setZero();
+  inserted_ = {};
+  num_inserted_ = 0;
+  motion_known_ = false;
+  start_.sum_of_innovations = 0.0;
+  start_.num_innovations = 0;
+  std::size_t next = 0;
+  for (const Start::Swept& swept : start_.scans) {
+    const auto is_ahead = [&] { return filter_.state().nav.t < imu_time_of_end(*swept.scan); };
+    for (; next < start_.imu.size() && (next < swept.after_sample || is_ahead()); ++next) add(start_.imu[next]);
+    match(*swept.scan, swept.others);
+  }
 }
 
 /// Velocity gained since the start, by the IMU alone.
@@ -182,6 +238,7 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   outcome.num_iterations = found.num_iterations;
   if (!found.fit.evidence.information.isZero(0.0)) {
     innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
+    start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
   filter_.set_noise_factor(innovations_.noise_factor());
   const NavState& nav = filter_.state().nav;
@@ -237,8 +294,8 @@ void LocalSlam::insert() {
   ++num_inserted_;
 }
 
-Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
-  return innovations_.covariance_factor() * (filter.pose_covariance() + shared_covariance_) +
+Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter, double ahead_s) const {
+  return innovations_.covariance_factor() * (filter.pose_covariance_after(ahead_s) + shared_covariance_) +
          drift_.covariance(filter.state().nav.q.toRotationMatrix());
 }
 
@@ -266,7 +323,8 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.object("imu", imu, "noise of the IMU, and uncertainty at the start");
   v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
   v.field("start_scans", start_scans,
-          "[-] number of first scans that are matched again with the biases estimated from them; 0: none",
+          "[-] number of first scans that are matched again with the biases and the time offset estimated from them; "
+          "0: none",
           Range::between(0, 100));
   v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
   v.field("known_share_min", known_share_min,

@@ -70,11 +70,11 @@ class LocalSlam {
   /// Points of the last scan, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return matcher_->points_body_m(); }
   /// Covariance of the pose in the local frame: that of a filter, relative to the map, plus those of the visible planes
-  /// and of the drift of the map. `filter` is the own one, or one propagated from it.
-  Matrix6 pose_covariance(const InertialFilter& filter) const;
+  /// and of the drift of the map. `filter` is the own one, or one propagated from it; the pose is that `ahead_s` later.
+  Matrix6 pose_covariance(const InertialFilter& filter, double ahead_s) const;
 
  private:
-  /// Initialization: the first scans are processed again with the biases estimated from them.
+  /// Initialization: the first scans are processed again with the biases and the time offset estimated from them.
   struct Start {
     std::vector<ImuSample> imu;
     struct Swept {
@@ -84,8 +84,21 @@ class LocalSlam {
     };
     std::vector<Swept> scans;
     bool over = false;
+    double sum_of_innovations = 0.0;  // normalized squares per direction, of the last pass
+    int num_innovations = 0;
+
+    void add_innovation(double innovation_sq, int num_directions) {
+      if (num_directions <= 0) return;
+      sum_of_innovations += innovation_sq / num_directions;
+      ++num_innovations;
+    }
+    double mean_innovation() const { return num_innovations > 0 ? sum_of_innovations / num_innovations : 0.0; }
   };
   void begin_again();
+  void repeat_until_settled(const InertialFilter& learned);
+  InertialFilter best_of_time_offsets();
+  InertialFilter learned_start();
+  void repeat_start(const InertialFilter& filter);
   Vector3 velocity_gained(const InertialFilter& learned) const;
   ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
   void reach_end(const Scan& scan);

@@ -116,7 +116,7 @@ TEST(GridMatcher, TracksPathThroughRoom) {
   double worst_m = 0.0;
   for (const double off_m : flight.off_m) worst_m = std::max(worst_m, off_m);
   EXPECT_LT(worst_m, 0.25) << "half a coarse cell";
-  const Matrix6 covariance = flight.slam.pose_covariance(flight.slam.filter());
+  const Matrix6 covariance = flight.slam.pose_covariance(flight.slam.filter(), 0.0);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(covariance).eigenvalues().minCoeff(), 0.0);
   EXPECT_LT(std::sqrt(covariance.diagonal().head<3>().maxCoeff()), 0.5);
   EXPECT_EQ(flight.outcomes.back().fit.num_degenerate, 0);

@@ -302,6 +302,20 @@ TEST(InertialFilter, RestartKeepsEstimatesWithMoreUncertainty) {
   EXPECT_TRUE(again.pose_covariance().isZero());
 }
 
+TEST(InertialFilter, OffsetAndPredictionWidenThePose) {
+  InertialConfig config;
+  config.time_offset_sigma_s = 0.02;
+  config.start_velocity_sigma_mps = 0.1;
+  const Filter learned(config, Pose::Identity());
+  Filter moving(config, Pose::Identity());
+  moving.begin_with(learned, {2.0, 0.0, 0.0});  // with twice the standard deviations
+  const auto sigma_m = [&](double dt_s, int axis) { return std::sqrt(moving.pose_covariance_after(dt_s)(axis, axis)); };
+  EXPECT_NEAR(sigma_m(0.0, 0), 2.0 * 0.04, 1e-12);
+  EXPECT_NEAR(sigma_m(0.0, 1), 0.0, 1e-12);
+  EXPECT_GT(sigma_m(0.1, 1), 0.1 * 0.2);
+  EXPECT_GT(sigma_m(0.2, 1) - sigma_m(0.1, 1), sigma_m(0.1, 1)) << "unknown accelerations add up";
+}
+
 TEST(InertialFilter, PoseIsExactAtMapOrigin) {
   Filter filter = flown_filter();
   const Filter::Covariance P = filter.covariance();

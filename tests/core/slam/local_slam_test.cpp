@@ -177,13 +177,13 @@ TEST(LocalSlam, UncertaintyExceedsFilterAndSettles) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
   outcomes_of(slam, flight, 5);
-  const Matrix6 after_5 = slam.pose_covariance(slam.filter()) - slam.filter().pose_covariance();
+  const Matrix6 after_5 = slam.pose_covariance(slam.filter(), 0.0) - slam.filter().pose_covariance();
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(after_5).eigenvalues().minCoeff(), 0.0);
   EXPECT_LT(std::sqrt(after_5.diagonal().head<3>().maxCoeff()), 0.03);
   LocalSlam longer(from_the_first_scan_on(), flight.at(0), 0.3);
   SyntheticFlight again = flight_in(kStore, standing);
   outcomes_of(longer, again, 60);
-  const Matrix6 after_60 = longer.pose_covariance(longer.filter()) - longer.filter().pose_covariance();
+  const Matrix6 after_60 = longer.pose_covariance(longer.filter(), 0.0) - longer.filter().pose_covariance();
   EXPECT_LT(after_60.trace(), 4.0 * after_5.trace()) << "a map that is known is not renewed over and over";
 }
 

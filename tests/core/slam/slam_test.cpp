@@ -226,6 +226,7 @@ TEST(Slam, StartsInFlightAtUnknownSpeed) {
   Course course;
   course.duration_s = 6.0;
   course.config.local.imu.start_velocity_sigma_mps = 3.0;
+  course.from_s = 2.2;
   const Result result = fly(flight, course);
   EXPECT_TRUE(result.always_valid) << result.fault;
   EXPECT_LT(result.worst_mps, 0.06);

@@ -340,7 +340,7 @@ TEST(SlamMap, LocatesFlightsInItsPlaceOnly) {
                                    {std::string(kGlobal) + ".map", map}};
     changes.insert(changes.end(), unknown.begin(), unknown.end());
     Scenario scenario = campus(file, changes);
-    scenario.duration_s = 2.5;
+    scenario.duration_s = 3.5;  // the start of SLAM takes 2 s
     Simulation simulation(validated(scenario), 2);
     while (!simulation.finished()) simulation.tick();
     judge(simulation.view().actions[0]->estimate, simulation.view().states[0]);

@@ -62,7 +62,7 @@ struct SurfaceMatchingConfig {
 struct LocalSlamConfig : SurfaceMatchingConfig {
   InertialConfig imu;
   double range_max_m = 100.0;
-  int start_scans = 10;
+  int start_scans = 20;
   double known_share_min = 0.3;
   double vehicle_radius_m = 1.0;
   bool with_imu = true;  ///< set by SlamConfig::imu
