@@ -22,8 +22,9 @@ namespace {
 
 // [-] share of a sweep that has passed when it arrives. Larger values refuse stamps that are only a little late.
 constexpr double kLeastElapsed = 0.5;
-// Least changes of the time offset that are reported, also in standard deviations, and for how long.
-constexpr double kReportedOffset_s = 0.002, kReportedSigmas = 3.0;
+// Least changes of the time offset that are reported, also in standard deviations, and for how long. With fewer than
+// five, errors of the map, which the filter treats as independent, are reported as an offset.
+constexpr double kReportedOffset_s = 0.002, kReportedSigmas = 5.0;
 constexpr TimeNs kReportDuration = 2 * kNsPerSecond;
 
 std::unique_ptr<ScanMatcher> make_matcher(const SlamConfig& config) {

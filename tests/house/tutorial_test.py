@@ -95,8 +95,8 @@ def check_field(page, folder):
         notes = {(event["kind"], event["note"]) for event in events}
         for event, seeds in (
             (("mission", "SLAM is degenerate: the scans do not constrain every direction"), "134"),
-            (("mission", "SLAM: dead reckoning by the IMU alone"), "14"),
-            (("mission_failed", "SLAM is lost: no scan fits"), "14"),
+            (("mission", "SLAM: dead reckoning by the IMU alone"), "4"),
+            (("mission_failed", "SLAM is lost: no scan fits"), "4"),
         ):
             expect((event in notes) == (seed in seeds), f"seed {seed}: expected {event} in the seeds {seeds} alone, found {notes}")
 

@@ -29,9 +29,6 @@ constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
-// Scans at the start without an estimate of the time offset. With fewer, errors of the first velocities count as an
-// offset.
-constexpr int kSettlingScans = 10;
 // Normalized square of an innovation per direction: 1 for exact noise models, 0.1 to 0.3 in simulated flights. Above
 // it, other time offsets are tried. Larger values miss offsets of 10 ms.
 constexpr double kExpectedInnovation = 1.0;
@@ -90,16 +87,21 @@ ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVeh
 void LocalSlam::begin_again() {
   start_.over = true;
   if (!start_.imu.empty() && start_.imu.size() < kMostStartSamples) {
-    const bool is_explained = start_.mean_innovation() < kExpectedInnovation;
-    const InertialFilter first = filter_;
-    repeat_until_settled(first);
-    if (config_.imu.time_offset_sigma_s > 0.0 && !is_explained) {
-      const double innovation = start_.mean_innovation();
-      repeat_until_settled(best_of_time_offsets());
-      if (start_.mean_innovation() > innovation) repeat_until_settled(first);
-    }
+    if (config_.imu.time_offset_sigma_s == 0.0 || start_.mean_innovation() < kExpectedInnovation)
+      repeat_start(learned_start());
+    else
+      find_time_offset();
   }
   start_ = {.over = true};
+}
+
+/// Repeats the start from the offset of the first pass and from the best of several, and adopts the better one.
+void LocalSlam::find_time_offset() {
+  const InertialFilter first = filter_;
+  repeat_until_settled(first);
+  const double innovation = start_.mean_innovation();
+  repeat_until_settled(best_of_time_offsets());
+  if (start_.mean_innovation() > innovation) repeat_until_settled(first);
 }
 
 /// Repeats the start with what has been learned, until the time offset stays the same.
@@ -231,7 +233,7 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   const NavState before = filter_.state().nav;
   const double offset_before_s = filter_.state().time_offset_s;
   const TimeNs end = imu_time_of_end(scan);
-  if (num_updates_++ >= kSettlingScans)
+  if (start_.over)  // errors of the first velocities would count as an offset
     filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
   const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
   outcome.fit = found.fit;

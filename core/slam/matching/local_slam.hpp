@@ -95,6 +95,7 @@ class LocalSlam {
     double mean_innovation() const { return num_innovations > 0 ? sum_of_innovations / num_innovations : 0.0; }
   };
   void begin_again();
+  void find_time_offset();
   void repeat_until_settled(const InertialFilter& learned);
   InertialFilter best_of_time_offsets();
   InertialFilter learned_start();
@@ -123,7 +124,6 @@ class LocalSlam {
 
   TimedPose inserted_;  // last insertion
   int num_inserted_ = 0;
-  int num_updates_ = 0;                          // scans matched since the start
   bool motion_known_ = false;                    // the map holds scans of known motion
   std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
 };
