@@ -98,10 +98,14 @@ void LocalSlam::begin_again() {
 /// Repeats the start from the offset of the first pass and from the best of several, and adopts the better one.
 void LocalSlam::find_time_offset() {
   const InertialFilter first = filter_;
+  const Pose T_local_body_first = T_local_body_start_;  // repetitions level the start pose
   repeat_until_settled(first);
   const double innovation = start_.mean_innovation();
+  T_local_body_start_ = T_local_body_first;
   repeat_until_settled(best_of_time_offsets());
-  if (start_.mean_innovation() > innovation) repeat_until_settled(first);
+  if (start_.mean_innovation() <= innovation) return;
+  T_local_body_start_ = T_local_body_first;
+  repeat_until_settled(first);
 }
 
 /// Repeats the start with what has been learned, until the time offset stays the same.
