@@ -20,19 +20,45 @@ constexpr double kFeedbackMax_mps2 = 6.0;
 /// [-] Share of the motors' lag that is compensated. Larger values permit faster loops and command larger changes of
 /// speed.
 constexpr double kMotorLead = 0.5;
+/// [ticks] Mean delay from a measurement to its effect: the age of the sample and half of the time that a command is
+/// held. Larger values make the loops slower.
+constexpr double kDelay_ticks = 1.5;
+/// [-] Bandwidth of the rate loop times its delay. Larger values respond faster and overshoot.
+constexpr double kRateDelay = 0.5;
+/// [rad/s] Limits of the derived bandwidth of the rate loop. A higher upper limit amplifies noise of the gyroscope on
+/// small vehicles.
+constexpr double kSlowestRate_radps = 4.0, kFastestRate_radps = 35.0;
+/// [-] Ratio of the bandwidths of the rate and the attitude loop; 4 damps them critically. Smaller values overshoot.
+constexpr double kRatePerAttitude = 4.0;
+/// [-] Ratio of the bandwidths of roll and pitch rate and of the yaw rate, for which little torque is available.
+/// Smaller values saturate the rotors in turns.
+constexpr double kRatePerYawRate = 4.0;
+/// [-] Ratio of the bandwidths of the attitude and the position loop. Smaller values overshoot.
+constexpr double kAttitudePerPosition = 2.5;
+/// [rad/s] Limit of the derived bandwidth of the position loop. Larger values react to noise of the position.
+constexpr double kFastestPosition_radps = 2.5;
+/// [-] Least vertical part of the thrust, as a share of the weight. Smaller values descend faster and may turn over.
+constexpr double kLeastLift = 0.2;
+/// [m/s^2] Limit of the compensated drag. Larger values let a wrong velocity command large tilts.
+constexpr double kDragMax_mps2 = 5.0;
+/// [s] Limits of the time step. Longer gaps between estimates count as the upper one, which bounds the integral part.
+constexpr double kShortestTick_s = 1e-4, kLongestTick_s = 0.1;
+/// [-] Cosine of the tilt error below which the heading is not corrected: upside down it is undefined.
+constexpr double kUpsideDown = -0.99;
 
 /// Gains derived from the airframe's motors; numbers in the configuration override them.
 ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {
   const auto given_or = [](double given, double derived) { return given > 0.0 ? given : derived; };
-  // Delay in the rate loop [s]: the part of the motors' lag that is not compensated, and one and a half ticks. Each
-  // outer loop is slower than the loop inside by a fixed factor.
+  // Delay in the rate loop: the part of the motors' lag that is not compensated, and that of the samples.
   const double motor_lag_s = 0.5 * (airframe.motor_time_constant_up_s + airframe.motor_time_constant_down_s);
-  const double lag_s = (1.0 - kMotorLead) * motor_lag_s + 1.5 * tick_s;
-  const double rate = given_or(config.rate_radps, std::clamp(0.5 / lag_s, 4.0, 35.0));
-  const double attitude = given_or(config.attitude_radps, rate / 4.0);  // critically damped with the rate loop
-  const double position = given_or(config.position_radps, std::min(attitude / 2.5, 2.5));
-  const double yaw_rate = given_or(config.yaw_rate_radps, rate / 4.0);  // yaw torque is small
-  const double yaw_attitude = given_or(config.yaw_attitude_radps, yaw_rate / 4.0);
+  const double lag_s = (1.0 - kMotorLead) * motor_lag_s + kDelay_ticks * tick_s;
+  const double rate =
+      given_or(config.rate_radps, std::clamp(kRateDelay / lag_s, kSlowestRate_radps, kFastestRate_radps));
+  const double attitude = given_or(config.attitude_radps, rate / kRatePerAttitude);
+  const double position =
+      given_or(config.position_radps, std::min(attitude / kAttitudePerPosition, kFastestPosition_radps));
+  const double yaw_rate = given_or(config.yaw_rate_radps, rate / kRatePerYawRate);
+  const double yaw_attitude = given_or(config.yaw_attitude_radps, yaw_rate / kRatePerAttitude);
 
   ControlGains gains;
   gains.position = position * position;
@@ -75,7 +101,7 @@ Vector3 attitude_error(const Matrix3& R_local_body, const Matrix3& R_local_wante
   // Heading: the remaining twist about e3 (swing-twist of the quaternion of E); undefined when upside down.
   const double w2 = std::max(0.0, 1.0 + E.trace());
   const double twist = elementary::atan2(E(1, 0) - E(0, 1), w2);
-  error.z() = b3.z() > -0.99 ? std::remainder(2.0 * twist, 2.0 * std::numbers::pi) : 0.0;
+  error.z() = b3.z() > kUpsideDown ? std::remainder(2.0 * twist, 2.0 * std::numbers::pi) : 0.0;
   return error;
 }
 
@@ -132,14 +158,13 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
                       reference.acceleration_mps2.allFinite() && std::isfinite(reference.yaw_rad) &&
                       std::isfinite(reference.yaw_rate_radps) && jerk_local_mps3.allFinite() && std::isfinite(dt_s);
   if (!usable) return idle(std::isfinite(dt_s) ? dt_s : 0.0);
-  dt_s = std::clamp(dt_s, 1e-4, 0.1);
+  dt_s = std::clamp(dt_s, kShortestTick_s, kLongestTick_s);
   predict_rotor_speeds(dt_s);
 
-  // Specific thrust [m/s^2] in the local frame for the wanted acceleration and against gravity. Its vertical part stays
-  // above 0.2 g, so that the vehicle stays upright.
+  // Specific thrust [m/s^2] in the local frame for the wanted acceleration and against gravity.
   const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
-  thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
+  thrust_mps2.z() = std::clamp(thrust_mps2.z(), kLeastLift * kGravity_mps2, max_acceleration_mps2_);
   const double level = elementary::hypot(thrust_mps2.x(), thrust_mps2.y());
   // With too little thrust for both, lift takes precedence over horizontal acceleration.
   const double level_max = std::min(
@@ -188,14 +213,14 @@ Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate,
 }
 
 /// Acceleration [m/s^2] by the drag of body and rotors in still air at the present attitude and rotor speeds, local
-/// axes; at most 5 m/s^2.
+/// axes; at most kDragMax_mps2.
 Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const {
   const Vector3 v_body = R_local_body.transpose() * v_local_mps;
   double speed_sum = 0.0;
   for (int i = 0; i < airframe_.num_rotors(); ++i) speed_sum += rotor_speed_radps_[i];
   Vector3 force_body = -0.5 * kAirDensity_kgpm3 * v_body.norm() * airframe_.body_drag_area_m2.cwiseProduct(v_body);
   force_body.head<2>() -= airframe_.rotor_drag_N_per_radps_mps * speed_sum * v_body.head<2>();
-  return limit_norm(R_local_body * force_body / airframe_.mass_kg, 5.0);
+  return limit_norm(R_local_body * force_body / airframe_.mass_kg, kDragMax_mps2);
 }
 
 /// Predicts the rotor speeds under the last command (first-order lag, exact over the step).

@@ -12,8 +12,8 @@ namespace {
 
 using Column = Eigen::Matrix<double, kMaxRotors, 1>;
 
-/// Largest share in [0, 1] of `part` that can be added to `base` with every rotor staying in [min, max].
-double largest_share(const Column& base, const Column& part, int n, double min, double max) {
+/// Largest factor in [0, 1] by which `part` can be added to `base` while every rotor stays in [min, max].
+double largest_factor(const Column& base, const Column& part, int n, double min, double max) {
   double share = 1.0;
   for (int i = 0; i < n; ++i) {
     if (part[i] > 0.0) share = std::min(share, (max - base[i]) / part[i]);
@@ -30,14 +30,14 @@ Mixer::Mixer(const Airframe& airframe) : num_rotors_(airframe.num_rotors()) {
   min_force_N_ = force_at(airframe.rotor_speed_min_radps);
   max_force_N_ = force_at(airframe.rotor_speed_max_radps);
 
-  // A ccw rotor exerts cw drag torque on the body, opposite to its sense of rotation.
+  // Columns are the wrench per thrust of a rotor. Its drag torque on the body is opposite to its sense of rotation.
   for (int i = 0; i < num_rotors_; ++i) {
     const Rotor& rotor = airframe.rotors[i];
     effectiveness_.col(i) << 1.0, rotor.position_m.y(), -rotor.position_m.x(),
         -rotor.direction() * airframe.torque_to_thrust_m;
   }
 
-  // Rows are scaled to comparable size, so that the rank test does not depend on the vehicle's size.
+  // Torque rows are divided by their lever arms, so that the rank test does not depend on the size of the vehicle.
   const Eigen::Vector4d scale(1.0, 1.0 / airframe.arm_length_m, 1.0 / airframe.arm_length_m,
                               1.0 / airframe.torque_to_thrust_m);
   const Eigen::Matrix<double, 4, kMaxRotors> scaled = scale.asDiagonal() * effectiveness_;
@@ -47,7 +47,7 @@ Mixer::Mixer(const Airframe& airframe) : num_rotors_(airframe.num_rotors()) {
     throw std::invalid_argument("airframe: expected rotors that make thrust and torque about all three axes, found " +
                                 std::to_string(num_rotors_) + " rotors that do not");
   }
-  // Pseudo-inverse of a matrix with independent rows: A^T (A A^T)^-1.
+  // Pseudo-inverse A^T (A A^T)^-1 of the effectiveness A, whose rows are independent.
   inverse_ = scaled.transpose() * gram.solve(Eigen::Matrix4d(scale.asDiagonal()));
 }
 
@@ -58,10 +58,11 @@ Wrench Mixer::wrench(const Forces& force_N) const {
 
 Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const int n = num_rotors_;
+  // Rotor forces of the roll and pitch torque.
   Column tilt = inverse_.col(1) * wanted.torque_body_Nm.x() + inverse_.col(2) * wanted.torque_body_Nm.y();
 
-  // Roll and pitch torque are scaled together, so that their direction is kept: their forces must span no more than a
-  // rotor's range, and must not take a rotor below its least force while the vehicle's weight is lifted.
+  // Both torques are scaled down by one factor, which keeps their direction, until the differences between rotors fit
+  // into the range of a rotor, and no rotor is below its minimum at the larger of the demanded thrust and lift_N.
   const double span = max_force_N_ - min_force_N_;
   const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
   double scale = std::min(1.0, span / std::max(tilt_span, 1e-12));
@@ -72,8 +73,8 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   }
   tilt *= scale;
 
-  // Thrust is moved into the range in which no rotor exceeds its limits with roll and pitch. Column 0 of the inverse is
-  // each rotor's share of the thrust.
+  // The thrust is limited to the range in which every rotor keeps its limits together with roll and pitch. Column 0 of
+  // the inverse is the share of each rotor in the thrust.
   double least = 0.0, greatest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < n; ++i) {
     const double share = inverse_(i, 0);
@@ -84,9 +85,9 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const double thrust = least <= greatest ? std::clamp(wanted.thrust_N, least, greatest) : 0.5 * (least + greatest);
   const Column base = inverse_.col(0) * thrust + tilt;
 
-  // Yaw takes the remaining range.
+  // The yaw torque is scaled down to the remaining range of the rotors.
   const Column yaw = inverse_.col(3) * wanted.torque_body_Nm.z();
-  const Column total = base + largest_share(base, yaw, n, min_force_N_, max_force_N_) * yaw;
+  const Column total = base + largest_factor(base, yaw, n, min_force_N_, max_force_N_) * yaw;
   Forces out{};
   for (int i = 0; i < n; ++i) out[i] = std::clamp(total[i], min_force_N_, max_force_N_);
   return out;

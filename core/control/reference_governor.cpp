@@ -10,10 +10,24 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLongestStep_s = 0.02;  // longer steps are divided equally
-// Share of the acceleration limit that braking plans use; the rest is for corrections.
+/// [s] Longest step; longer ones are divided equally. Smaller values cost time.
+constexpr double kLongestStep_s = 0.02;
+/// [-] Share of the acceleration limit that braking plans use; the rest is for corrections. Larger values brake later
+/// and overshoot.
 constexpr double kBrakingShare = 0.85;
-constexpr double kFastestPole_radps = 6.0;  // pole of the position error close to the goal
+/// [-] Least share of the acceleration limit that is left for braking at an accelerating goal. Smaller values approach
+/// such a goal more slowly.
+constexpr double kLeastBraking = 0.25;
+/// [-] Share of the jerk limit that changes of the wanted acceleration use; the rest is for corrections. Larger values
+/// overshoot the speed.
+constexpr double kJerkShare = 0.7;
+/// [rad/s] Gain of the position error close to the goal; the velocity's is three times, the acceleration's nine times
+/// as high, for three equal poles. Larger values arrive faster and amplify steps of the goal.
+constexpr double kFastestPole_radps = 6.0;
+/// [-] Limits of that gain by the time to reach full acceleration, and by the step. Larger values oscillate.
+constexpr double kGainOfJerk = 0.4, kGainOfStep = 0.04, kHeadingGainOfStep = 0.1;
+/// [-] Bisections for the admissible jerk nearest to the wanted one. More of them cost time.
+constexpr int kBisections = 12;
 
 double wrap_angle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -76,7 +90,7 @@ Vec<N> viable_jerk(const Motion<N>& m, const Vec<N>& wanted, const AxisLimits& l
   if (is_viable(m.after(wanted, dt), limits, dt)) return wanted;
   const Vec<N> level_off = -cut<N>(m.a / dt, limits.jerk);
   double good = 0.0, bad = 1.0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (good + bad);
     const Vec<N> jerk = level_off + middle * (wanted - level_off);
     (is_viable(m.after(jerk, dt), limits, dt) ? good : bad) = middle;
@@ -92,7 +106,8 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const Vec<N> w = m.v - goal.v;
 
   // The acceleration of the goal reduces that available for braking.
-  const double braking = kBrakingShare * std::max(limits.acceleration - goal.a.norm(), 0.25 * limits.acceleration);
+  const double braking =
+      kBrakingShare * std::max(limits.acceleration - goal.a.norm(), kLeastBraking * limits.acceleration);
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;
   Vec<N> feed_forward = goal.a;
@@ -113,7 +128,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const double v_error_norm = v_error.norm();
   Vec<N> a_wanted = feed_forward;
   if (v_error_norm > 1e-12)
-    a_wanted += v_error * (approach(v_error_norm, 3.0 * gain, 0.7 * limits.jerk).value / v_error_norm);
+    a_wanted += v_error * (approach(v_error_norm, 3.0 * gain, kJerkShare * limits.jerk).value / v_error_norm);
   return cut<N>(a_wanted, limits.acceleration);
 }
 
@@ -132,8 +147,7 @@ Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, 
     }
   }
 
-  // Poles at -3 gain (three times) close to the goal; slower if jerk is small or the step long.
-  const double gain = std::min({kFastestPole_radps, 0.4 * limits.jerk / limits.acceleration, 0.04 / dt});
+  const double gain = std::min({kFastestPole_radps, kGainOfJerk * limits.jerk / limits.acceleration, kGainOfStep / dt});
   Vec<N> goal_jerk = (goal.a - goal_a_before) / dt;
   if (goal_jerk.norm() > limits.jerk) goal_jerk.setZero();
   const Motion<N> coasted = m.after(goal_jerk, dt);
@@ -179,7 +193,7 @@ void follow_heading(double& yaw, double& rate, const Reference& goal, double goa
   if (std::abs(goal_acc) > max_acc) goal_acc = 0.0;
   const double rate_coasted = rate + dt * goal_acc;
   const double error = wrap_angle(goal.yaw_rad - (yaw + 0.5 * dt * (rate + rate_coasted)));
-  const double gain = std::min(kFastestPole_radps, 0.1 / dt);
+  const double gain = std::min(kFastestPole_radps, kHeadingGainOfStep / dt);
   const double braking = kBrakingShare * max_acc;
   const ApproachCurve curve = approach(std::abs(error), gain, braking);
   const double rate_unlimited = goal.yaw_rate_radps + std::copysign(curve.value, error);
