@@ -19,7 +19,7 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kSmoothedMargin = 0.5;  // share of the margin that must remain after smoothing of corners
 constexpr double kSlowdown = 0.75;       // mean speed / cruise speed, for time estimates
 constexpr int kMaxPlaces = 60;           // draws for one goal
-// [-] Most legs of one path, which bounds the time for short legs.
+// [-] Maximum number of legs of one path, which bounds the time for short legs.
 constexpr int kMaxLegs = 400;
 constexpr int kMaxPaths = 12;  // draws for one vehicle
 // Least share of the ground enclosed by walls [-] for which `indoors: auto` restricts flights to the interior.

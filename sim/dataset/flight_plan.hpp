@@ -12,15 +12,16 @@
 
 namespace swiftlet::sim {
 
-/// True if flights of this configuration are restricted to interiors. With `indoors: auto` they are when walls enclose
-/// a tenth of the ground, as in a hall or a courtyard. A building in a large area encloses less.
+/// True if the paths of a flight must stay in places enclosed by walls. `indoors: auto` decides this by the world: yes
+/// if walls enclose at least 10 % of its ground, as in a hall or a courtyard; a building in a large area encloses less.
 bool stays_indoors(const FlightConfig& config, const StaticScene& world);
 
-/// Collision-free paths for a team in a world. The first vehicle flies to random goals. The others mostly choose goals
-/// visible to the first one, whose distances cover [partner_min_m, partner_max_m] uniformly in the logarithm. A pure
-/// function of its arguments.
-/// @param radii_m  radii of the vehicles' safety spheres
-/// @return one path per vehicle, each of at least `duration_s`; nullopt when none was found
+/// Plans collision-free paths of a team through a static world. The first vehicle flies to random goals. The goals of
+/// the others have log-uniform distances from the first vehicle, between partner_min_m and partner_max_m, and most of
+/// them are in its line of sight. Equal arguments give equal paths.
+/// @param radii_m  radii of spheres around the vehicles that surfaces must not enter
+/// @param attempt  number of the attempt with this seed; each attempt draws other paths
+/// @return one path per vehicle, each of at least `duration_s`; nullopt if the attempt found none
 std::optional<std::vector<SplineTrajectory>> plan_flight(const FlightConfig& config,
                                                          const std::shared_ptr<const StaticScene>& world,
                                                          const std::vector<double>& radii_m, double duration_s,

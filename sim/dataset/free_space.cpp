@@ -13,7 +13,7 @@ namespace {
 // Marks of a column: height not determined yet, and no ground.
 constexpr float kNotLookedAt = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoGround = std::numeric_limits<float>::infinity();
-// [-] Most cells of the grid, of one byte each; larger grids are refused.
+// [-] Largest number of cells of the grid, of one byte each; larger grids are refused. Limits the memory.
 constexpr std::size_t kMaxCells = 40'000'000;
 constexpr int kViews = 8;         // horizontal rays from a position to test for enclosing walls
 constexpr int kColumns = 24;      // samples of the ground along x and along y

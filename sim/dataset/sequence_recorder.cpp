@@ -78,7 +78,7 @@ class SequenceRecorder : public Recorder {
     boxes_ = std::make_unique<BoxMaker>(world_, info.vehicle_shapes, vehicle_);
     poses_file_ = OutputFile(directory_ / "poses.txt");
     times_file_ = OutputFile(directory_ / "times.txt");
-    external_poses_file_ = OutputFile(directory_ / "told.tum");
+    external_poses_file_ = OutputFile(directory_ / "estimate.tum");
     external_poses_file_.append("# t_s x_m y_m z_m qx qy qz qw\n");
     boxes_file_ = OutputFile(directory_ / "boxes.csv");
     boxes_file_.append(kBoxesHeader);

@@ -29,7 +29,7 @@ using Json = nlohmann::ordered_json;
 
 /// [-] Number of frames above which the description of a sequence is rejected as corrupt.
 constexpr std::int64_t kMaxFrames = 100'000'000;
-/// [-] Most problems in a report; further ones are left out.
+/// [-] Maximum number of problems in a report; further ones are left out.
 constexpr std::size_t kMaxProblems = 50;
 /// [-] Numbers in a line of poses.txt: a 3 x 4 matrix, row by row.
 constexpr int kPoseNumbers = 12;

@@ -199,7 +199,7 @@ class Dataset(unittest.TestCase):
         self.assertGreater(len(imu), 100)
         self.assertGreater(gnss.size, 0)
         self.assertAlmostEqual(float(np.mean(imu["f_z_mps2"])), 9.81, delta=1.0)
-        beliefs = np.loadtxt(sequence / "told.tum", ndmin=2)
+        beliefs = np.loadtxt(sequence / "estimate.tum", ndmin=2)
         self.assertEqual(len(beliefs), len(np.loadtxt(sequence / "times.txt", ndmin=1)))
         self.assertTrue((sequence / "record.mcap").read_bytes().startswith(b"\x89MCAP0\r\n"))
         self.assertFalse((self.sequences()[1] / "record.mcap").exists())

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Comments and pages that a reader of the field understands (docs/conventions.md#comments). Usage: language_test.py SOURCE_DIR
 
-A comment or a cell of the reference does not begin with a word that leans on the name beside it, no comment or page speaks
-of things as of people, and the name of a test has at most six words.
+A comment, a cell of the reference or the message of an assertion does not begin with a word that leans on the text beside
+it, no comment or page speaks of things as of people, and the name of a test has at most six words.
 """
 import pathlib
 import re
@@ -12,7 +12,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "support"))
 from tracked import tracked  # noqa: E402
 
 HEADLESS = re.compile(r"(of|that|by|who|whom|whose|which|it|the same)\b", re.IGNORECASE)
-PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody)\b(?!\.tum)", re.IGNORECASE)
+HEADLESS_MESSAGE = re.compile(HEADLESS.pattern + r"|(and|so)\b", re.IGNORECASE)
+PEOPLE = re.compile(r"\b(told|somebody|whoever|nobody)\b", re.IGNORECASE)
+MESSAGE = re.compile(r'\b(?:EXPECT|ASSERT)_\w+\([^;]*?\)\s*<<\s*"((?:\\.|[^"\\])*)"')
 COMMENT = re.compile(r'^((?:[^"/]|"(?:\\.|[^"\\])*"|/(?!/))*)//[/!]?<?\s?(.*)$')
 
 TEST = re.compile(r"\b(?:TYPED_TEST_P|TYPED_TEST|TEST_P|TEST_F|TEST)\(\s*\w+,\s*(\w+)\s*\)")
@@ -37,6 +39,12 @@ def cells(text):
             yield number, re.sub(r"^\[[^\]]*\]\s*", "", cell.strip())
 
 
+def messages(text):
+    """Line and first string of each message that is streamed into an assertion."""
+    for match in MESSAGE.finditer(text):
+        yield text.count("\n", 0, match.start(1)) + 1, match.group(1)
+
+
 def faults(root):
     for path in tracked(root, "*.cpp", "*.hpp", "*.md"):
         name = str(path.relative_to(root))
@@ -46,6 +54,9 @@ def faults(root):
                     yield name, number, comment
                 elif PEOPLE.search(comment):
                     yield name, number, comment
+            for number, message in messages(path.read_text()):
+                if HEADLESS_MESSAGE.match(message):
+                    yield name, number, message
             for number, line in enumerate(path.read_text().splitlines(), 1):
                 for test in TEST.findall(line):
                     if len(WORD.findall(test)) > MOST_WORDS:

@@ -193,7 +193,7 @@ TEST_F(SequenceRecorderTest, RecordsTruthAndBeliefPerFrame) {
   flight.record(content, directory.path());
   const auto poses = split(read_whole_file(directory.path() / "poses.txt"), '\n'),
              times = split(read_whole_file(directory.path() / "times.txt"), '\n'),
-             beliefs = split(read_whole_file(directory.path() / "told.tum"), '\n'),
+             beliefs = split(read_whole_file(directory.path() / "estimate.tum"), '\n'),
              calibration = split(read_whole_file(directory.path() / "calib.txt"), '\n');
   ASSERT_EQ(poses.size(), 30U);
   ASSERT_EQ(times.size(), 30U);
@@ -233,7 +233,7 @@ TEST_F(SequenceRecorderTest, RecordsTruthAndBeliefPerFrame) {
 TEST_F(SequenceRecorderTest, PrefersExternalLocalizationOverTheEstimate) {
   flight.is_localized_outside = true;
   flight.record(content, directory.path());
-  const auto beliefs = split(read_whole_file(directory.path() / "told.tum"), '\n');
+  const auto beliefs = split(read_whole_file(directory.path() / "estimate.tum"), '\n');
   ASSERT_EQ(beliefs.size(), 31U);
   for (std::size_t n = 0; n < 30; ++n) {
     Pose T = Flight2::state_of(0, static_cast<TimeNs>(n) * 100'000'000).T_world_body();

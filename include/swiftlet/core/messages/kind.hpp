@@ -51,7 +51,7 @@ Reading read_message(const Message& message, Kind& content) {
   return Reading::kDone;
 }
 
-/// One row of registry.cpp: properties of a kind for recordings and the reference.
+/// Kind of message, as recordings and the reference describe it; all are in core/messages/registry.cpp.
 struct MessageKind {
   const char* topic;
   const char* doc;  ///< one line

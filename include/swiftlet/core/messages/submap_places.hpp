@@ -22,7 +22,7 @@ struct SubmapPlaces {
     static void visit(auto& p, auto& v) {
       v.field("*_m", p.p_local_m, "[m] origin of the submap");
       v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector from the submap's axes to that frame");
-      v.field("way_m", p.path_length_m, "[m] length of the path flown before the submap began");
+      v.field("path_length_m", p.path_length_m, "[m] length of the path flown before the submap began");
     }
   };
 

@@ -10,7 +10,7 @@ namespace swiftlet {
 /// Tracks from the sender's own sensors alone, and the sender's own state, in its local frame, which drifts. Received
 /// tracks are never forwarded, so no data returns to its source.
 struct TrackReport {
-  static constexpr const char* kTopic = "told_tracks";
+  static constexpr const char* kTopic = "track_report";
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "tracks and own state of the sender, in its local frame";
 
