@@ -32,6 +32,7 @@
 namespace swiftlet::tools {
 namespace {
 
+/// One section of the list. `doc` names the key of the scenario whose values it lists, or its use.
 struct Kind {
   const char* name;
   const char* doc;
@@ -51,23 +52,23 @@ void print_metrics() {
 }
 
 void print_outcomes() {
-  for (const sim::OutcomeDefinition& word : sim::outcome_definitions()) print_line(word.name, word.definition);
+  for (const sim::OutcomeDefinition& outcome : sim::outcome_definitions()) print_line(outcome.name, outcome.definition);
 }
 
-/// Sources of an overlay: the stack itself, a stage of any type, or named types of a stage.
+/// Prints each overlay with the stages that draw it.
 void print_overlays() {
-  std::vector<std::pair<std::string, std::string>> drawn = {
-      {"reference", "the stack"}, {"tracks", "any tracker"}, {"tracks.covariance", "any tracker"}};
+  std::vector<std::pair<std::string, std::string>> overlays = {
+      {"reference", "the stack agent"}, {"tracks", "any tracker"}, {"tracks.covariance", "any tracker"}};
   const auto add = [&](const char* stage, const auto& registry) {
     for (const auto& row : registry.rows()) {
       std::istringstream names(row.overlays != nullptr ? row.overlays : "");
       for (std::string name; names >> name;) {
-        const auto same =
-            std::find_if(drawn.begin(), drawn.end(), [&](const auto& line) { return line.first == name; });
-        if (same == drawn.end())
-          drawn.emplace_back(name, fmt::format("{} {}", stage, row.module.name));
+        const auto known =
+            std::find_if(overlays.begin(), overlays.end(), [&](const auto& line) { return line.first == name; });
+        if (known == overlays.end())
+          overlays.emplace_back(name, fmt::format("{} {}", stage, row.module.name));
         else
-          same->second += fmt::format(", {}", row.module.name);
+          known->second += fmt::format(", {}", row.module.name);
       }
     }
   };
@@ -76,7 +77,7 @@ void print_overlays() {
   add("relative_localization", relative_localizer_registry());
   add("mapping", mapper_registry());
   add("guidance", guidance_registry());
-  for (const auto& [name, recorder] : drawn) print_line(name, "drawn by " + recorder);
+  for (const auto& [name, stages] : overlays) print_line(name, "drawn by " + stages);
 }
 
 void print_assets(const char* folder) {
@@ -103,9 +104,9 @@ constexpr Kind kKinds[] = {
     {"mapping", "vehicles[].agent.mapping.type", [] { print_types(mapper_module_types()); }},
     {"guidance", "vehicles[].agent.guidance.type", [] { print_types(guidance_module_types()); }},
     {"recorders", "recorders[].type", [] { print_types(sim::recorder_module_types()); }},
-    {"overlays", "snapshots[].overlays, of one vehicle as uav1/NAME", print_overlays},
-    {"metrics", "summary.json, report.metrics of a batch (docs/metrics.md)", print_metrics},
-    {"outcomes", "how a run and each of its vehicles ended", print_outcomes},
+    {"overlays", "snapshots[].overlays; for one vehicle: uav1/NAME", print_overlays},
+    {"metrics", "in summary.json, and for report.metrics of a batch (docs/metrics.md)", print_metrics},
+    {"outcomes", "in summary.json: how the run and the flight of each vehicle ended", print_outcomes},
 };
 
 void list(const std::string& wanted) {
@@ -127,7 +128,8 @@ void list(const std::string& wanted) {
 
 void add_list(CLI::App& app) {
   auto wanted = std::make_shared<std::string>();
-  Subcommand command(app, "list", "What can be named in a scenario");
+  Subcommand command(app, "list",
+                     "List the types, models, files, overlays and metrics that a scenario or batch can name");
   command.option("kind", *wanted, "List only this kind: sensors, vehicles, worlds, agents, recorders ...");
   auto plugins = std::make_shared<PluginOptions>();
   plugins->add_to(command);

@@ -8,16 +8,17 @@
 
 namespace swiftlet::tools {
 
-/// The flag --allow-plugins: this process loads the plugins that scenarios name.
+/// Adds the flag --allow-plugins, with which the user permits scenarios to load their plugins (shared libraries).
 void add_allow_plugins(Subcommand& command, bool& allowed);
+/// Permits this process to load plugins built for exactly this version and git revision.
 void allow_plugins();
 
-/// --plugin FILE, for subcommands that read no scenario; naming a plugin also allows it.
+/// Option --plugin FILE of subcommands that read no scenario. Plugins named in this option need no --allow-plugins.
 struct PluginOptions {
   std::vector<std::string> files;
 
   void add_to(Subcommand& command);
-  /// Throws InputError.
+  /// Loads the named plugins. Throws InputError when a file cannot be loaded as a plugin.
   void load() const;
 };
 

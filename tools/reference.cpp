@@ -15,9 +15,10 @@ namespace swiftlet::tools {
 void add_reference(CLI::App& app) {
   Subcommand command(
       app, "reference",
-      "Print the reference of every configuration key (docs/reference.md), or of every metric (docs/metrics.md)");
+      "Print, as Markdown, the reference of all keys of a scenario (docs/reference.md) or a dataset, or of all metrics "
+      "(docs/metrics.md)");
   auto what = std::make_shared<std::string>("scenario");
-  command.option("what", *what, "scenario, dataset or metrics");
+  command.option("what", *what, "What to describe: scenario, dataset or metrics");
   auto plugins = std::make_shared<PluginOptions>();
   plugins->add_to(command);
   command.action([what, plugins] {

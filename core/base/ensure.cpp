@@ -14,16 +14,16 @@ void append_number(std::string& text, Number value) {
   text.append(digits.data(), end);
 }
 
-/// The file's path for the message: a header as it is included (through the link folders of cmake/Rooms.cmake), a
-/// source from the root of the sources, which is derived from this file's path.
+/// Path of a file in messages: a header's as in #include, after the folder of links that cmake/Rooms.cmake makes; a
+/// source's relative to the root of the sources, which is found from the path of this file.
 std::string_view from_root(std::string_view file) {
-  constexpr std::string_view kThis = __FILE__;
-  constexpr std::string_view kFromRoot = "core/base/ensure.cpp";
-  static_assert(kThis.ends_with(kFromRoot));
-  for (const std::string_view links : {"/public/", "/private/"}) {
-    if (const auto at = file.rfind(links); at != file.npos) return file.substr(at + links.size());
+  constexpr std::string_view kThisFile = __FILE__;
+  constexpr std::string_view kThisFileFromRoot = "core/base/ensure.cpp";
+  static_assert(kThisFile.ends_with(kThisFileFromRoot));
+  for (const std::string_view link_folder : {"/public/", "/private/"}) {
+    if (const auto at = file.rfind(link_folder); at != file.npos) return file.substr(at + link_folder.size());
   }
-  const std::string_view root = kThis.substr(0, kThis.size() - kFromRoot.size());
+  const std::string_view root = kThisFile.substr(0, kThisFile.size() - kThisFileFromRoot.size());
   return file.starts_with(root) ? file.substr(root.size()) : file;
 }
 
@@ -35,7 +35,7 @@ void append(std::string& text, std::uint64_t value) { append_number(text, value)
 void append(std::string& text, std::string_view value) { text.append("\"").append(value).append("\""); }
 
 void append_name(std::string& text, std::string_view& names) {
-  // Commas within brackets belong to the name: `at(x, y)`.
+  // A comma within brackets does not end the name, such as in `at(x, y)`.
   std::size_t end = 0;
   for (int depth = 0; end < names.size() && (depth > 0 || names[end] != ','); ++end) {
     if (names[end] == '(' || names[end] == '[' || names[end] == '{') ++depth;

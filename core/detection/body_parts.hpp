@@ -10,30 +10,31 @@
 
 namespace swiftlet {
 
-/// Decides whether two targets are parts of one large body. Between two bodies is air, which returns hardly
-/// any beams; one body also returns beams from its middle. Bayes' rule for each pair of targets near each other: the
-/// evidence of a return is whether it lies in the middle third of the segment between the centers of both.
+/// Decides whether two targets close to each other are parts of one large body. One body also returns beams from its
+/// middle, whereas the air between two bodies returns hardly any. Each return of the pair updates the odds of both
+/// cases by Bayes' rule. Its evidence is whether it lies in the middle third of the segment between the two centers.
 class BodyParts {
  public:
   /// [-] Share of the returns of one body in the middle third: 1/6 for a uniform bar whose halves are the two targets.
   /// Larger values need more returns between two targets to merge them.
   static constexpr double kMiddleOfOne = 0.17;
-  /// [-] Share of the returns of two bodies in the middle third: stray returns and noise. Larger values merge later.
+  /// [-] Share of the returns of two bodies in the middle third: stray returns and noise. Larger values need more
+  /// returns there for a merge.
   static constexpr double kMiddleOfTwo = 0.02;
-  /// [-] Log odds from which the pair is merged. Larger values need more sweeps.
+  /// [-] Log odds above which the pair is merged. Larger values need more sweeps for a merge.
   static constexpr double kDecided = 3.0;
   /// [-] Limit of the log odds. Larger values need more evidence to reverse an earlier decision.
   static constexpr double kMaxLogOdds = 6.0;
-  /// [-] Most pairs under test; further pairs are not merged.
+  /// [-] Maximum number of pairs under test; further pairs are not merged.
   static constexpr std::size_t kMostPairs = 64;
 
   BodyParts() { pairs_.reserve(kMostPairs); }
 
-  /// Begins a sweep: drops pairs without an update in the last 50 sweeps.
+  /// Begins a sweep: drops pairs that have not been updated for many sweeps.
   void begin_sweep();
-  /// Updates a pair by one sweep; both orders of its targets are equivalent.
-  /// @param a_local_m, b_local_m  returns [m] of either target in the local frame; each at least one
-  /// @return whether the pair is one body
+  /// Updates the odds of a pair by the returns of one sweep. The order of the two targets does not matter.
+  /// @param a_local_m, b_local_m  returns of the two targets in the local frame; neither may be empty
+  /// @return true if the pair is one body
   bool weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, std::uint32_t id_b,
              std::span<const Vector3> b_local_m);
   /// Drops all pairs of a target that is deleted or has changed identity.
@@ -43,9 +44,9 @@ class BodyParts {
 
  private:
   struct Pair {
-    std::uint32_t low = 0, high = 0;
+    std::uint32_t low = 0, high = 0;  // ids of the targets
     double log_odds = 0.0;
-    int silent_sweeps = 0;
+    int silent_sweeps = 0;  // sweeps since the last update
 
     bool is_of(std::uint32_t a, std::uint32_t b) const { return low == std::min(a, b) && high == std::max(a, b); }
   };

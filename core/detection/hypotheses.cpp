@@ -10,6 +10,10 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
+/// [-] Largest extent of the returns assigned to a body in a sweep, relative to its known size. Larger values let a
+/// body absorb returns from its surroundings.
+constexpr double kMaxGrowth = 2.0;
+
 }  // namespace
 
 Hypotheses::Hypotheses(const TrackBeforeDetectConfig& config)
@@ -62,7 +66,7 @@ void Hypotheses::correct(const LocalCloud& cloud) {
     const double hidden = h.sight.hidden;
     if (!returns_.of(k).empty()) {
       const TargetMeasurement measurement = returns_.measure(cloud, returns_.of(k), h.size_m);
-      if (measurement.extent_m.norm() <= std::max(config_.target.max_size_m, 2.0 * h.size_m)) {
+      if (measurement.extent_m.norm() <= std::max(config_.target.max_size_m, kMaxGrowth * h.size_m)) {
         corrected = correct_by(h, measurement, exposures_[k]);
       }
     }
@@ -72,6 +76,7 @@ void Hypotheses::correct(const LocalCloud& cloud) {
   }
 }
 
+// Weighs the number of returns for and against an object too small for a UAV, at ranges where both differ.
 void Hypotheses::weigh_size(Hypothesis& h, const BeamExposure& exposure, double hidden, int num_returns) {
   const ExpectedTarget& target = config_.target;
   const double range_m = (h.p_local_m() - returns_.beams().p_local_lidar_m()).norm();
@@ -113,7 +118,8 @@ void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
   h.existence = existence_after(h.existence, h.sight.weigh(h.rate.p_no_return(exposure.shots)));
 }
 
-// An unassigned cluster in free air may be a new target. All other candidates become background.
+// Each unassigned cluster in free air that is not too large begins a hypothesis, unless it is beside a target. Its
+// returns, and those of rejected clusters, are queued to become background.
 void Hypotheses::begin(const LocalCloud& cloud) {
   born_.clear();
   for (int cluster = 0; cluster < returns_.num_clusters(); ++cluster) {
@@ -182,11 +188,14 @@ void Hypotheses::merge() {
   }
 }
 
+// Deletes hypotheses that are unlikely or whose position is too uncertain, and the least likely ones above
+// max_hypotheses. Former targets are remembered, so that a new hypothesis can continue their identity.
 void Hypotheses::forget() {
   std::erase_if(hypotheses_, [&](const Hypothesis& h) {
-    const double lost_m = (h.existence >= Limits::kTarget ? 1.0 : Limits::kUnlikelyLost) * config_.sigma_lost_m;
+    const double max_sigma_m = (h.existence >= Limits::kTarget ? 1.0 : Limits::kUnlikelyLost) * config_.sigma_lost_m;
     if (!h.mean.allFinite()) return true;
-    if (h.existence >= Limits::kLeastExistence && h.position_covariance().diagonal().maxCoeff() <= lost_m * lost_m)
+    if (h.existence >= Limits::kLeastExistence &&
+        h.position_covariance().diagonal().maxCoeff() <= max_sigma_m * max_sigma_m)
       return false;
     if (h.was_target) former_.add(h);
     return true;
@@ -198,15 +207,15 @@ void Hypotheses::forget() {
   hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(max_hypotheses), hypotheses_.end());
 }
 
-// Expected number of clutter returns per volume: share of the voxels in which something other than a target returns a
-// beam. In free air, the share of returned beams is at most free_air_share.
+// Probability that at least one of the beams through a voxel returns from something other than a target, divided by the
+// volume of the voxel. In free air, the probability for one beam is at most free_air_share.
 double Hypotheses::clutter_density_per_m3(const TargetMeasurement& m, double beams_per_sr) const {
   const double edge_m = air_.map().voxel_m();
   const double range_sq = std::max((m.p_local_m - returns_.beams().p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
   const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, Limits::kLeastBeams);
   const double voxel_share = air_.map().clutter_share(m.p_local_m);
-  const double share = m.in_free_air ? std::min(voxel_share, config_.free_air_share) : voxel_share;
-  return (1.0 - elementary::exp(-share * beams)) / (edge_m * edge_m * edge_m);
+  const double p_clutter = m.in_free_air ? std::min(voxel_share, config_.free_air_share) : voxel_share;
+  return (1.0 - elementary::exp(-p_clutter * beams)) / (edge_m * edge_m * edge_m);
 }
 
 BeamExposure Hypotheses::exposure_of(const Hypothesis& h) const {

@@ -13,7 +13,7 @@ struct ThingLimits {
   static constexpr float kRadius_m = 0.5F;
   /// [ns] Time without a sighting after which a cluster is dropped. Smaller values lose objects of few returns.
   static constexpr TimeNs kForgotten = 2'000'000'000;
-  /// [-] Most clusters; a new cluster replaces the cluster not seen for longest.
+  /// [-] Largest number of clusters; a further one replaces the cluster not seen for longest. Larger values cost time.
   static constexpr std::size_t kMost = 512;
 };
 

@@ -7,6 +7,12 @@
 #include "core/detection/direction_bins.hpp"
 
 namespace swiftlet {
+namespace {
+
+// [m] Margin around the origins of the rays, so that rounding leaves none outside. Larger values enlarge the window.
+constexpr double kOriginMargin_m = 1e-6;
+
+}  // namespace
 
 RayCaster::RayCaster(const VofodConfig& config)
     : is_scrolling_(config.map.extent == VoxelMapConfig::Extent::kScrolling),
@@ -19,15 +25,15 @@ void RayCaster::cast(const LocalCloud& cloud, const VoxelGrid& map) {
   if (!begin(cloud, map)) return;
   const Scan& scan = *cloud.scan;
   const BeamTable& beams = *scan.beams;
-  const bool masks = !beams.masked.empty();
+  const bool has_mask = !beams.masked.empty();
   for (int row = 0; row < scan.rows(); ++row) {
     for (int column = 0; column < scan.cols(); ++column) {
       const int i = row * scan.cols() + column;
-      if (masks && beams.masked[i]) continue;
+      if (has_mask && beams.masked[i]) continue;
       double length_m = ray_max_m_;
       if (scan.hit(i))
         length_m = std::min(length_m, static_cast<double>(scan.range_m[i]));
-      else if (!(scan.range_m[i] == 0.0F))
+      else if (!(scan.range_m[i] == 0.0F))  // invalid range
         continue;
       add(cloud.T_local_lidar[column], beams.origins_lidar[i], beams.directions_lidar[i], length_m);
     }
@@ -39,7 +45,7 @@ void RayCaster::cast(const LocalCloud& cloud, const VoxelGrid& map) {
 }
 
 bool RayCaster::begin(const LocalCloud& cloud, const VoxelGrid& map) {
-  double beam_offset_m = 0.0;  // offset of the beams from the sensor's origin
+  double beam_offset_m = 0.0;  // largest distance of a beam's origin from the sensor's
   for (const Eigen::Vector3f& origin : cloud.scan->beams->origins_lidar) {
     if (origin.allFinite()) beam_offset_m = std::max(beam_offset_m, static_cast<double>(origin.norm()));
   }
@@ -51,9 +57,9 @@ bool RayCaster::begin(const LocalCloud& cloud, const VoxelGrid& map) {
     lengths_.begin({}, ray_max_m_, voxel_m_);
     return false;
   }
-  origins.min().array() -= beam_offset_m + 1e-6;
-  origins.max().array() += beam_offset_m + 1e-6;
-  // The map may scroll until the rays take effect.
+  origins.min().array() -= beam_offset_m + kOriginMargin_m;
+  origins.max().array() += beam_offset_m + kOriginMargin_m;
+  // The map may scroll by up to kRayScroll_voxels before apply().
   VoxelGrid within = map;
   if (is_scrolling_) {
     within.min_cell.array() -= kRayScroll_voxels;
@@ -70,6 +76,7 @@ void RayCaster::add(const Pose& T_local_lidar, const Eigen::Vector3f& origin_lid
 }
 
 void RayCaster::apply(int num_classifications, VoxelMap& map) {
+  // A ray along the diagonal of a voxel, the longest possible, counts N_cls * ray_weight updates.
   lengths_.apply(num_classifications * ray_weight_ / std::sqrt(3.0), map);
 }
 

@@ -9,22 +9,23 @@
 namespace swiftlet {
 
 /// Casts the rays of a scan through the voxel map of VoFOD [Vrba 2025, sec. III-C]. Beams without return clear the
-/// voxels up to ray_max_m. For a driver that does not report their directions, EmptyDirections replace them.
+/// voxels up to ray_max_m. When the driver does not report their directions, EmptyDirections estimates them.
 class RayCaster {
  public:
   explicit RayCaster(const VofodConfig& config);
 
-  /// Sums the ray length [m] in each voxel of a scan, for the next apply().
+  /// Sums the lengths of the scan's rays in each voxel, for the next apply().
   void cast(const LocalCloud& cloud, const VoxelGrid& map);
   /// Updates the voxels by their summed ray lengths [Vrba 2025, eq. 22].
-  /// @param num_classifications  N_cls: classifications since the rays were cast
+  /// @param num_classifications  N_cls: number of classifications of the map since the rays were cast
   void apply(int num_classifications, VoxelMap& map);
 
-  /// Sine of the elevation of the upper edge of the field of view, for scans without directions of empty shots; 2 for
-  /// others.
+  /// Sine of the elevation of the upper edge of the field of view, when the driver reports no directions of beams
+  /// without return; 2 (no limit) otherwise.
   double top_z() const { return empty_.top_z(); }
 
  private:
+  /// Starts the sums of a scan. False when its rays start outside of the map or have no finite pose.
   bool begin(const LocalCloud& cloud, const VoxelGrid& map);
   void add(const Pose& T_local_lidar, const Eigen::Vector3f& origin_lidar_m, const Eigen::Vector3f& direction_lidar,
            double length_m);

@@ -6,10 +6,17 @@
 #include <cmath>
 
 namespace swiftlet {
+namespace {
+
+/// [-] Relative tolerance of the clustering distance, so that rounding does not disconnect voxels exactly that far
+/// apart.
+constexpr double kDistanceTolerance = 1e-9;
+
+}  // namespace
 
 const std::vector<std::ptrdiff_t>& SeparateBackground::find(const VoxelMap& map, double distance_m,
                                                             int least_confident) {
-  look_around(map.grid().size, distance_m / map.grid().edge_m * (1.0 + 1e-9));
+  look_around(map.grid().size, distance_m / map.grid().edge_m * (1.0 + kDistanceTolerance));
   collect(map);
   join();
 
@@ -29,17 +36,22 @@ const std::vector<std::ptrdiff_t>& SeparateBackground::find(const VoxelMap& map,
   return separate_;
 }
 
+// Tabulates the neighboring blocks within the clustering distance. The table is kept until the size of the map or the
+// distance changes.
 void SeparateBackground::look_around(const Cell& size, double distance) {
   if (size == size_ && distance == distance_) return;
   size_ = size;
   distance_ = distance;
-  edge_ = distance * distance >= 3.0 ? 2 : 1;  // the diagonal of a block of two cells
+  // Blocks of 2 x 2 x 2 voxels need a distance of at least their diagonal; otherwise each voxel is a block.
+  edge_ = distance * distance >= 3.0 ? 2 : 1;
   reach_ = static_cast<int>(std::floor((distance + edge_ - 1) / edge_));
   blocks_size_ = (size.array() + edge_ - 1) / edge_ + 2 * reach_;
   numbers_.assign(blocks_size_.cast<std::ptrdiff_t>().prod(), 0);
 
   const int count = edge_ * edge_ * edge_;
-  const auto place = [&](int voxel) -> Cell { return {voxel % edge_, voxel / edge_ % edge_, voxel / (edge_ * edge_)}; };
+  const auto cell_in_block = [&](int voxel) -> Cell {
+    return {voxel % edge_, voxel / edge_ % edge_, voxel / (edge_ * edge_)};
+  };
   neighbors_.clear();
   for (int z = -reach_; z <= 0; ++z) {
     for (int y = -reach_; y <= reach_; ++y) {
@@ -48,8 +60,8 @@ void SeparateBackground::look_around(const Cell& size, double distance) {
         Neighbor neighbor{(static_cast<std::ptrdiff_t>(z) * blocks_size_.y() + y) * blocks_size_.x() + x, {}};
         for (int own = 0; own < count; ++own) {
           for (int other = 0; other < count; ++other) {
-            const Cell between = edge_ * Cell(x, y, z) + place(other) - place(own);
-            if (between.squaredNorm() > distance * distance) continue;
+            const Cell offset = edge_ * Cell(x, y, z) + cell_in_block(other) - cell_in_block(own);
+            if (offset.squaredNorm() > distance * distance) continue;
             for (int voxels = 0; voxels < 256; ++voxels) {
               if ((voxels >> own) & 1) neighbor.near[voxels] |= static_cast<std::uint8_t>(1 << other);
             }
@@ -61,12 +73,12 @@ void SeparateBackground::look_around(const Cell& size, double distance) {
   }
 }
 
-// Blocks in the order of numbers_.
+// Collects the occupied blocks of the map, in ascending order of their index in numbers_.
 void SeparateBackground::collect(const VoxelMap& map) {
   for (const Block& block : blocks_) numbers_[block.at] = 0;
   blocks_.clear();
   const int rows = edge_ * edge_;
-  const std::uint64_t side = (std::uint64_t{1} << edge_) - 1;
+  const std::uint64_t block_bits = (std::uint64_t{1} << edge_) - 1;
   std::array<const std::uint64_t*, 4> words{};
   for (int z = 0; z < size_.z(); z += edge_) {
     for (int y = 0; y < size_.y(); y += edge_) {
@@ -83,10 +95,10 @@ void SeparateBackground::collect(const VoxelMap& map) {
         for (int r = 0; r < rows; ++r) any |= words[r] != nullptr ? words[r][w] : 0;
         while (any != 0) {
           const int x = std::countr_zero(any) / edge_ * edge_;
-          any &= ~(side << x);
+          any &= ~(block_bits << x);
           std::uint32_t voxels = 0;
           for (int r = 0; r < rows; ++r) {
-            if (words[r] != nullptr) voxels |= static_cast<std::uint32_t>(words[r][w] >> x & side) << (r * edge_);
+            if (words[r] != nullptr) voxels |= static_cast<std::uint32_t>(words[r][w] >> x & block_bits) << (r * edge_);
           }
           blocks_.push_back({at + (64 * w + x) / edge_ + reach_, voxel + 64 * w + x, voxels});
           numbers_[blocks_.back().at] = static_cast<std::uint32_t>(blocks_.size());
@@ -96,7 +108,7 @@ void SeparateBackground::collect(const VoxelMap& map) {
   }
 }
 
-// Joins blocks; afterwards the parent of each block is the first one of its cluster.
+// Union-find over adjacent blocks. Afterwards the parent of each block is the first block of its cluster.
 void SeparateBackground::join() {
   parents_.resize(blocks_.size());
   for (std::uint32_t i = 0; i < parents_.size(); ++i) {

@@ -4,33 +4,40 @@
 namespace swiftlet {
 
 void ExpectedTarget::visit(ConfigVisitor& v) {
-  v.field("radius_m", radius_m, "[m] radius of the disc that a target covers in the view of the LiDAR",
+  v.field("radius_m", radius_m,
+          "[m] radius of the disc that models the silhouette of a target in the view of the LiDAR",
           Range{0.0, 10.0, true});
-  v.field("least_share", least_share, "[-] return_share of the smallest UAV, for the distinction from birds",
+  v.field("least_share", least_share,
+          "[-] share of the beams through the disc of radius_m that return from the smallest UAV, compared with "
+          "small_share to reject birds",
           Range{0.0, 1.0, true});
-  v.field("small_share", small_share, "[-] return_share of objects too small for a UAV", Range{0.0, 1.0, true});
+  v.field(
+      "small_share", small_share,
+      "[-] share of the beams through the disc of radius_m that return from objects too small for a UAV, such as birds",
+      Range{0.0, 1.0, true});
   v.check(small_share < least_share, "small_share", "less than least_share");
-  v.field("max_size_m", max_size_m, "[m] largest diagonal of the box around the returns of one sweep",
+  v.field("max_size_m", max_size_m, "[m] largest diagonal of the box around the returns of a target in one sweep",
           Range{0.0, 100.0, true});
   v.field("body_m", body_m,
-          "[m] distance of two targets below which they may be parts of one body, decided by the returns between them; "
-          "0: never",
+          "[m] distance between two targets below which they are merged into one body if beams return from between "
+          "them; 0: never",
           Range::between(0.0, 20.0));
-  v.field("sigma_sampling_m", sigma_sampling_m, "[m] standard deviation of single returns about the center, by axis",
-          Range::non_negative());
+  v.field("sigma_sampling_m", sigma_sampling_m,
+          "[m] standard deviation of single returns about the center of a target, per axis", Range::non_negative());
   v.field("sigma_velocity_mps", sigma_velocity_mps,
-          "[m/s] standard deviation of the velocity of a target with one return, by axis", Range::positive());
+          "[m/s] standard deviation of the velocity of a new hypothesis, per axis", Range::positive());
   v.field("new_per_m3", new_per_m3,
-          "[1/m^3] density of targets that appear for the first time, against those that reappear",
+          "[1/m^3] density of targets seen for the first time; larger values give reappearing targets a new identity "
+          "more often",
           Range{0.0, 1.0, true});
-  v.field("hidden_for_s", hidden_for_s, "[s] mean time for which an obstruction hides a target", Range::positive());
+  v.field("hidden_for_s", hidden_for_s, "[s] mean duration of an occlusion of a target", Range::positive());
 }
 
 void ExpectedNoise::visit(ConfigVisitor& v) {
   v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range", Range::positive());
-  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the sensor's position, by axis",
+  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the sensor's position, per axis",
           Range::non_negative());
-  v.field("sigma_attitude_rad", sigma_attitude_rad, "[rad] standard deviation of the sensor's attitude, by axis",
+  v.field("sigma_attitude_rad", sigma_attitude_rad, "[rad] standard deviation of the sensor's attitude, per axis",
           Range::non_negative());
 }
 
@@ -44,18 +51,20 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
   v.field("reported_existence", reported_existence,
           "[-] existence probability from which a hypothesis is reported as a detection", Range::probability());
   v.field("free_reach_m", free_reach_m,
-          "[m] radius of the test of hit_share around a new hypothesis; extended by the noise of the attitude",
+          "[m] radius around a new hypothesis in which hardly any beam may have ended so far, so that it lies in free "
+          "air; extended by the noise of the attitude",
           Range::between(0.0, 20.0));
   v.field("free_air_share", free_air_share,
-          "[-] share of the beams through a voxel of free air that something other than a target returns",
+          "[-] clutter share: share of the beams through a voxel of free air that return from insects, rain or false "
+          "alarms",
           Range{0.0, 1.0, true});
-  v.field("cluster_distance_m", cluster_distance_m, "[m] largest distance between returns of one target",
+  v.field("cluster_distance_m", cluster_distance_m, "[m] largest distance between neighboring returns of one target",
           Range{0.0, 100.0, true});
   v.field("sigma_hidden_m", sigma_hidden_m,
-          "[m] standard deviation of the position, on any axis, up to which a dropped target can be recognized again; "
-          "0: never",
+          "[m] largest standard deviation of the position, on any axis, at which a lost target is remembered, so that "
+          "it keeps its identity when it reappears; 0: never",
           Range::non_negative());
-  v.field("max_hypotheses", max_hypotheses, "[-] most hypotheses; the most likely ones are kept",
+  v.field("max_hypotheses", max_hypotheses, "[-] largest number of hypotheses; the most likely ones are kept",
           Range::between(1.0, 4096.0));
   v.field("latency_s", latency_s,
           "[s] time from a sweep to its detections; of several waiting sweeps only the newest is processed",

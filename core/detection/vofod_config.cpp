@@ -72,12 +72,12 @@ void VofodConfig::visit(ConfigVisitor& v) {
            "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
   v.choice("covariance", covariance, {"constant", "pose_noise"},
            "covariance of detections: sigma_m, or in addition the noise of range and pose (sec. IV-A)");
-  v.field("sigma_m", sigma_m, "[m] constant part of the standard deviation, by axis", Range::positive());
+  v.field("sigma_m", sigma_m, "[m] constant part of the standard deviation, per axis", Range::positive());
   v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: standard deviation of the range", Range::non_negative());
-  v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: standard deviation of the sensor's position, by axis",
+  v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: standard deviation of the sensor's position, per axis",
           Range::non_negative());
   v.field("sigma_attitude_rad", sigma_attitude_rad,
-          "[rad] pose_noise: standard deviation of the sensor's attitude, by axis", Range::non_negative());
+          "[rad] pose_noise: standard deviation of the sensor's attitude, per axis", Range::non_negative());
   v.object("choices", choices, "interpretations of ambiguous passages of the paper");
   v.object("prior", prior, "prior knowledge of the world");
   v.object("timing", timing, "durations of the modules");

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Points of a path, as spheres.
+/// Overlay of a path in orange: a sphere of radius size_m at each point. Callers may change its kind and color.
 inline Overlay path_overlay(const std::string& name, std::span<const Vector3> points_local_m, float size_m) {
   Overlay overlay;
   overlay.name = name;

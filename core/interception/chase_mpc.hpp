@@ -34,7 +34,7 @@ struct PointState {
 
 /// Target state at the end of a step, and its weights in the cost. Any frame, the same for all arguments.
 struct ChaseAim {
-  /// [-] Most position constraints of a step. More of them cost time in every iteration.
+  /// [-] Maximum number of position constraints of a step. More of them cost time in every iteration.
   static constexpr int kMaxWalls = 4;
   Vector3 p_m = Vector3::Zero();
   Vector3 v_mps = Vector3::Zero();
@@ -59,7 +59,7 @@ struct ChaseAim {
 /// allocation, no clock: bit-identical results for equal inputs.
 class ChaseMpc {
  public:
-  /// [-] Most steps of a plan; capacity of the matrices.
+  /// [-] Maximum number of steps of a plan; capacity of the matrices.
   static constexpr int kMaxSteps = 40;
 
   ChaseMpc(const ChaseMpcConfig& config, const MotionLimits& limits, int num_steps);

@@ -13,26 +13,31 @@ namespace {
 using Status = ChaseReport::Status;
 
 struct TeamTuning {
-  /// [s] Age from which a report is ignored. Larger values bridge longer dropouts, but avoid teammates where they were.
+  /// [s] Age from which a report is ignored. Larger values bridge longer dropouts of the radio, but keep the vehicle
+  /// clear of outdated positions.
   double report_timeout_s = 1.0;
-  /// [s] Period of reports. Smaller values load the radio and follow teammates more closely.
+  /// [s] Period of reports. Smaller values give teammates fresher paths, but load the radio.
   double report_period_s = 0.1;
-  /// [s] Advantage in arrival time that another interceptor needs to take the lead. At 0 the lead alternates
-  /// between vehicles with similar arrival times; larger values keep a slower leader.
+  /// [s] Advantage in arrival time at the target that another interceptor needs to take the lead. At 0 the lead
+  /// alternates between vehicles with similar arrival times; larger values keep a slower leader.
   double lead_hold_s = 0.3;
-  /// [m] Distance between a teammate's reported position and a track up to which the track is taken for the teammate.
-  /// The second gate is that of the own target's track: the target may hang in the teammate's net, close to it. Larger
-  /// gates take intruders near a teammate for the teammate.
+  /// [m] Largest distance between a teammate's reported position and the track associated with the teammate. The second
+  /// gate applies to the track of the own target, which may hang in the teammate's net, close to the teammate. Larger
+  /// gates mistake intruders near a teammate for the teammate.
   double track_gate_m = 2.5, target_gate_m = 1.0;
-  /// [-] Share of the clearance that a leader keeps from yielding interceptors. At 1 they can block it.
+  /// [-] Share of the clearance that a leader keeps from yielding interceptors. At 1 they can block its path to the
+  /// target; smaller values reduce the margin against collisions.
   double leader_share = 0.5;
-  // Bounds of plausible reports; others are rejected.
+  // Bounds of plausible reports; others are rejected. Far beyond any real flight, so that they only reject corrupt
+  // ones.
   double min_interval_s = 0.01, max_interval_s = 10.0;  ///< [s] interval between path points
-  double max_arrival_s = 1e4, max_coordinate_m = 1e6, max_speed_mps = 1e3;
+  double max_arrival_s = 1e4;                           ///< [s] magnitude of the time until arrival
+  double max_coordinate_m = 1e6;                        ///< [m] magnitude of the coordinates of positions
+  double max_speed_mps = 1e3;                           ///< [m/s] magnitude of the components of the target's velocity
 };
 constexpr TeamTuning kTeam;
 
-/// Rejects implausible reports, since a radio may deliver anything.
+/// False for reports that no interceptor sends, such as corrupt ones; received messages are not trusted.
 bool is_plausible(const ChaseReport& report) {
   const auto is_near = [](const auto& p_m) { return p_m.cwiseAbs().maxCoeff() < kTeam.max_coordinate_m; };
   return !report.places.empty() && report.interval_s >= kTeam.min_interval_s &&
@@ -126,9 +131,10 @@ void ChaseTeam::decide(TimeNs now, std::optional<double> arrival_s) {
   for (std::size_t i = 0; i < teammates_.size(); ++i) {
     const Teammate& teammate = teammates_[i].teammate;
     if (!teammates_[i].fresh || !teammate.same_target || !teammate.chases()) continue;
-    // The time since a report counts for a leader, which flies to the target, but not for a yielding interceptor.
-    const bool led = teammate.status == Status::kLeads;
-    const double teammate_s = rank_s(teammate.arrival_s - (led ? to_seconds(now - teammate.t) : 0.0), led);
+    // Since its report a leader has approached the target; a yielding interceptor has not.
+    const bool was_leading = teammate.status == Status::kLeads;
+    const double teammate_s =
+        rank_s(teammate.arrival_s - (was_leading ? to_seconds(now - teammate.t) : 0.0), was_leading);
     const auto id = static_cast<VehicleId>(i);
     if (teammate_s > least_s || (teammate_s == least_s && leader_ != kNoVehicle && leader_ < id)) continue;
     least_s = teammate_s;

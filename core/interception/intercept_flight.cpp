@@ -11,7 +11,7 @@ namespace {
 
 struct FlightTuning {
   double check_step_s = 0.01;  ///< [s] step of the simulated motion that is checked before it is flown
-  /// [m] Limit by axis of the difference between estimate and reference by which the approach is shifted.
+  /// [m] Limit per axis of the difference between estimate and reference by which the approach is shifted.
   double max_bias_m = 0.5;
   double min_heading_m = 1.0;  ///< [m] shorter horizontal displacements give no heading
   /// [-] Height above the target, in target_clearance_m, from which it is approached directly.

@@ -10,12 +10,15 @@ namespace {
 struct SelectionTuning {
   /// [s] Age above which a track counts as lost. Larger values pursue outdated predictions.
   double track_timeout_s = 1.0;
-  /// [m/s] Growth of the gate kSameTarget_m with the time without a track. Larger values take up other objects.
+  /// [m/s] Growth rate of the association gate, from kSameTarget_m on, while the target has no track. Larger values
+  /// accept other objects as the target.
   double gate_growth_mps = 3.0;
-  /// [m] Cost of a target that a teammate leads; more than any distance, so that free targets come first.
+  /// [m] Additional cost of a target that another interceptor pursues as leader. Greater than any distance, so that
+  /// targets without a leader come first.
   double led_cost_m = 1e6;
 };
 constexpr SelectionTuning kSelection;
+/// [m] Cost of a track that must not be selected.
 constexpr double kIneligible_m = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -43,7 +46,8 @@ const Track* TargetSelection::select(const GuidanceInput& input, const ChaseTeam
   return best;
 }
 
-/// Distance, lower for the present target, higher for targets of teammates; infinite: no target.
+/// Cost by which tracks are compared: -1 for the present target, else the distance from the target's prediction, or
+/// from the vehicle if there is no target so far. Targets of a leading teammate cost more; kIneligible_m: no target.
 double TargetSelection::cost_m(const Track& track, const GuidanceInput& input, const ChaseTeam& team,
                                bool chasing) const {
   const TimeNs now = input.observation.t;
@@ -55,10 +59,10 @@ double TargetSelection::cost_m(const Track& track, const GuidanceInput& input, c
   const double distance_m = (track.position_m - input.estimate.T_local_body.translation()).norm();
   if (!id_) return distance_m + led_m;
   const bool same = track.id == *id_;
-  const double off_m = (track.position_m - expected_m(now)).norm();
-  const bool other = chasing && !same && off_m > gate_m(now);
-  if (!other) return (same ? -1.0 : off_m) + led_m;
-  // A yielding vehicle takes another target that no teammate leads.
+  const double deviation_m = (track.position_m - expected_m(now)).norm();
+  const bool is_other_object = chasing && !same && deviation_m > gate_m(now);
+  if (!is_other_object) return (same ? -1.0 : deviation_m) + led_m;
+  // A vehicle that yields its target to a leader may change to a target without a leader.
   return team.yields() && is_free ? distance_m : kIneligible_m;
 }
 

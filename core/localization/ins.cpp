@@ -13,16 +13,26 @@
 namespace swiftlet {
 namespace {
 
-/// [m] Standard deviation of the height of the ground below the start. Larger values give the first altimeter samples
-/// less weight.
+/// [m] Standard deviation of the initial estimate of the ground height. Larger values let the first altimeter samples
+/// correct the ground height instead of the vehicle's height.
 constexpr double kStartGround_sigma_m = 2.0;
 /// [sigma] Innovation beyond which a measurement is rejected. Larger values accept more outliers.
 constexpr double kGate_sigma = 6.0;
 /// [s] Time without IMU samples after which the estimate is not valid. Larger values extrapolate through longer gaps.
 constexpr double kImuTimeout_s = 0.1;
-constexpr int kRejectedMost = 20;       // rejections in a row after which the measurement is trusted over the filter
-constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
+/// [-] Consecutive rejections of one source after which the filter counts as diverged and its next measurement is
+/// accepted. Larger values tolerate longer series of outliers, but recover later.
+constexpr int kMaxConsecutiveRejections = 20;
+/// [s] Interval between IMU samples beyond which the motion in between counts as unknown. Larger values trust the
+/// extrapolation through longer gaps.
+constexpr double kMaxImuInterval_s = 0.1;
+/// [m/s^2] Standard deviation of the acceleration assumed during a longer interval. Larger values let the next
+/// measurements correct the estimate faster.
+constexpr double kGapAcceleration_sigma_mps2 = 2.0;
+/// [-] Squared horizontal length of the body's x axis below which the heading is undefined: nose straight up or down.
+constexpr double kMinHorizontal_sq = 0.01;
 
+/// Sources of measurements, each with its own count of consecutive rejections.
 enum Source { kGnssPosition, kGnssVelocity, kAltimeter, kCompass, kOdometry };
 
 Vector3 cwise_square(const Vector3& v) { return v.cwiseProduct(v); }
@@ -42,13 +52,13 @@ class InsEstimator : public StateEstimator {
         filter_(config, setup.T_local_body_start),
         start_m_(setup.T_local_body_start.translation()),
         heading_known_(setup.start_known == StartKnown::kPose),
-        place_known_(setup.start_known != StartKnown::kNothing) {
+        position_known_(setup.start_known != StartKnown::kNothing) {
     estimate_.valid = true;
     estimate_.T_local_body = setup.T_local_body_start;
   }
 
   const StateEstimate& update(const Observation& observation, Outbox&) override {
-    take_in(observation);
+    process(observation);
     const NavState& now = filter_.state();
     estimate_.t = observation.t;
     const double ahead_s = to_seconds(observation.t - now.t);
@@ -64,22 +74,23 @@ class InsEstimator : public StateEstimator {
   const char* fault() const override { return fault_; }
 
  private:
-  /// Processes measurements in the order of their stamps between IMU samples.
-  void take_in(const Observation& observation) {
+  /// Propagates the filter by all IMU samples of the tick, then applies the other measurements. Delayed ones are
+  /// compared with the state at their stamp.
+  void process(const Observation& observation) {
     for (const ImuSample& sample : observation.imu) filter_.predict(sample);
     if (config_.use_gnss)
-      for (const GnssSample& sample : observation.gnss) take(sample);
+      for (const GnssSample& sample : observation.gnss) process(sample);
     if (config_.use_altimeter)
       for (const AltimeterSample& sample : observation.altimeter) filter_.update(sample);
     if (config_.use_compass)
-      for (const CompassSample& sample : observation.compass) take(sample);
+      for (const CompassSample& sample : observation.compass) process(sample);
     if (config_.use_odometry)
       for (const OdometrySample& sample : observation.odometry) filter_.update(sample);
   }
 
-  /// Absolute measurements pass through the correction into the local frame, where the filter runs. Without a known
-  /// start, the first sample defines the correction.
-  void take(const CompassSample& sample) {
+  /// Transforms absolute measurements by the correction into the local frame, in which the filter runs. With an unknown
+  /// start heading or position, the first sample sets that part of the correction.
+  void process(const CompassSample& sample) {
     if (!heading_known_) {
       if (!std::isfinite(sample.yaw_rad)) return;
       heading_known_ = true;
@@ -92,11 +103,11 @@ class InsEstimator : public StateEstimator {
     filter_.update(local);
   }
 
-  void take(const GnssSample& sample) {
+  void process(const GnssSample& sample) {
     if (!heading_known_) return;
-    if (!place_known_) {
+    if (!position_known_) {
       if (!sample.p_world_m.allFinite()) return;
-      place_known_ = true;
+      position_known_ = true;
       estimate_.correct(
           level_alignment(yaw_of(estimate_.T_world_local.linear()), sample.p_world_m, filter_.state().p_m));
       return;
@@ -131,7 +142,7 @@ class InsEstimator : public StateEstimator {
   InsConfig config_;
   InsFilter filter_;  // in the local frame
   Vector3 start_m_;
-  bool heading_known_, place_known_;  // whether heading and position of the local frame in the world are known
+  bool heading_known_, position_known_;  // whether heading and position of the local frame in the world are known
   StateEstimate estimate_;
   const char* fault_ = "";
 };
@@ -143,15 +154,15 @@ InsFilter::InsFilter(const InsConfig& config, const Pose& T_local_body_start) : 
   nominal_.q = Eigen::Quaterniond(T_local_body_start.linear()).normalized();
   ground_m_ = nominal_.p_m.z();
 
-  // Tilt and heading have different uncertainties: about world axes, rotated into body axes.
+  // Start attitude: tilt and heading have different variances about the world axes, here rotated into body axes.
   const Matrix3 R = nominal_.q.toRotationMatrix();
-  const double tilt = square(config.start_tilt_sigma_deg * kRadPerDeg);
-  const Vector3 attitude(tilt, tilt, square(config.start_yaw_sigma_deg * kRadPerDeg));
+  const double tilt_variance = square(config.start_tilt_sigma_deg * kRadPerDeg);
+  const Vector3 attitude_variance(tilt_variance, tilt_variance, square(config.start_yaw_sigma_deg * kRadPerDeg));
   P_.diagonal() << Vector3::Constant(square(config.start_position_sigma_m)),
       Vector3::Constant(square(config.start_velocity_sigma_mps)), Vector3::Zero(),
       Vector3::Constant(square(config.start_accel_bias_sigma_mps2)),
       Vector3::Constant(square(config.start_gyro_bias_sigma_radps)), square(kStartGround_sigma_m);
-  P_.block<3, 3>(kTheta, kTheta) = R.transpose() * attitude.asDiagonal() * R;
+  P_.block<3, 3>(kTheta, kTheta) = R.transpose() * attitude_variance.asDiagonal() * R;
   remember();
 }
 
@@ -166,18 +177,18 @@ void InsFilter::predict(const ImuSample& sample) {
   if (dt <= 0.0) return;
 
   const Vector3 omega = sample.omega_body_radps - gyro_bias_;
-  const Vector3 force = sample.specific_force_body_mps2 - accel_bias_;
+  const Vector3 specific_force = sample.specific_force_body_mps2 - accel_bias_;
   const Matrix3 R = (nominal_.q * rotation_by(0.5 * dt * omega)).toRotationMatrix();
-  strapdown(nominal_, omega, force, dt);
+  strapdown(nominal_, omega, specific_force, dt);
   nominal_.t = sample.t;
 
   // Error dynamics (Solà, eq. 270 and 271, first order in dt; second order where position depends on acceleration).
   Covariance F = Covariance::Identity();
-  const Matrix3 a_by_theta = -R * skew_of(force);
+  const Matrix3 da_dtheta = -R * skew_of(specific_force);
   F.block<3, 3>(kP, kV) = Matrix3::Identity() * dt;
-  F.block<3, 3>(kP, kTheta) = 0.5 * dt * dt * a_by_theta;
+  F.block<3, 3>(kP, kTheta) = 0.5 * dt * dt * da_dtheta;
   F.block<3, 3>(kP, kAccelBias) = -0.5 * dt * dt * R;
-  F.block<3, 3>(kV, kTheta) = dt * a_by_theta;
+  F.block<3, 3>(kV, kTheta) = dt * da_dtheta;
   F.block<3, 3>(kV, kAccelBias) = -dt * R;
   F.block<3, 3>(kTheta, kTheta) = rotation_by(-dt * omega).toRotationMatrix();
   F.block<3, 3>(kTheta, kGyroBias) = -dt * Matrix3::Identity();
@@ -191,11 +202,11 @@ void InsFilter::predict(const ImuSample& sample) {
   P_.block<3, 3>(kTheta, kTheta).diagonal().array() += square(config_.gyro_noise_radps_sqrt_hz) * dt;
   P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += square(config_.accel_walk_mps3_sqrt_hz) * dt;
   P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += square(config_.gyro_walk_radps2_sqrt_hz) * dt;
-  // The height of the ground is a random walk over the horizontal distance flown.
+  // The ground height is a random walk over the horizontal distance flown.
   P_(kGround, kGround) += square(config_.ground_walk_m_sqrt_m) * nominal_.v_mps.head<2>().norm() * dt;
-  if (dt > kLongestStep_s) {  // the motion in the gap is unknown
-    P_.block<3, 3>(kP, kP).diagonal().array() += square(dt * dt);
-    P_.block<3, 3>(kV, kV).diagonal().array() += square(2.0 * dt);
+  if (dt > kMaxImuInterval_s) {
+    P_.block<3, 3>(kP, kP).diagonal().array() += square(0.5 * kGapAcceleration_sigma_mps2 * dt * dt);
+    P_.block<3, 3>(kV, kV).diagonal().array() += square(kGapAcceleration_sigma_mps2 * dt);
   }
   remember();
 }
@@ -218,7 +229,7 @@ void InsFilter::update(const GnssSample& sample) {
 void InsFilter::update(const AltimeterSample& sample) {
   if (!std::isfinite(sample.height_m) || !std::isfinite(sample.sigma_m)) return;
   const NavState& then = at(sample.t);
-  if (!ground_known_) {  // the first height determines the height of the ground, with the uncertainty of the start
+  if (!ground_known_) {  // the first sample initializes the ground height, with the variance set at the start
     ground_m_ = then.p_m.z() - sample.height_m;
     ground_known_ = true;
   }
@@ -231,13 +242,13 @@ void InsFilter::update(const AltimeterSample& sample) {
 
 void InsFilter::update(const CompassSample& sample) {
   if (!std::isfinite(sample.yaw_rad) || !std::isfinite(sample.sigma_rad)) return;
-  // yaw = atan2(R10, R00); the body's small rotation theta moves R's first column by R (theta x e1).
+  // yaw = atan2(R10, R00). A small rotation theta in body axes changes the first column of R by R (theta x e1).
   const Matrix3 R = at(sample.t).q.toRotationMatrix();
-  const double level_sq = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
-  if (level_sq < 0.01) return;  // nose straight up or down: no heading
+  const double horizontal_sq = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
+  if (horizontal_sq < kMinHorizontal_sq) return;
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  const Matrix3 d_column = -R * skew_of(Vector3::UnitX());
-  H.block<1, 3>(0, kTheta) = (R(0, 0) * d_column.row(1) - R(1, 0) * d_column.row(0)) / level_sq;
+  const Matrix3 dcolumn_dtheta = -R * skew_of(Vector3::UnitX());
+  H.block<1, 3>(0, kTheta) = (R(0, 0) * dcolumn_dtheta.row(1) - R(1, 0) * dcolumn_dtheta.row(0)) / horizontal_sq;
   const double innovation = std::remainder(sample.yaw_rad - yaw_of(R), 2.0 * std::numbers::pi);
   correct<1>(Eigen::Matrix<double, 1, 1>(innovation), H, Eigen::Matrix<double, 1, 1>(square(sample.sigma_rad)),
              kCompass);
@@ -245,7 +256,7 @@ void InsFilter::update(const CompassSample& sample) {
 
 void InsFilter::update(const OdometrySample& sample) {
   if (!sample.T_local_body.matrix().allFinite() || !sample.v_local_body_mps.allFinite()) return;
-  // The heading of the local frame drifts, so only the velocity in body axes constrains the world velocity.
+  // The heading of the odometry drifts. Velocities are compared in body axes, in which this heading has no effect.
   const NavState& then = at(sample.t);
   const Matrix3 R_body_world = then.q.toRotationMatrix().transpose();
   const Vector3 v_body = R_body_world * then.v_mps;
@@ -263,13 +274,13 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
   const Eigen::Matrix<double, M, M> S = H * PHt + R;
   const Eigen::Matrix<double, M, M> S_inverse = S.inverse();
 
-  // Gate: outliers are rejected. If they persist, the filter has diverged.
+  // Mahalanobis gate: outliers are rejected. If they persist, the filter has diverged.
   const double distance_sq = innovation.dot(S_inverse * innovation);
   if (!std::isfinite(distance_sq) || distance_sq < 0.0) return;
   if (distance_sq > M * square(kGate_sigma)) {
     ++num_rejected_;
-    if (++rejected_in_a_row_[source] <= kRejectedMost) return;
-    // Inflates the covariance of the observed states so that they follow the measurement.
+    if (++rejected_in_a_row_[source] <= kMaxConsecutiveRejections) return;
+    // Inflates the covariance of the observed states by the squared innovation, so that they follow the measurement.
     P_ += H.transpose() * (H * H.transpose()).diagonal().cwiseInverse().asDiagonal() *
           innovation.cwiseProduct(innovation).asDiagonal() * H;
     rejected_in_a_row_[source] = 0;
@@ -280,7 +291,7 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
 
   const Eigen::Matrix<double, kStates, M> K = PHt * S_inverse;
   const Covariance I_KH = Covariance::Identity() - K * H;
-  P_ = sandwiched(I_KH, P_) + K * R * K.transpose();  // Joseph form: stays positive
+  P_ = sandwiched(I_KH, P_) + K * R * K.transpose();  // Joseph form: stays positive definite
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   inject(K * innovation);
 }
@@ -295,7 +306,7 @@ void InsFilter::inject(const Eigen::Matrix<double, kStates, 1>& dx) {
   gyro_bias_ += dx.segment<3>(kGyroBias);
   nominal_.omega_body_radps -= dx.segment<3>(kGyroBias);
   ground_m_ += dx[kGround];
-  // Applies the correction to the history too, so that later delayed measurements do not repeat it.
+  // Corrects the stored states too, so that delayed measurements do not correct the same error again.
   for (int i = 0; i < count_; ++i) {
     history_[i].p_m += dx.segment<3>(kP);
     history_[i].v_mps += dx.segment<3>(kV);
@@ -303,7 +314,7 @@ void InsFilter::inject(const Eigen::Matrix<double, kStates, 1>& dx) {
   }
 }
 
-/// State at the IMU sample nearest to t.
+/// Stored state at the IMU sample nearest to t.
 const NavState& InsFilter::at(TimeNs t) const {
   if (t >= nominal_.t || count_ == 0) return nominal_;
   int best = newest_;
@@ -324,16 +335,16 @@ void InsFilter::remember() {
 void InsConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   visit_noise(v);
-  v.field("start_position_sigma_m", start_position_sigma_m, "[m] standard deviation of the start pose's position",
+  v.field("start_position_sigma_m", start_position_sigma_m, "[m] standard deviation of the start position, per axis",
           positive);
   v.field("start_velocity_sigma_mps", start_velocity_sigma_mps,
-          "[m/s] standard deviation of the start velocity, which is assumed to be zero", positive);
+          "[m/s] standard deviation of the start velocity, whose estimate is zero, per axis", positive);
   v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] standard deviation of the start pose's tilt", positive);
   v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] standard deviation of the start pose's heading", positive);
-  v.field("use_gnss", use_gnss, "[-] whether position and velocity of GNSS are used");
-  v.field("use_altimeter", use_altimeter, "[-] whether the height above the surface below is used");
-  v.field("use_compass", use_compass, "[-] whether the heading of the compass is used");
-  v.field("use_odometry", use_odometry, "[-] whether the velocity of odometry, in body axes, is used");
+  v.field("use_gnss", use_gnss, "[-] whether GNSS position and velocity are used");
+  v.field("use_altimeter", use_altimeter, "[-] whether the altimeter's height above the surface below is used");
+  v.field("use_compass", use_compass, "[-] whether the compass heading is used");
+  v.field("use_odometry", use_odometry, "[-] whether the odometry's velocity in body axes is used");
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of the position above which the estimate is not valid", positive);
 }

@@ -6,9 +6,9 @@
 namespace swiftlet {
 namespace {
 
-/// [m] Standard deviation of the center of a sighting, by axis. Larger values weigh sightings less.
+/// [m] Standard deviation of the center of a sighting, per axis. Larger values weigh sightings less.
 constexpr double kSigma_m = 0.05;
-constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; also racks and signs are bright
+constexpr std::size_t kMaxBodies = 256;  // largest number of bright bodies per scan; also racks and signs are bright
 constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
 // [-] Iterations that center a body on its returns, because markers lie below and before the center. Fewer leave an
 // offset toward the markers.

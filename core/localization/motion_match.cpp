@@ -11,10 +11,10 @@ namespace {
 
 /// [ns] Least time between sightings of a chain. Smaller values store more, with correlated errors.
 constexpr TimeNs kSpacing = kNsPerSecond / 5;
-constexpr std::size_t kMaxSightings = 64;  // most sightings of a chain: 13 s
+constexpr std::size_t kMaxSightings = 64;  // largest number of sightings of a chain: 13 s
 constexpr double kReach_m = 0.5;           // largest step between successive sightings of a chain at zero interval
 constexpr double kReach_mps = 2.0;         // growth of that step with the interval
-constexpr std::size_t kMaxChains = 256;    // most chains; also racks and signs are bright
+constexpr std::size_t kMaxChains = 256;    // largest number of chains; also racks and signs are bright
 
 }  // namespace
 

@@ -13,10 +13,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMaxSteps = 30;        // most steps of a refinement; three to eight suffice
+constexpr int kMaxSteps = 30;        // largest number of steps of a refinement; three to eight suffice
 constexpr double kSmallStep = 1e-9;  // step [m, rad, s] below which a refinement has converged
-// [-] Most hypotheses of two pairs each. With 30 % false sightings, half of the hypotheses are right. Larger values
-// tolerate more false sightings and cost time.
+// [-] Largest number of hypotheses, each from two pairs. With 30 % false sightings, half of the hypotheses are right.
+// Larger values tolerate more false sightings and take longer.
 constexpr int kMaxHypotheses = 400;
 constexpr double kKnownClock_s = 1e-9;  // clock sigma that counts as exact
 // Information of the clock prior in the normal equations; a known clock is not estimated.

@@ -13,21 +13,26 @@ namespace {
 
 /// [s] Largest delay of a sighting or an odometry sample. Larger values accept later ones and cost time.
 constexpr double kHistory_s = 3.0;
-/// [-] Most measurements in the history. Smaller values reject measurements with less delay than kHistory_s.
+/// [-] Maximum number of measurements in the history. Smaller values reject measurements with less delay than
+/// kHistory_s.
 constexpr std::size_t kMaxHistory = 128;
-constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor decays within a minute
-// [-] Largest squared standard deviations that one sample contributes: a single outlier must not dominate. Larger
-// values learn the drift faster and follow outliers.
+/// [-] Variance by which the logarithm of the drift factor becomes uncertain with each odometry sample. Larger values
+/// adapt the factor faster and more noisily; with this value, an excessive factor decays within a minute.
+constexpr double kLogFactorWalk = 0.003;
+/// [-] Upper bound of the squared Mahalanobis distance of an innovation in the estimation of the drift factor. Larger
+/// values adapt the factor faster, but let a single outlier dominate it.
 constexpr double kMaxInnovation_sq = 25.0;
 
-Matrix3 turn_about_vertical(double yaw_rad) {
+Matrix3 rotation_about_vertical(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
   return (Matrix3() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0).finished();
 }
 
+/// Cross product of the unit vector along z with v: the derivative of v when it rotates about the vertical.
 Vector3 vertical_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
 
-/// A P A^T, coefficient by coefficient (reason in core/tracking/motion_filter.cpp).
+/// A P A^T, coefficient by coefficient: Eigen's product for large matrices costs more at this size and may start
+/// threads.
 template <class Transition, class Matrix>
 Matrix carried(const Transition& A, const Matrix& P) {
   const Matrix AP = A.lazyProduct(P);
@@ -37,14 +42,15 @@ Matrix carried(const Transition& A, const Matrix& P) {
 }  // namespace
 
 void RelativeFilterConfig::visit(ConfigVisitor& v) {
-  v.field("bias_sigma_m", bias_sigma_m,
-          "[m] standard deviation by axis of the error common to all sightings; it stays in the covariance, whatever "
-          "their number",
-          Range::non_negative());
+  v.field(
+      "bias_sigma_m", bias_sigma_m,
+      "[m] standard deviation per axis of the error common to all sightings; added to the covariance of each estimate, "
+      "because averaging over sightings does not reduce it",
+      Range::non_negative());
   v.field("gate_sigma", gate_sigma, "[-] residual in standard deviations beyond which a sighting is rejected",
           Range::positive());
   v.field("drift_factor_max", drift_factor_max,
-          "[-] largest factor of the odometry's drift that is estimated from sightings; 1: drift as configured",
+          "[-] upper bound of the estimated ratio of actual to configured odometry drift; 1: drift as configured",
           Range::between(1.0, 1000.0));
 }
 
@@ -68,9 +74,9 @@ void RelativeFilter::start(const FrameAlignment& alignment, const OtherMotion& a
   base_.log_factor_variance = before.log_factor_variance;
   base_.t = base_.seen = anchor.t;
   base_.odometry = anchor;
-  const Vector3 v_local_mps = turn_about_vertical(alignment.yaw_rad) * anchor.v_other_local_mps;
+  const Vector3 v_local_mps = rotation_about_vertical(alignment.yaw_rad) * anchor.v_other_local_mps;
   base_.x << alignment.anchor_local_m, v_local_mps, alignment.anchor_local_m, alignment.yaw_rad;
-  // Position and velocity follow from the alignment, each with additional noise.
+  // Position and velocity are functions of the alignment, each with the noise of the odometry.
   Eigen::Matrix<double, kStates, 4> J = Eigen::Matrix<double, kStates, 4>::Zero();
   J.block<3, 3>(kP, 0).setIdentity();
   J.block<3, 1>(kV, 3) = vertical_cross(v_local_mps);
@@ -97,9 +103,9 @@ RelativeFilter::Expected RelativeFilter::expected(const Sighting& sighting) cons
 }
 
 double RelativeFilter::squared_sigmas(const Sighting& sighting) const {
-  const Expected there = expected(sighting);
-  const Vector3 innovation = sighting.p_local_m - there.p_local_m;
-  return innovation.dot(there.covariance.llt().solve(innovation));
+  const Expected predicted = expected(sighting);
+  const Vector3 innovation = sighting.p_local_m - predicted.p_local_m;
+  return innovation.dot(predicted.covariance.llt().solve(innovation));
 }
 
 double RelativeFilter::unlikelihood(const Sighting& sighting) const {
@@ -114,7 +120,7 @@ bool RelativeFilter::push(const Sighting& sighting) {
   return insert(entry);
 }
 
-/// Inserts an entry by its time and repeats the later ones.
+/// Inserts a measurement in order of time, and applies it and all later ones.
 bool RelativeFilter::insert(Entry entry) {
   ENSURE(started_);
   if (entry.t < base_.t) return false;
@@ -128,7 +134,7 @@ bool RelativeFilter::insert(Entry entry) {
     history_[i].is_odometry ? correct(state, history_[i].odometry) : correct(state, history_[i].sighting);
     history_[i].after = state;
   }
-  // The history spans the longest accepted delay.
+  // Entries older than the longest accepted delay are merged into the base state.
   const TimeNs oldest = history_.back().t - from_seconds(kHistory_s);
   std::size_t num_old = 0;
   while (num_old + 1 < history_.size() && (history_[num_old].t < oldest || history_.size() - num_old > kMaxHistory)) {
@@ -173,7 +179,7 @@ void RelativeFilter::correct(State& state, const Eigen::Matrix<double, M, 1>& in
   const Eigen::Matrix<double, M, M> S = H.lazyProduct(PHt) + R;
   const Eigen::Matrix<double, kStates, M> K = S.llt().solve(PHt.transpose()).transpose();
   state.x += K.lazyProduct(innovation);
-  // Joseph form: stays positive despite rounding.
+  // Joseph form: the covariance stays positive definite despite rounding.
   Covariance I_KH = Covariance::Identity();
   I_KH -= K.lazyProduct(H);
   const Eigen::Matrix<double, kStates, M> KR = K.lazyProduct(R);
@@ -189,15 +195,15 @@ void RelativeFilter::correct(State& state, const Sighting& sighting) const {
 }
 
 void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
-  // The alignment drifts with the distance flown since its anchor. A rotation of the odometry's frame in between
-  // displaces what follows, as if it happened half-way.
+  // Since its anchor, the alignment has drifted with distance, turning and time. A drift of the heading also displaces
+  // the end of the step; the drift is assumed to have occurred in the middle of the step.
   const Flown flown = odometry.flown - state.odometry.flown;
   const Vector3 step_other_m = odometry.p_other_local_m - state.odometry.p_other_local_m;
-  const Matrix3 R = turn_about_vertical(state.x(kYaw));
-  const Vector3 half_turned_m = vertical_cross(R * (-0.5 * step_other_m));
-  Eigen::Matrix<double, 4, 1> walk;
-  walk << half_turned_m, 1.0;
-  FrameAlignment::Covariance drift = drift_.yaw_variance_rad2(flown) * (walk * walk.transpose());
+  const Matrix3 R = rotation_about_vertical(state.x(kYaw));
+  const Vector3 displacement_m_per_rad = vertical_cross(R * (-0.5 * step_other_m));
+  Eigen::Matrix<double, 4, 1> drift_per_rad;
+  drift_per_rad << displacement_m_per_rad, 1.0;
+  FrameAlignment::Covariance drift = drift_.yaw_variance_rad2(flown) * (drift_per_rad * drift_per_rad.transpose());
   drift.diagonal().head<3>().array() += drift_.position_variance_m2(flown);
 
   const Vector3 step_m = R * step_other_m, v_local_mps = R * odometry.v_other_local_mps;
@@ -212,15 +218,15 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   Matrix6 noise = Matrix6::Zero();
   noise.diagonal().head<3>().setConstant(config_.odometry_sigma_m * config_.odometry_sigma_m);
   noise.diagonal().tail<3>().setConstant(config_.odometry_velocity_sigma_mps * config_.odometry_velocity_sigma_mps);
-  const Eigen::Matrix<double, 3, kStates> H_place = H.topRows<3>(), HP = H_place.lazyProduct(state.P);
-  const Eigen::Matrix<double, 3, 4> H_anchor = H_place.rightCols<4>(), HD = H_anchor.lazyProduct(drift);
-  const Matrix3 expected = HP.lazyProduct(H_place.transpose()) + Matrix3(noise.topLeftCorner<3, 3>());
+  const Eigen::Matrix<double, 3, kStates> H_position = H.topRows<3>(), HP = H_position.lazyProduct(state.P);
+  const Eigen::Matrix<double, 3, 4> H_anchor = H_position.rightCols<4>(), HD = H_anchor.lazyProduct(drift);
+  const Matrix3 expected = HP.lazyProduct(H_position.transpose()) + Matrix3(noise.topLeftCorner<3, 3>());
   learn_drift(state, innovation.head<3>(), expected, HD.lazyProduct(H_anchor.transpose()));
   state.P.block<4, 4>(kAnchor, kAnchor) += elementary::exp(state.log_factor) * drift;
   correct<6>(state, innovation, H, noise);
 
   // Moves the anchor to this sample.
-  const Vector3 anchor_step_m = turn_about_vertical(state.x(kYaw)) * step_other_m;
+  const Vector3 anchor_step_m = rotation_about_vertical(state.x(kYaw)) * step_other_m;
   state.x.segment<3>(kAnchor) += anchor_step_m;
   Covariance A = Covariance::Identity();
   A.block<3, 1>(kAnchor, kYaw) = vertical_cross(anchor_step_m);
@@ -228,15 +234,16 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   state.odometry = odometry;
 }
 
-/// With the factor f, the innovation of the position has the covariance S = expected + f of_drift. Its squared length
-/// in standard deviations has the mean 3 for the true f; s = tr(S^-1 f of_drift) / 3 is the share of it that depends on
-/// f.
+/// With the factor f of the drift variance, the innovation of the position has the covariance S = expected + f
+/// of_drift. Its squared Mahalanobis distance d2 has the mean 3 if f is right; the share s = tr(S^-1 f of_drift) / 3
+/// depends on f. The log-likelihood has the gradient s (d2 - 3) / 2 with respect to log f, and Fisher's information is
+/// 3 s^2 / 2.
 void RelativeFilter::learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
                                  const Matrix3& of_drift) const {
-  const Matrix3 drifted = elementary::exp(state.log_factor) * of_drift;
-  const Eigen::LLT<Matrix3> S = Matrix3(expected + drifted).llt();
+  const Matrix3 drift = elementary::exp(state.log_factor) * of_drift;
+  const Eigen::LLT<Matrix3> S = Matrix3(expected + drift).llt();
   const double squared_sigmas = std::min(innovation_local_m.dot(S.solve(innovation_local_m)), kMaxInnovation_sq);
-  const double share = S.solve(drifted).trace() / 3.0;
+  const double share = S.solve(drift).trace() / 3.0;
   const double gradient = 0.5 * share * (squared_sigmas - 3.0), information = 1.5 * share * share;
   state.log_factor_variance += kLogFactorWalk;
   state.log_factor_variance /= 1.0 + state.log_factor_variance * information;

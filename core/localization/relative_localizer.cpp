@@ -325,7 +325,7 @@ void SharedWorldConfig::visit(ConfigVisitor& v) {
           "[-] name of the vehicle to localize, which reports its odometry and started from a known pose; empty: the "
           "first other vehicle");
   v.field("others", others, "[-] names of several vehicles");
-  v.field("sigma_m", sigma_m, "[m] standard deviation of the reported position, by axis", Range::positive());
+  v.field("sigma_m", sigma_m, "[m] standard deviation of the reported position, per axis", Range::positive());
   v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] standard deviation of the reported heading", Range::positive());
   v.field("timeout_s", timeout_s, "[s] time without a message after which a vehicle's position is unknown",
           Range::positive());

@@ -9,28 +9,30 @@
 namespace swiftlet {
 namespace {
 
-/// [rad] Full turn.
+/// [rad] Full turn; drift rates are configured per root of a turn and used per radian.
 constexpr double kTurn = 2.0 * kPi;
 
 double squared(double x) { return x * x; }
 
-/// Cubic Hermite interpolation of positions and velocities. `s` from 0 to 1 over `dt_s`.
-void cubic(const OtherMotion& a, const OtherMotion& b, double s, double dt_s, OtherMotion& out) {
+/// Cubic Hermite interpolation of position and velocity between the samples `a` and `b`, which are `dt_s` apart.
+/// @param s  share of the interval that has elapsed, 0 to 1
+void interpolate_cubic(const OtherMotion& a, const OtherMotion& b, double s, double dt_s, OtherMotion& out) {
   const Vector3 step_m = b.p_other_local_m - a.p_other_local_m;
   const Vector3 out_m = dt_s * a.v_other_local_mps, in_m = dt_s * b.v_other_local_mps;
-  // p = a + out s + quadratic s^2 + third s^3
-  const Vector3 quadratic_m = 3.0 * step_m - 2.0 * out_m - in_m, third_m = out_m + in_m - 2.0 * step_m;
-  out.p_other_local_m = a.p_other_local_m + s * (out_m + s * (quadratic_m + s * third_m));
-  out.v_other_local_mps = (out_m + s * (2.0 * quadratic_m + 3.0 * s * third_m)) / dt_s;
+  // p = a + out s + quadratic s^2 + cubic s^3
+  const Vector3 quadratic_m = 3.0 * step_m - 2.0 * out_m - in_m, cubic_m = out_m + in_m - 2.0 * step_m;
+  out.p_other_local_m = a.p_other_local_m + s * (out_m + s * (quadratic_m + s * cubic_m));
+  out.v_other_local_mps = (out_m + s * (2.0 * quadratic_m + 3.0 * s * cubic_m)) / dt_s;
 }
 
 }  // namespace
 
 void OdometryDriftConfig::visit(ConfigVisitor& v) {
   v.field("position_m_psqrtm", position_m_psqrtm,
-          "[m/sqrt(m)] random walk of the position per root of the distance flown, by axis", Range::between(0.0, 10.0));
-  v.field("yaw_deg_psqrtm", yaw_deg_psqrtm, "[deg/sqrt(m)] random walk of the heading per root of the distance flown",
-          Range::between(0.0, 90.0));
+          "[m/sqrt(m)] random walk of the position: standard deviation per axis after 1 m of path",
+          Range::between(0.0, 10.0));
+  v.field("yaw_deg_psqrtm", yaw_deg_psqrtm,
+          "[deg/sqrt(m)] random walk of the heading: standard deviation after 1 m of path", Range::between(0.0, 90.0));
 }
 
 OdometryDrift::OdometryDrift(const OdometryDriftConfig& config)
@@ -70,7 +72,7 @@ std::optional<OtherMotion> RelativeOdometry::at(TimeNs t, double gap_max_s) cons
   const double s = to_seconds(t - a.t) / dt_s;
   OtherMotion out;
   out.t = t;
-  cubic(a, b, s, dt_s, out);
+  interpolate_cubic(a, b, s, dt_s, out);
   out.yaw_rad = a.yaw_rad + s * std::remainder(b.yaw_rad - a.yaw_rad, kTurn);
   out.yaw_rate_radps = a.yaw_rate_radps + s * (b.yaw_rate_radps - a.yaw_rate_radps);
   out.flown.path_m = a.flown.path_m + s * (b.flown.path_m - a.flown.path_m);

@@ -13,7 +13,7 @@ namespace {
 
 // [ns] Change of the clock offset between messages that means a clock was reset; drift is far smaller.
 constexpr TimeNs kClockJump = 5 * kNsPerSecond;
-// [sightings] Most sightings that are queued until newer odometry arrives; then the oldest is dropped. Smaller values
+// [-] Largest number of sightings queued until newer odometry arrives; beyond it the oldest is dropped. Smaller values
 // lose sightings under long message delays.
 constexpr std::size_t kMaxWaiting = 128;
 /// [-] Results of the window in a row that contradict the filter until it is started again. Smaller values react to

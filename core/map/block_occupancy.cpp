@@ -20,24 +20,27 @@ void BlockOccupancy::occupied_in(const Vector3& min_local_m, const Vector3& max_
   centers_local_m.clear();
   const double half_m = 0.5 * edge_m_;
   for_occupied(min_local_m, max_local_m, [&](const Vector3& cell_local_m) {
-    const bool above = (cell_local_m.array() + half_m >= min_local_m.array()).all();
-    if (above && (cell_local_m.array() - half_m <= max_local_m.array()).all()) centers_local_m.push_back(cell_local_m);
+    const bool above_min = (cell_local_m.array() + half_m >= min_local_m.array()).all();
+    if (above_min && (cell_local_m.array() - half_m <= max_local_m.array()).all())
+      centers_local_m.push_back(cell_local_m);
   });
 }
 
 double BlockOccupancy::distance_m(const Vector3& p_local_m, double max_m) const {
-  double least_sq = max_m * max_m;
+  double nearest_sq = max_m * max_m;
   const double half_m = 0.5 * edge_m_;
   for_occupied(p_local_m.array() - max_m, p_local_m.array() + max_m, [&](const Vector3& cell_local_m) {
     const Vector3 gap = ((cell_local_m - p_local_m).array().abs() - half_m).cwiseMax(0.0);
-    least_sq = std::min(least_sq, gap.squaredNorm());
+    nearest_sq = std::min(nearest_sq, gap.squaredNorm());
   });
-  return std::sqrt(least_sq);
+  return std::sqrt(nearest_sq);
 }
 
 double BlockOccupancy::clearance_m(const Vector3& p_local_m, double max_m) const {
-  const std::int16_t squared = distances_.squared(cell_of(p_local_m), *this, revision_);
-  if (squared != DistanceTiles::kFar) return std::min(max_m, std::sqrt(static_cast<double>(squared)) * edge_m_);
+  const std::int16_t squared_cells = distances_.squared(cell_of(p_local_m), *this, revision_);
+  if (squared_cells != DistanceTiles::kFar)
+    return std::min(max_m, std::sqrt(static_cast<double>(squared_cells)) * edge_m_);
+  // Distances beyond distance_max_m_ are not tabulated.
   return max_m <= distance_max_m_ ? max_m : OccupancyView::clearance_m(p_local_m, max_m);
 }
 

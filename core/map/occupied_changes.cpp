@@ -4,9 +4,14 @@
 #include <algorithm>
 
 namespace swiftlet {
+namespace {
+
+constexpr std::size_t kBitsPerWord = 64;  // std::uint64_t in any_occupied_
+
+}  // namespace
 
 OccupiedChanges::OccupiedChanges(std::size_t num_places)
-    : records_(num_places), any_occupied_((num_places + 63) / 64, 0) {
+    : records_(num_places), any_occupied_((num_places + kBitsPerWord - 1) / kBitsPerWord, 0) {
   touched_.reserve(kTouchedBlocks);
 }
 
@@ -37,16 +42,17 @@ void OccupiedChanges::note_removed(const LogOddsBlocks& blocks, int i, std::uint
 void OccupiedChanges::note_revision(const LogOddsBlocks& blocks, int i, std::uint64_t revision) {
   const std::size_t place = blocks.place_of(blocks.about(i).at);
   const Bits& occupied = blocks.block(i).occupied;
-  const bool any = std::any_of(occupied.begin(), occupied.end(), [](std::uint64_t word) { return word != 0; });
-  if (any || any_in(place)) records_[place].revision = static_cast<std::uint32_t>(revision);
+  const bool has_occupied = std::any_of(occupied.begin(), occupied.end(), [](std::uint64_t word) { return word != 0; });
+  if (has_occupied || any_in(place)) records_[place].revision = static_cast<std::uint32_t>(revision);
   const std::uint64_t bit = std::uint64_t{1} << (place & 63);
   std::uint64_t& word = any_occupied_[place >> 6];
-  word = any ? word | bit : word & ~bit;
+  word = has_occupied ? word | bit : word & ~bit;
 }
 
 void OccupiedChanges::append(const LogOddsBlocks& blocks, const Cell& low, const Cell& high, std::uint64_t since,
                              std::vector<OccupiedBlocks::Change>& changes) const {
-  const bool remembered = since >= touched_after_;
+  // Changed cells are recorded for the last scan only. After an older revision, all cells of a block may have changed.
+  const bool is_last_scan = since >= touched_after_;
   for (int z = low.z(); z <= high.z(); ++z) {
     for (int y = low.y(); y <= high.y(); ++y) {
       const Record* const row = records_.data() + blocks.place_of({0, y, z});
@@ -54,7 +60,7 @@ void OccupiedChanges::append(const LogOddsBlocks& blocks, const Cell& low, const
         const Record& record = row[blocks.wrapped(x)];
         if (record.revision <= since) continue;
         const Cell block(x, y, z);
-        const bool known = remembered && record.touched != 0 && touched_[record.touched - 1].at == block;
+        const bool known = is_last_scan && record.touched != 0 && touched_[record.touched - 1].at == block;
         const Touched* touched = known ? &touched_[record.touched - 1] : nullptr;
         changes.push_back({block, known ? &touched->cells : nullptr, known ? &touched->occupied : nullptr});
       }

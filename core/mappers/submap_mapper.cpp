@@ -23,8 +23,8 @@ constexpr double kPiece_m = 12.0;
 constexpr double kPathMargin_m = 2.0;  // margin for the offset of the LiDARs and the flight between two scans
 constexpr int kLookEvery = 32;         // stride of the blocks sampled to estimate how much of a piece is covered
 constexpr int kNewest = 2;             // newest pieces, which are never thinned
-// Most pieces of one submap; more are merged into one. Larger values keep more votes on cells that changed, and take
-// more memory.
+// [-] Largest number of pieces of one submap; more are merged into one. Larger values keep more votes on cells that
+// changed, and take more memory.
 constexpr std::size_t kMostOfSubmap = 4;
 // Submap of a piece from before the first submap.
 constexpr int kNoSubmap = -1;
@@ -96,7 +96,7 @@ class SubmapMapper : public Mapper {
     }
     if (!all.positions.empty()) {
       all.legend = {{"lowest occupied cells of all submaps", color_of_height(0.0F)},
-                    {"highest of them", color_of_height(1.0F)}};
+                    {"highest occupied cells of all submaps", color_of_height(1.0F)}};
     }
     overlays.push_back(std::move(near));
     overlays.push_back(std::move(all));
@@ -345,7 +345,8 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("covered_share", covered_share,
           "[-] share of the cells of a piece known in newer pieces above which those cells are dropped; 1: none are",
           Range::probability());
-  v.field("pieces_max", pieces_max, "[-] most pieces; a further one replaces the oldest", Range::between(2, 1'000'000));
+  v.field("pieces_max", pieces_max, "[-] largest number of pieces; a further one replaces the oldest",
+          Range::between(2, 1'000'000));
   v.field("distance_max_m", distance_max_m,
           "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
           Range{0.0, 1000.0, true});

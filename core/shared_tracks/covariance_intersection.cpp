@@ -14,7 +14,7 @@
 namespace swiftlet {
 namespace {
 
-/// [-] Most iterations of the weights; the tolerance usually ends them earlier.
+/// [-] Maximum number of iterations of the weights; the tolerance usually ends them earlier.
 constexpr int kMaxSteps = 300;
 constexpr double kAlmostBest = 1e-5;  // tolerance of the logarithm of the determinant, by degree of freedom
 /// [-] Upper bound of a probability in odds, which keeps them finite.

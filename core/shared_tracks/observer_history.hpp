@@ -34,7 +34,7 @@ class SampledPath {
   std::optional<PathSample> at(TimeNs t, double gap_max_s) const;
 
  private:
-  /// [-] Most samples; the oldest is dropped. Larger values use more memory.
+  /// [-] Largest number of samples; beyond it the oldest is dropped. Larger values use more memory.
   static constexpr std::size_t kCapacity = 256;
   std::vector<PathSample> samples_;
 };

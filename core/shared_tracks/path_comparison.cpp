@@ -11,10 +11,13 @@
 namespace swiftlet {
 namespace {
 
-/// [-] Fewest pairs of a fit, spaced so that their errors are independent. Smaller values accept alignments by chance.
-constexpr int kLeastPairs = 8;
+/// [-] Smallest number of position pairs for an alignment, or for the support of one. Pairs are spaced so that their
+/// errors are independent. Smaller values accept more chance alignments.
+constexpr int kMinPairs = 8;
+/// [-] Largest number of pairs of a fit: more than 30 paths give in window_s, so that no pair is dropped.
+constexpr int kFitWindow = 1000;
 
-/// RMS distance in the plane from the best-fitting motion of constant velocity.
+/// RMS horizontal distance of a path from the best-fitting straight motion at constant velocity.
 double bend_m(std::span<const Vector3> p_m, std::span<const double> t_s) {
   const auto n = static_cast<double>(p_m.size());
   Vector3 mean_m = Vector3::Zero();
@@ -23,20 +26,21 @@ double bend_m(std::span<const Vector3> p_m, std::span<const double> t_s) {
     mean_m += p_m[i] / n;
     mean_s += t_s[i] / n;
   }
-  Vector3 by_time = Vector3::Zero();
+  Vector3 cross_sum = Vector3::Zero();
   double time_sq = 0.0;
   for (std::size_t i = 0; i < p_m.size(); ++i) {
-    by_time += (t_s[i] - mean_s) * (p_m[i] - mean_m);
+    cross_sum += (t_s[i] - mean_s) * (p_m[i] - mean_m);
     time_sq += (t_s[i] - mean_s) * (t_s[i] - mean_s);
   }
-  const Vector3 v_mps = time_sq > 0.0 ? Vector3(by_time / time_sq) : Vector3::Zero();
-  double left_sq = 0.0;
+  const Vector3 v_mps = time_sq > 0.0 ? Vector3(cross_sum / time_sq) : Vector3::Zero();
+  double residual_sq = 0.0;
   for (std::size_t i = 0; i < p_m.size(); ++i) {
-    left_sq += (p_m[i] - mean_m - (t_s[i] - mean_s) * v_mps).head<2>().squaredNorm();
+    residual_sq += (p_m[i] - mean_m - (t_s[i] - mean_s) * v_mps).head<2>().squaredNorm();
   }
-  return std::sqrt(left_sq / n);
+  return std::sqrt(residual_sq / n);
 }
 
+/// RMS horizontal distance of the positions from their mean.
 double spread_m(std::span<const Vector3> p_m) {
   Vector3 mean_m = Vector3::Zero();
   for (const Vector3& p : p_m) mean_m += p / static_cast<double>(p_m.size());
@@ -47,9 +51,9 @@ double spread_m(std::span<const Vector3> p_m) {
 
 RelativeAlignmentConfig fit_of(const FrameLinkConfig& config) {
   RelativeAlignmentConfig fit;
-  fit.window_size = 1000;
-  fit.window_step_m = 0.0;  // several objects are measured at one instant, and observers may hover
-  fit.min_pairs = kLeastPairs;
+  fit.window_size = kFitWindow;
+  fit.window_step_m = 0.0;  // keeps pairs of several objects at one instant, and pairs of hovering observers
+  fit.min_pairs = kMinPairs;
   fit.residual_sigma_max = config.residual_sigma_max;
   fit.min_spread_m = config.min_spread_m;
   fit.heading_sigma_max_deg = config.heading_sigma_max_deg;
@@ -75,7 +79,7 @@ std::optional<FrameAlignment> PathComparison::find(const OtherMotion& anchor) co
     }
   }
   if (matches.empty()) return std::nullopt;
-  for (Match& each : matches) find_support(each, anchor);
+  for (Match& candidate : matches) find_support(candidate, anchor);
   const auto best = std::max_element(matches.begin(), matches.end(), [](const Match& m, const Match& n) {
     return m.pairs.size() != n.pairs.size() ? m.pairs.size() < n.pairs.size() : m.bends < n.bends;
   });
@@ -90,12 +94,12 @@ std::optional<FrameAlignment> PathComparison::find(const OtherMotion& anchor) co
   std::vector<AlignmentPair> pairs;
   for (const auto& [a, b] : best->pairs) append_pairs(a, b, best->alignment.yaw_rad, pairs);
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) { return p.t < q.t; });
-  RelativeAlignment together(fit_of(config_), drift_config_);
-  for (const AlignmentPair& pair : pairs) together.push(pair);
-  return together.fit(anchor, {});
+  RelativeAlignment fit(fit_of(config_), drift_config_);
+  for (const AlignmentPair& pair : pairs) fit.push(pair);
+  return fit.fit(anchor, {});
 }
 
-/// Collects pairs of paths that agree with the match; each path counts once.
+/// Adds to the match further pairs of paths that its alignment maps onto each other, each path in one pair at most.
 void PathComparison::find_support(Match& match, const OtherMotion& anchor) const {
   match.pairs.assign(1, {match.own, match.other});
   std::vector<char> other_taken(other_paths_.size(), 0);
@@ -111,34 +115,36 @@ void PathComparison::find_support(Match& match, const OtherMotion& anchor) const
   }
 }
 
-/// True if the alignment maps the two paths, straight or curved, onto each other for long enough to exclude chance.
+/// True if the alignment maps the other path onto the own one, straight or curved, over at least support_s.
 bool PathComparison::supports(std::size_t own, std::size_t other, const FrameAlignment& alignment,
                               const OtherMotion& anchor) const {
   const Matrix3 R = turn_about_up(alignment.yaw_rad);
-  double squared = 0.0, variance_m2 = 0.0;
+  double residual_sigmas_sq = 0.0;  // sum over samples and axes
+  double variance_m2 = 0.0;         // sum over samples of the mean over axes
   int count = 0;
   TimeNs first = 0, last = 0;
   for (const PathSample& s : other_paths_[other]->samples()) {
     const auto seen = own_paths_[own]->at(s.t, config_.gap_max_s);
     if (!seen) continue;
     const Flown since = anchor.flown - sum_of(seen->flown, s.flown);
-    const double more = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
+    const double extra_m2 = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
     Eigen::Matrix<double, 3, 4> J;
     J << Matrix3::Identity(), up_cross(R * (s.p_local_m - alignment.anchor_other_m));
-    const Matrix3 S = seen->covariance + R * s.covariance * R.transpose() + more * Matrix3::Identity() +
+    const Matrix3 S = seen->covariance + R * s.covariance * R.transpose() + extra_m2 * Matrix3::Identity() +
                       J * alignment.covariance * J.transpose();
-    const Vector3 left_m = seen->p_local_m - alignment.point(s.p_local_m);
-    squared += left_m.dot(S.llt().solve(left_m));
+    const Vector3 residual_m = seen->p_local_m - alignment.point(s.p_local_m);
+    residual_sigmas_sq += residual_m.dot(S.llt().solve(residual_m));
     variance_m2 += S.trace() / 3.0;
     if (count++ == 0) first = s.t;
     last = s.t;
   }
-  return count >= kLeastPairs && last - first >= from_seconds(config_.support_s) &&
-         squared <= 3.0 * count * config_.residual_sigma_max * config_.residual_sigma_max &&
+  return count >= kMinPairs && last - first >= from_seconds(config_.support_s) &&
+         residual_sigmas_sq <= 3.0 * count * config_.residual_sigma_max * config_.residual_sigma_max &&
          variance_m2 <= count * config_.support_sigma_m * config_.support_sigma_m;
 }
 
-/// Appends pairs at least interval_s apart, from the newest back, so that their errors are independent.
+/// Appends pairs of simultaneous positions on both paths, from the newest back. They are at least interval_s apart, so
+/// that their errors are independent.
 void PathComparison::append_pairs(std::size_t own, std::size_t other, double yaw_rad,
                                   std::vector<AlignmentPair>& pairs) const {
   const Matrix3 R = turn_about_up(yaw_rad);
@@ -158,6 +164,8 @@ void PathComparison::append_pairs(std::size_t own, std::size_t other, double yaw
   std::reverse(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end());
 }
 
+/// Aligns one pair of paths by itself. Nothing if the own path is too short, straight or uncertain, or if the paths
+/// differ.
 std::optional<PathComparison::Match> PathComparison::match(std::size_t own, std::size_t other,
                                                            const OtherMotion& anchor) const {
   std::vector<Vector3> local_m, other_m;
@@ -167,31 +175,31 @@ std::optional<PathComparison::Match> PathComparison::match(std::size_t own, std:
     const auto seen = own_paths_[own]->at(s.t, config_.gap_max_s);
     if (!seen) continue;
     const Flown since = anchor.flown - sum_of(seen->flown, s.flown);
-    const double more = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
+    const double extra_m2 = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
     local_m.push_back(seen->p_local_m);
     other_m.push_back(s.p_local_m);
     t_s.push_back(to_seconds(s.t - anchor.t));
-    covariance_local.push_back(seen->covariance + more * Matrix3::Identity());
+    covariance_local.push_back(seen->covariance + extra_m2 * Matrix3::Identity());
     covariance_other.push_back(s.covariance);
     weights.push_back(3.0 / (covariance_local.back().trace() + s.covariance.trace()));
   }
   if (static_cast<int>(weights.size()) < config_.min_samples) return std::nullopt;
-  const double bent_m = bend_m(local_m, t_s);
-  if (spread_m(local_m) < config_.min_spread_m || bent_m < config_.min_bend_m) return std::nullopt;
-  double variance_m2 = 0.0;  // mean variance by axis
+  const double deviation_m = bend_m(local_m, t_s);
+  if (spread_m(local_m) < config_.min_spread_m || deviation_m < config_.min_bend_m) return std::nullopt;
+  double variance_m2 = 0.0;  // mean variance per axis
   for (const double weight : weights) variance_m2 += 1.0 / weight / static_cast<double>(weights.size());
-  const double bends = bent_m / std::sqrt(variance_m2);
+  const double bends = deviation_m / std::sqrt(variance_m2);
   if (bends < config_.bend_sigmas) return std::nullopt;
   const auto closed = align_in_closed_form(local_m, other_m, weights);
   if (!closed) return std::nullopt;
   const Matrix3 R = turn_about_up(closed->yaw_rad);
-  double squared = 0.0;
+  double residual_sigmas_sq = 0.0;  // sum over samples and axes
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const Vector3 left_m = local_m[i] - closed->point(other_m[i]);
+    const Vector3 residual_m = local_m[i] - closed->point(other_m[i]);
     const Matrix3 S = covariance_local[i] + R * covariance_other[i] * R.transpose();
-    squared += left_m.dot(S.llt().solve(left_m));
+    residual_sigmas_sq += residual_m.dot(S.llt().solve(residual_m));
   }
-  if (std::sqrt(squared / (3.0 * static_cast<double>(weights.size()))) > config_.residual_sigma_max)
+  if (std::sqrt(residual_sigmas_sq / (3.0 * static_cast<double>(weights.size()))) > config_.residual_sigma_max)
     return std::nullopt;
 
   std::vector<AlignmentPair> pairs;

@@ -6,7 +6,8 @@
 namespace swiftlet {
 namespace {
 
-/// [-] Most identities of a target over all observers; the newest are kept. Larger values link older identities.
+/// [-] Maximum number of identities of a target over all observers; the newest are kept. Larger values link older
+/// identities.
 constexpr std::ptrdiff_t kMostKeys = 64;
 
 }  // namespace

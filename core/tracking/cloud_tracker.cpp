@@ -14,9 +14,10 @@ namespace {
 /// [-] c_r of eq. (29): factor of the radius r_unc of a track's uncertainty. Larger values associate detections farther
 /// away and lose tracks sooner.
 constexpr double kRadiusScale = 1.5;
-/// [m] r_min of eq. (28): least radius of the search for points around a prediction. Smaller values cut large targets.
+/// [m] r_min of eq. (28): least radius of the search for points around a prediction. Smaller values miss the outer
+/// points of large targets.
 constexpr double kSearchRadiusMin_m = 2.5;
-/// [m] P_0,r: standard deviation of a detection's position, with constant noise. Larger values follow the first
+/// [m] P_0,r: initial standard deviation of a track's position, with `noise: constant`. Larger values follow the first
 /// measurements more closely.
 constexpr double kInitialSigma_m = 0.3;
 
@@ -40,12 +41,13 @@ Extent extent_of(std::span<const std::uint32_t> members, std::span<const Eigen::
   return extent;
 }
 
-/// Predicted position of a target shortly before or after the time of its belief.
+/// Position of a target, extrapolated with constant velocity. The time is close to that of the belief.
 Vector3 position_at(const MotionBelief& belief, TimeNs t_belief, TimeNs t) {
   return belief.position() + belief.velocity() * to_seconds(t - t_belief);
 }
 
-/// -2 log of the density of a difference, up to a constant.
+/// -2 log of the normal density of a difference `d` with covariance `S`, up to a constant: squared Mahalanobis distance
+/// plus log det S.
 double statistical_distance(const Vector3& d, const Matrix3& S) {
   const Eigen::LLT<Matrix3> llt(S);
   const Matrix3 L = llt.matrixL();
@@ -56,10 +58,9 @@ double statistical_distance(const Vector3& d, const Matrix3& S) {
 }  // namespace
 
 void TrackMeasurementConfig::visit(ConfigVisitor& v) {
-  v.choice(
-      "noise", noise, {"constant", "sigma_w"},
-      "[-] covariance of a measured position: sigma_m^2 I, or that of a point measured by a sensor of uncertain pose "
-      "[Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I");
+  v.choice("noise", noise, {"constant", "sigma_w"},
+           "[-] covariance of a measured position: sigma_m^2 I (constant), or that of a point measured by a sensor of "
+           "uncertain pose [Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I (sigma_w)");
   v.field("sigma_m", sigma_m, "[m] Z, with constant noise: standard deviation of a measured position",
           Range::positive());
   v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: standard deviation of the range", Range::non_negative());
@@ -68,8 +69,8 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
   v.field("sigma_attitude_rad", sensor.sigma_attitude_rad,
           "[rad] Sigma_w: standard deviation of the sensor's attitude, about x y z", Range::non_negative());
   v.field("sigma_sampling_m", sigma_sampling_m,
-          "[m] with sigma_w: standard deviation of a cluster's centroid about the target's center, of which one side "
-          "is seen",
+          "[m] with sigma_w: standard deviation of a cluster's centroid about the target's center, because the LiDAR "
+          "sees only one side of a target",
           Range::positive());
 }
 
@@ -77,10 +78,10 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("buffer_size", buffer_size,
           "[-] N_buf: number of buffered clouds, through which a late detection is propagated",
           Range::between(1, 1000));
-  v.choice(
-      "radius_law", radius_law, {"printed", "sphere"},
-      "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "
-      "equivalent sphere c_r det(P)^(1/6)");
+  v.choice("radius_law", radius_law, {"printed", "sphere"},
+           "[-] radius of uncertainty r_unc of a position covariance P: c_r det(P)^(1/3), as in the paper and its "
+           "released code, though the unit is m^2 (printed); or c_r det(P)^(1/6), the radius of a sphere with the "
+           "volume of the c_r sigma ellipsoid (sphere)");
   v.field("radius_max_m", radius_max_m, "[m] r_max: largest r_unc of a track; above it the track is lost",
           Range::positive());
   v.field("cluster_distance_m", cluster_distance_m,
@@ -89,25 +90,25 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("background_distance_m", background_distance_m,
           "[m] d_min: distance to background below which a cluster is background", Range::non_negative());
   v.choice("background", background, {"map", "cloud", "none"},
-           "[-] reference of d_min: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
-           "half the cluster's size (released code), or nothing");
+           "[-] background within d_min of a cluster: occupied voxels of the detector's map (map; algorithm 2); other "
+           "points of the same cloud, within d_min plus half the cluster's size (cloud; released code); not considered "
+           "(none)");
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
   v.choice("position", position, {"centroid", "box_center"},
            "[-] position of a cluster: mean of its points (algorithm 2), or center of the box around it (as in the "
            "released code)");
   v.choice("assignment", assignment, {"exclusive", "nearest"},
-           "[-] a cluster corrects one track at most, all tracks considered together; or each track takes the cluster "
-           "nearest to its prediction (algorithm 2)");
+           "[-] association of clusters with tracks: global assignment, in which a cluster corrects at most one track "
+           "(exclusive); or for each track the cluster nearest to its prediction (nearest; algorithm 2)");
   v.field("association_radius_min_m", association_radius_min_m,
           "[m] least radius r_unc; a detection joins a track when they are nearer than the sum of their radii "
           "(algorithm 2: 0, released code: r_min)",
           Range::non_negative());
-  v.field(
-      "merge_radius_max_m", merge_radius_max_m,
-      "[m] two tracks nearer than the sum of their radii r_unc, which count as this at most, become one (algorithm 2: "
-      "0, never; released code: no bound)",
-      Range::non_negative());
+  v.field("merge_radius_max_m", merge_radius_max_m,
+          "[m] upper bound of r_unc in the merging of duplicate tracks: two tracks nearer than the sum of their "
+          "bounded radii become one; 0: never (algorithm 2: 0, released code: no bound)",
+          Range::non_negative());
   v.field("min_detections", min_detections,
           "[-] number of detections from which a track is reported (released code: 2)", Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
@@ -186,7 +187,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
   target.corrected = true;
   Matrix3 covariance = kInitialSigma_m * kInitialSigma_m * Matrix3::Identity();
   if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW && buffer_.size() > 0) {
-    // Seen from the sensor's pose at that time, or the nearest pose in the buffer.
+    // The covariance depends on the sensor's pose: that of the last cloud before the detection, or of the oldest one.
     std::size_t i = buffer_.size() - 1;
     while (i > 0 && buffer_[i].stamp() > detection.t) --i;
     covariance = position_covariance(detection.position_m, buffer_[i].T_local_lidar());
@@ -200,24 +201,25 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
 
 /// Assigns a detection, propagated to the newest cloud, to its track, or begins a new track.
 void CloudTracker::associate(Target target) {
-  Target* similar = nullptr;
+  Target* nearest = nullptr;
   double least_m = std::numeric_limits<double>::infinity();
   for (Target& other : targets_) {
     const double distance_m =
         (position_at(other.state.belief, other.t, target.t) - target.state.belief.position()).norm();
     if (distance_m > association_radius_m(other) + association_radius_m(target) || distance_m >= least_m) continue;
     least_m = distance_m;
-    similar = &other;
+    nearest = &other;
   }
-  if (similar != nullptr) {
-    ++similar->num_detections;
+  if (nearest != nullptr) {
+    ++nearest->num_detections;
     return;
   }
   target.id = next_id_++;
   targets_.push_back(std::move(target));
 }
 
-// Routine updateTrack(), for all tracks at once.
+// Routine updateTrack() of algorithm 2, for all tracks at once: prediction to mid-sweep, association with clusters of
+// the cloud, correction.
 void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background) {
   predicted_.assign(targets.begin(), targets.end());
   for (Target& target : predicted_) {
@@ -236,7 +238,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
       target.t = predicted_[i].t;
       continue;
     }
-    // The time of the cluster is its own within the sweep.
+    // A cluster is measured at the mean time of its points, which differs from mid-sweep.
     const Candidate& candidate = candidates_[chosen_[i]];
     const TimeNs t = std::max(target.t, candidate.t);
     filter_->predict(target.state, to_seconds(t - target.t));
@@ -248,7 +250,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
   }
 }
 
-/// Finds clusters around all predictions that are neither background nor too large.
+/// Clusters the points near all predictions. Clusters that are neither background nor too large become candidates_.
 void CloudTracker::find_candidates(std::span<const Target> targets, const BufferedCloud& cloud,
                                    const BackgroundQuery* background) {
   selected_.clear();
@@ -279,7 +281,7 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
   }
 }
 
-/// Z of eq. (32).
+/// Z of eq. (32): covariance of a measured position.
 Matrix3 CloudTracker::measurement_covariance(const Vector3& position_local_m, const BufferedCloud& cloud) const {
   if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW)
     return position_covariance(position_local_m, cloud.T_local_lidar());
@@ -294,10 +296,10 @@ bool CloudTracker::is_background(const Vector3& position_local_m, double size_m,
   if (config_.background == CloudTrackerConfig::Background::kNone) return false;
   around_.clear();
   cloud.select(position_local_m, 0.5 * size_m + distance_m, around_);
-  return around_.size() > members.size();  // all members are among them
+  return around_.size() > members.size();  // also counts the cluster's own points
 }
 
-/// Assigns to each target the candidate that corrects it, or -1.
+/// Sets chosen_ to the index of the candidate that corrects each target; -1: none.
 void CloudTracker::assign(std::span<const Target> targets) {
   const bool exclusive = config_.assignment == CloudTrackerConfig::Assignment::kExclusive;
   const std::size_t num = candidates_.size();
@@ -334,7 +336,7 @@ void CloudTracker::assign(std::span<const Target> targets) {
 }
 
 /// Merges duplicate tracks: the more certain one stays (released code; not in the paper). The radii are bounded, so
-/// that a hidden target with growing uncertainty does not absorb its neighbor.
+/// that an occluded target with growing uncertainty does not absorb its neighbor.
 void CloudTracker::merge() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     for (std::size_t j = i + 1; j < targets_.size();) {

@@ -34,6 +34,7 @@ class CloudTrackerModule : public Tracker {
   CloudTracker tracker_;
 };
 
+/// Passes on the tracks of a detector that maintains its own, such as track_before_detect.
 class DetectorTracks : public Tracker {
  public:
   bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox&) override {
@@ -43,7 +44,8 @@ class DetectorTracks : public Tracker {
   }
 };
 
-/// A filter for each neighbor whose position a sensor reports.
+/// Tracks of the neighbors that a mutual-localization sensor identifies and measures: one Kalman filter for each
+/// neighbor.
 class GroundTruthTracker : public Tracker {
  public:
   explicit GroundTruthTracker(const GroundTruthTrackerConfig& config)
@@ -54,7 +56,7 @@ class GroundTruthTracker : public Tracker {
     bool changed = false;
     for (const NeighborSample& sample : input.observation.neighbors) {
       if (sample.p_body_m.allFinite() && sample.p_body_m.norm() <= config_.range_max_m) {
-        take_in(sample, input.estimate.T_local_body);
+        correct_track(sample, input.estimate.T_local_body);
         changed = true;
       }
     }
@@ -72,16 +74,18 @@ class GroundTruthTracker : public Tracker {
     TimeNs t = 0;
     MotionState state;
     int num_samples = 0;
-    Vector3 measured_m = Vector3::Zero();  // the newest sample
+    Vector3 measured_m = Vector3::Zero();  // position of the newest sample, local frame
     Matrix3 measured_covariance = Matrix3::Identity();
   };
-  // Lower bound of the measurement sigma; an ideal sensor reports none.
-  static constexpr double kLeastSigma_m = 1e-3;
+  /// [m] Standard deviation added to the measurement noise, because the zero covariance of an ideal sensor would make
+  /// the filter singular. Larger values smooth the tracks more.
+  static constexpr double kAddedSigma_m = 1e-3;
 
-  void take_in(const NeighborSample& sample, const Pose& T_local_body) {
+  /// Corrects the track of the measured neighbor, or begins a new one.
+  void correct_track(const NeighborSample& sample, const Pose& T_local_body) {
     const Matrix3& R = T_local_body.linear();
     const Vector3 position_m = T_local_body * sample.p_body_m;
-    const Matrix3 Z = R * sample.covariance_body * R.transpose() + kLeastSigma_m * kLeastSigma_m * Matrix3::Identity();
+    const Matrix3 Z = R * sample.covariance_body * R.transpose() + kAddedSigma_m * kAddedSigma_m * Matrix3::Identity();
     auto target = std::lower_bound(targets_.begin(), targets_.end(), sample.id,
                                    [](const Target& t, VehicleId id) { return t.id < id; });
     if (target == targets_.end() || target->id != sample.id) {

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kDensityReach = 8.5;  // standard deviations beyond which the density counts as zero (1e-17)
 constexpr double kTolerance = 1e-9;    // tolerance of one panel of the outer integral
-/// [-] Most halvings of a panel; bounds the time for degenerate covariances.
+/// [-] Largest number of successive halvings of a panel. Bounds the time for degenerate covariances; smaller values
+/// integrate those less accurately.
 constexpr int kMaxDepth = 40;
 
 double normal_pdf(double x) { return elementary::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }

@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Most variants of a batch; larger lists are refused.
+// [-] Maximum number of variants of a batch; larger lists are refused.
 constexpr std::size_t kMaxVariants = 1000;
 
 bool is_word(const std::string& text) {

@@ -14,47 +14,56 @@
 
 namespace swiftlet::sim {
 
-/// Result of one episode.
+/// Outcome, metrics and computing times of one episode.
 struct EpisodeResult {
   std::string outcome;
   std::uint64_t state_hash = 0;
   double simulated_s = 0.0;
   std::vector<MetricRow> metrics;
-  // Machine-dependent values:
-  double setup_wall_s = 0.0;  ///< reading the scenario, creating world and vehicles
-  double flight_wall_s = 0.0;
-  bool built_world = false;
+  // Values that depend on the machine and on the order of the episodes:
+  double setup_wall_s = 0.0;   ///< time for reading the scenario and creating world and vehicles
+  double flight_wall_s = 0.0;  ///< time for the simulation
+  bool built_world = false;    ///< false: the world was in the cache
 };
 
+/// Serializes a result for the pipe from a worker process; NaN and infinite metrics become NaN.
 std::string to_bytes(const EpisodeResult& result);
 EpisodeResult episode_result_from_bytes(const std::string& bytes);
 
-/// The most recently used worlds.
+/// Keeps the most recently used worlds for following episodes.
 class WorldCache {
  public:
+  /// @param capacity  largest number of worlds in memory
   explicit WorldCache(std::size_t capacity = 2) : capacity_(capacity) {}
-  /// The world of a scenario, built unless cached.
-  /// @return the world, and whether it was built by this call
+  /// Returns the world of a scenario, and true if this call has built it, false if it was in the cache.
   std::pair<World, bool> get(const Scenario& scenario);
 
  private:
   std::size_t capacity_;
-  std::list<std::pair<std::string, World>> worlds_;  ///< most recently used first, with scenario keys
+  /// Worlds by their type, seed and configuration; most recently used first.
+  std::list<std::pair<std::string, World>> worlds_;
 };
 
-/// Flies episodes one after another and caches shared data. Writes no files; the only output is the metrics.
+/// Flies episodes of a batch one after another and caches their worlds and scenarios. Writes no files: recorders and
+/// snapshots are switched off.
 class EpisodeRunner {
  public:
-  explicit EpisodeRunner(const BatchPlan& plan) : plan_(plan), worlds_(plan.config().variants.size() > 1 ? 3 : 2) {}
+  explicit EpisodeRunner(const BatchPlan& plan)
+      : plan_(plan), worlds_(plan.config().variants.size() > 1 ? kWorldsOfVariants : kWorlds) {}
+  /// @param id  number of the episode, BatchPlan::episode()
   EpisodeResult fly(std::uint64_t id);
 
  private:
+  /// [-] Number of worlds in memory for one variant, and for several. Larger values take more memory and build fewer
+  /// worlds again.
+  static constexpr std::size_t kWorlds = 2, kWorldsOfVariants = 3;
+
   Scenario scenario_of(const Episode& episode);
 
   const BatchPlan& plan_;
   WorldCache worlds_;
-  std::size_t point_ = 0;
-  std::map<std::size_t, Scenario> scenarios_;  ///< scenarios of `point_`, indexed by variant
+  std::size_t point_ = 0;                      ///< sweep point of the last episode
+  std::map<std::size_t, Scenario> scenarios_;  ///< scenarios of this point, indexed by variant
 };
 
 }  // namespace swiftlet::sim

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// [-] Most missing episodes that a merge lists.
+// [-] Maximum number of missing episodes that a merge lists.
 constexpr std::size_t kMissingShown = 10;
 constexpr std::string_view kUnfinished = ".results.merging-";  // followed by the process number
 

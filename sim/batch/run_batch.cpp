@@ -30,6 +30,7 @@ std::string host_name() {
   return name;
 }
 
+/// Database row of an episode.
 EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   const Episode episode = plan.episode(result.id);
   EpisodeRow row;
@@ -56,8 +57,8 @@ EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   return row;
 }
 
-/// Rejects a shard of another division than that of the shards in `out`: an environment that counts only resubmitted
-/// tasks would fly episodes twice. `--shard` states the division explicitly.
+/// Throws InputError when the directory contains shards of a batch divided into another number of shards. Resubmitted
+/// cluster tasks may count only themselves, and would fly episodes twice. `--shard` is trusted.
 void require_same_division(const fs::path& out, const Shard& shard) {
   if (shard.source.empty() || shard.source == "--shard") return;
   constexpr std::string_view kOf = "-of-";
@@ -78,7 +79,7 @@ ResultStore open_store(const BatchPlan& plan, const BatchOptions& options, const
   const BatchInfo wanted = info_of(plan);
   const auto stored = store.info();
   if (stored && !options.resume) {
-    throw InputError(file.string() + ": expected an empty place, found results of the batch \"" + stored->name +
+    throw InputError(file.string() + ": expected no results, found those of the batch \"" + stored->name +
                      "\"; continue it with --resume, or choose another --out");
   }
   if (stored) require_same_batch(*stored, wanted, file);
@@ -96,8 +97,8 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
   return pool;
 }
 
-/// The key of the batch file whose change alters the episodes; empty when none differs.
-std::string what_changed(const std::string& then_text, const std::string& now_text) {
+/// First difference of two batch files in a key that alters episodes, with both values; empty if there is none.
+std::string first_change(const std::string& then_text, const std::string& now_text) {
   const Node then = parse_document(then_text, {"then", "."}), now = parse_document(now_text, {"now", "."});
   for (const char* key : {"scenario", "set", "variants", "sweep", "seeds"}) {
     const Node *before = then.find(key), *after = now.find(key);
@@ -133,16 +134,16 @@ BatchInfo info_of(const BatchPlan& plan) {
 }
 
 void require_same_batch(const BatchInfo& stored, const BatchInfo& wanted, const fs::path& database) {
-  const std::string place = database.string() + ": ";
+  const std::string prefix = database.string() + ": ";
   if (stored.version != wanted.version) {
-    throw InputError(place + "expected results of Swiftlet " + wanted.version + ", found those of " + stored.version +
+    throw InputError(prefix + "expected results of Swiftlet " + wanted.version + ", found those of " + stored.version +
                      "; results of two versions do not mix: choose another --out");
   }
   if (stored.fingerprint == wanted.fingerprint) return;
-  std::string what = what_changed(stored.text, wanted.text);
+  std::string what = first_change(stored.text, wanted.text);
   if (what.empty()) what = "the scenario, or a model or file that it names";
-  throw InputError(place + "expected results of the same batch, found those of one with another meaning (" + what +
-                   "); finish it with the files as they were, or choose another --out");
+  throw InputError(prefix + "expected results of the same batch, found those of a batch with another meaning (" + what +
+                   "); continue it with the original files, or choose another --out");
 }
 
 BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
@@ -171,7 +172,7 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
   }
   for (const auto& [status, count] : store.count_by_status()) progress.failed += status == "done" ? 0 : count;
 
-  EpisodeRunner runner(plan);  // kept by each worker between jobs
+  EpisodeRunner runner(plan);  // copied to each worker process, which keeps its state between jobs
   WorkerPoolEvents events;
   events.finished = [&](const JobResult& result) {
     try {

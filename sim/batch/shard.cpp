@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Most shards of a batch; larger numbers are refused.
+// [-] Maximum number of shards of a batch; larger numbers are refused.
 constexpr std::int64_t kMaxShards = 10'000'000;
 
 std::optional<int> whole_number(std::string_view text) {
@@ -20,6 +20,7 @@ std::optional<int> whole_number(std::string_view text) {
   return value;
 }
 
+/// Value of an environment variable; nothing if it is not set. Throws InputError unless it is a whole number.
 std::optional<int> number(const Environment& environment, const std::string& name) {
   const auto text = environment(name);
   if (!text) return std::nullopt;
@@ -28,21 +29,25 @@ std::optional<int> number(const Environment& environment, const std::string& nam
   return value;
 }
 
+/// Value of an environment variable that must be set because the variable `with` is.
 int need(const Environment& environment, const std::string& name, const std::string& with) {
   const auto value = number(environment, name);
   if (!value)
-    throw InputError(name + ": expected a whole number beside " + with + ", found nothing; set --shard i/n instead");
+    throw InputError(name + ": expected a whole number, because " + with +
+                     " is set, found nothing; set --shard i/n instead");
   return *value;
 }
 
 Shard checked(std::int64_t index, std::int64_t count, const std::string& source) {
   if (count < 1 || count > kMaxShards || index < 0 || index >= count) {
-    throw InputError(source + ": expected a part of a whole of at most " + std::to_string(kMaxShards) +
-                     " parts, found part " + std::to_string(index) + " (from 0) of " + std::to_string(count));
+    throw InputError(source + ": expected an index, counted from 0, below the number of shards, at most " +
+                     std::to_string(kMaxShards) + ", found index " + std::to_string(index) + " of " +
+                     std::to_string(count) + " shards");
   }
   return {static_cast<int>(index), static_cast<int>(count), source};
 }
 
+/// Shard of a task in a Slurm job array.
 Shard slurm_array(const Environment& environment) {
   const std::int64_t id = need(environment, "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT");
   const std::int64_t count = need(environment, "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_ID");
@@ -50,16 +55,17 @@ Shard slurm_array(const Environment& environment) {
   const auto last = number(environment, "SLURM_ARRAY_TASK_MAX");
   const std::int64_t max = last ? *last : min + count - 1;
   const std::int64_t step = count > 1 ? (max - min) / (count - 1) : 1;
-  // An array with gaps does not determine index and count of the shards. A single task with a number above 1 is a
-  // resubmitted one of a larger array.
+  // In an array with gaps, a task does not determine the index of a shard. A single task with a number above 1 was
+  // resubmitted from a larger array, whose size is unknown.
   if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0 || (count == 1 && id > 1)) {
-    throw InputError("SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found " +
-                     (count == 1 ? "task " + std::to_string(id) + " alone" : std::string("one with holes")) +
+    throw InputError("SLURM_ARRAY_TASK_ID: expected a complete job array with a fixed step, found " +
+                     (count == 1 ? "task " + std::to_string(id) + " alone" : std::string("an array with gaps")) +
                      "; set --shard i/n instead");
   }
   return checked((id - min) / step, count, "SLURM_ARRAY_TASK_ID");
 }
 
+/// Shard of an element of a Slurm array or of an indexed Kubernetes job; the whole batch without either.
 Shard outer_shard(const Environment& environment) {
   if (environment("SLURM_ARRAY_TASK_ID")) return slurm_array(environment);
   if (const auto index = number(environment, "JOB_COMPLETION_INDEX")) {
@@ -68,12 +74,13 @@ Shard outer_shard(const Environment& environment) {
   return {};
 }
 
+/// Shard of an MPI or Slurm rank within that element; the whole without ranks.
 Shard rank(const Environment& environment) {
   constexpr const char* kRanks[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                        {"PMI_RANK", "PMI_SIZE"},
                                        {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
   for (const auto& [index, count] : kRanks) {
-    // SLURM_PROCID is also set in batch scripts, without a step.
+    // Slurm sets SLURM_PROCID in batch scripts too, but SLURM_STEP_NUM_TASKS only in job steps.
     if (environment(index) && (environment(count) || std::string(index) != "SLURM_PROCID")) {
       return checked(*number(environment, index), need(environment, count, index), index);
     }

@@ -14,7 +14,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// [-] Most points of a parameter sweep; larger ones are refused before they exhaust the memory.
+/// [-] Maximum number of points of a parameter sweep; larger ones are refused before they exhaust the memory.
 constexpr std::size_t kMaxPoints = 10'000'000;
 
 /// Decimal text with 12 digits: short in tables, and equal on every machine despite different rounding in libraries.

@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// Reported metrics:
+// Definitions of the reported metrics, as in docs/metrics.md.
 constexpr MetricDefinition kDetectionRecall = {
     "detection_recall", "",
     "share of flying vehicles within metrics.detection_range_m for which there is a "
@@ -90,7 +90,7 @@ constexpr MetricDefinition kDetectionDefinitions[] = {kDetectionRecall,    kDete
                                                       kTrackOspa,          kTrackNees,
                                                       kTrackNeesWithin95};
 
-/// Metrics of both detections and tracks.
+/// Metrics that are defined alike for detections and tracks.
 struct CommonDefinitions {
   MetricDefinition recall, recall_visible, precision, error_mean, error_std, latency;
 };
@@ -99,12 +99,14 @@ constexpr CommonDefinitions kOfDetections = {kDetectionRecall,    kDetectionReca
 constexpr CommonDefinitions kOfTracks = {kTrackRecall,    kTrackRecallVisible, kTrackPrecision,
                                          kTrackErrorMean, kTrackErrorStd,      kTrackLatency};
 
-constexpr double kMoving_mps = 0.5;     // below this speed, the direction of a velocity is undefined
-constexpr double kChiSquare95 = 7.815;  // 95 % quantile with three degrees of freedom
-// [-] Most distance intervals of the results.
+// [m/s] True speed below which a vehicle gives no error of direction. Smaller values count the noise of slow tracks.
+constexpr double kMoving_mps = 0.5;
+// [-] 95 % quantile of chi-square with three degrees of freedom, for the normalized squared error of a position.
+constexpr double kChiSquare95 = 7.815;
+// [-] Number of distance bins, each metrics.detection_bin_m wide. Farther targets count in the totals only.
 constexpr int kBins = 20;
 
-/// Mean and standard deviation of samples.
+/// Mean and standard deviation of the added values; NaN is ignored.
 class Moments {
  public:
   void add(double value) {
@@ -126,14 +128,14 @@ class Moments {
 
 double ratio(double part, double whole) { return whole > 0.0 ? part / whole : kNotMeasured; }
 
-/// Number of targets, counted in each scan, and of those found.
+/// Counts of targets, of detected targets, and of both among those with returns, summed over scans.
 struct Recall {
   int targets = 0, found = 0, visible = 0, visible_found = 0;
 
   void add(const DetectionScore& score) {
     ++targets;
     found += score.found;
-    if (score.visible_points == 0) return;  // an unknown number counts as visible
+    if (score.visible_points == 0) return;  // an unknown number (-1) counts as visible
     ++visible;
     visible_found += score.found;
   }
@@ -141,6 +143,7 @@ struct Recall {
   double of_visible() const { return ratio(visible_found, visible); }
 };
 
+/// Errors of the estimates of detected targets.
 struct Errors {
   Moments position, speed, direction;
 
@@ -152,7 +155,7 @@ struct Errors {
   }
 };
 
-/// Estimate of one target by a detector or a tracker.
+/// Detection or track, in the observer's estimated world frame.
 struct Estimate {
   TimeNs t = 0;
   Vector3 p_m = Vector3::Zero(), v_mps = Vector3::Constant(kNotMeasured);
@@ -167,12 +170,13 @@ struct StageResult {
   std::array<Recall, kBins> recall_by_distance;
   std::array<Errors, kBins> errors_by_distance;
   Moments latency, ospa, nees;
-  int consistent = 0;            // normalized squared errors within their 95 % quantile
-  int estimates = 0, right = 0;  // summed over scans
+  int consistent = 0;              // number of normalized squared errors within kChiSquare95
+  int estimates = 0, correct = 0;  // number of estimates, and of those assigned to a flying vehicle
   int false_detections = 0;
-  TimeNs t_first = -1, t_last = 0;
+  TimeNs t_first = -1, t_last = 0;  // first (-1: none) and last evaluation
   TrackIdentities identities;
-  std::vector<TimeNs> first_seen, first_found;  // indexed by VehicleId; -1: never
+  // First scan with returns from a target in range, and its first detection, indexed by VehicleId; -1: never.
+  std::vector<TimeNs> first_seen, first_found;
 
   void prepare(std::size_t num_vehicles) {
     identities.prepare(num_vehicles);
@@ -198,14 +202,14 @@ double ospa(std::span<const DetectionScore> scores, std::span<const char> flying
       if (score.found) sum_m += score.position_error_m;
     }
   }
-  const int most = std::max(vehicles, tracks);
-  return most > 0 ? (sum_m + cut_off_m * (most - paired)) / most : 0.0;
+  const int larger = std::max(vehicles, tracks);
+  return larger > 0 ? (sum_m + cut_off_m * (larger - paired)) / larger : 0.0;
 }
 
-/// Detections and tracks of each observer against the true positions of all other vehicles. Estimates are relative to
-/// the observer's localization, so the truth is transformed by the observer's pose error at that time: localization
-/// drift is measured by estimate_error instead. Only flying vehicles are counted; estimates near a vehicle on the
-/// ground count neither as correct nor as false.
+/// Compares detections and tracks of each observer with the true positions of all other vehicles. Estimates inherit the
+/// observer's localization error, which the metric estimate_error measures. To exclude it here, the truth is
+/// transformed by the observer's pose error at that time. Only flying vehicles are counted; estimates assigned to a
+/// vehicle on the ground count neither as correct nor as false.
 class DetectionMetric final : public Metric {
  public:
   explicit DetectionMetric(const MetricSetup& setup)
@@ -229,7 +233,7 @@ class DetectionMetric final : public Metric {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Perception& perception = setup().perception[i];
       if (!perception.detects && !perception.tracks) continue;
-      remember(i, tick);
+      store_history(i, tick);
       const Action& action = *tick.actions[i];
       if (tick.states[i].crashed) continue;
       if (perception.detects && action.has_detections) evaluate_detections(i, tick, context);
@@ -248,12 +252,14 @@ class DetectionMetric final : public Metric {
  private:
   struct Observer {
     StageResult detector, tracker;
-    std::unique_ptr<RecentValues<Pose>> T_estimate_truth;  // from the true world to the observer's estimated one
+    // Transforms from the true world frame to the world frame as estimated by the observer.
+    std::unique_ptr<RecentValues<Pose>> T_estimate_truth;
     SeenScans scans;
   };
 
   // ---- history
-  void remember(std::size_t i, const TickView& tick) {
+  /// Stores the observer's pose error and the returns of its scans at this tick.
+  void store_history(std::size_t i, const TickView& tick) {
     Observer& observer = observers_[i];
     const StateEstimate& estimate = tick.actions[i]->estimate;
     if (estimate.valid)
@@ -261,7 +267,7 @@ class DetectionMetric final : public Metric {
     for (const auto& labeled : tick.scans[i]) observer.scans.push(*labeled);
   }
 
-  // ---- scoring of one scan
+  // ---- evaluation of one scan
   void evaluate_detections(std::size_t i, const TickView& tick, const MetricContext& context) {
     const Action& action = *tick.actions[i];
     estimates_.clear();
@@ -301,7 +307,7 @@ class DetectionMetric final : public Metric {
     StageResult& result = stage == DetectionScore::Stage::kDetector ? observer.detector : observer.tracker;
     if (result.t_first < 0) result.t_first = now;
     result.t_last = now;
-    pair_up(i, observer);
+    assign_estimates(i, observer);
 
     const std::size_t first_score = scores_.rows().size();
     for (std::size_t j = 0; j < num_vehicles(); ++j) {
@@ -321,7 +327,7 @@ class DetectionMetric final : public Metric {
       const int vehicle = vehicle_of_[e];
       if (vehicle >= 0 && !flying[vehicle]) continue;
       ++result.estimates;
-      result.right += vehicle >= 0;
+      result.correct += vehicle >= 0;
       if (vehicle < 0) add_false(i, stage, estimates_[e], now, result);
     }
     if (stage == DetectionScore::Stage::kTracker) {
@@ -329,17 +335,17 @@ class DetectionMetric final : public Metric {
     }
   }
 
-  /// The assignment of least total distance, each capped at the true-positive distance, as in OSPA. For an isolated
-  /// target it is the nearest estimate, as in eq. (67).
-  void pair_up(std::size_t i, const Observer& observer) {
-    const double most_m = setup().config.true_positive_m;
+  /// Assigns estimates to vehicles with the smallest total distance, where each distance counts as at most the
+  /// true-positive distance, as in OSPA. An isolated vehicle gets the nearest estimate, as in eq. (67).
+  void assign_estimates(std::size_t i, const Observer& observer) {
+    const double gate_m = setup().config.true_positive_m;
     const std::size_t num = estimates_.size();
-    distances_.assign(num_vehicles() * num, most_m);
+    distances_.assign(num_vehicles() * num, gate_m);
     for (std::size_t j = 0; j < num_vehicles(); ++j) {
       for (std::size_t e = 0; e < num; ++e) {
         if (j == i) continue;
         const double distance_m = (estimates_[e].p_m - truth_in_estimate(observer, j, estimates_[e].t).p_m).norm();
-        if (distance_m < most_m) distances_[j * num + e] = distance_m;
+        if (distance_m < gate_m) distances_[j * num + e] = distance_m;
       }
     }
     estimate_of_.assign(num_vehicles(), -1);
@@ -348,13 +354,13 @@ class DetectionMetric final : public Metric {
     const auto columns = assignment_.solve(distances_, static_cast<int>(num_vehicles()), static_cast<int>(num));
     for (std::size_t j = 0; j < num_vehicles(); ++j) {
       const int e = columns[j];
-      if (e < 0 || distances_[j * num + e] >= most_m) continue;
+      if (e < 0 || distances_[j * num + e] >= gate_m) continue;
       estimate_of_[j] = e;
       vehicle_of_[e] = static_cast<int>(j);
     }
   }
 
-  /// Motion of vehicle j at t, transformed to the observer's estimated world.
+  /// True motion of vehicle j at t, transformed to the observer's estimated world frame.
   PointMotion truth_in_estimate(const Observer& observer, std::size_t j, TimeNs t) const {
     const Pose& T = observer.T_estimate_truth->value(observer.T_estimate_truth->before(t));
     const PointMotion truth = interpolate(truth_[j], t);
@@ -446,7 +452,7 @@ class DetectionMetric final : public Metric {
   void report_common(const CommonDefinitions& what, std::size_t i, const StageResult& r, MetricTable& table) const {
     table.add(what.recall, name_of(i), r.recall.all());
     table.add(what.recall_visible, name_of(i), r.recall.of_visible());
-    table.add(what.precision, name_of(i), ratio(r.right, r.estimates));
+    table.add(what.precision, name_of(i), ratio(r.correct, r.estimates));
     table.add(what.error_mean, name_of(i), r.errors.position.mean());
     table.add(what.error_std, name_of(i), r.errors.position.std());
     table.add(what.latency, name_of(i), r.latency.mean());
@@ -477,7 +483,8 @@ class DetectionMetric final : public Metric {
     return r.t_last > r.t_first ? count / (to_seconds(r.t_last - r.t_first) / 60.0) : kNotMeasured;
   }
 
-  /// Mean over the found targets, each from the first scan in range that contains returns of it.
+  /// Mean over the detected targets of the time from the first scan in range with returns from the target to its first
+  /// detection.
   static double time_to_first_s(const StageResult& r) {
     Moments time;
     for (std::size_t j = 0; j < r.first_seen.size(); ++j) {
@@ -488,15 +495,15 @@ class DetectionMetric final : public Metric {
   }
 
   std::vector<Observer> observers_;               // indexed by VehicleId
-  std::vector<RecentValues<PointMotion>> truth_;  // indexed by VehicleId; empty: no vehicle detects
-  bool any_ = false;
+  std::vector<RecentValues<PointMotion>> truth_;  // indexed by VehicleId; empty: no vehicle detects or tracks
+  bool any_ = false;                              // whether any vehicle detects or tracks
 
-  // Data of the scan being scored:
+  // Working data of the scan under evaluation.
   std::vector<Estimate> estimates_;
-  std::vector<double> distances_;  // (vehicles x estimates)
-  std::vector<int> estimate_of_, vehicle_of_;
+  std::vector<double> distances_;              // (vehicles x estimates)
+  std::vector<int> estimate_of_, vehicle_of_;  // assigned estimate by vehicle, and vehicle by estimate; -1: none
   Assignment assignment_;
-  SeriesOf<DetectionScore>& scores_;  // rows describe the observer
+  SeriesOf<DetectionScore>& scores_;  // each row is about the observer
 };
 
 }  // namespace

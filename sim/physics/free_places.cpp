@@ -13,7 +13,7 @@ constexpr double kStanding_m = 0.03;
 constexpr double kFree_m = 0.001;
 // [m] Vertical step of the search for a free position. Larger values step over narrow free spaces.
 constexpr double kSearchStep_m = 0.05;
-// [-] Most steps of a search; in high worlds, steps are longer.
+// [-] Largest number of steps of a search, which limits its time. In high worlds, steps are longer than kSearchStep_m.
 constexpr int kMostSteps = 4000;
 
 }  // namespace

@@ -22,27 +22,43 @@ namespace {
 
 using RotorCommands = std::span<const std::array<double, kMaxRotors>>;
 
-constexpr TimeNs kPlanSpan = 8'000'000;  // longest interval between predictions of possible contacts
-// Interval between updates of wakes and ground effect, which change more slowly
+/// [ns] Longest interval between predictions of possible contacts. With larger values, more vehicles are checked for
+/// contacts in every step.
+constexpr TimeNs kPlanSpan = 8'000'000;
+/// [ns] Interval between updates of downwash and ground effect. Larger values save time and delay both effects.
 constexpr TimeNs kAirSpan = 8'000'000;
-constexpr double kContactMargin_m = 0.03;  // larger than the distance at which contacts are prepared
-// [rad/s] Rotor speed above which a contact of the propeller is a crash.
+/// [m] Margin around the collision shape of a vehicle within which contacts are computed. Must exceed the distance at
+/// which Bullet makes contact points (0.02 m by default). Larger values only cost time.
+constexpr double kContactMargin_m = 0.03;
+/// [rad/s] Rotor speed above which a contact of the propeller is a crash.
 constexpr double kTurningRotor_radps = 10.0;
-// A vehicle below these rates for kRestTime_s is frozen until the forces on it change.
+/// [m/s], [rad/s] Speeds below which a vehicle in contact counts as at rest. After kRestTime_s at rest, the vehicle is
+/// frozen until the forces on it change. Larger values freeze vehicles that still slide or tip over.
 constexpr double kRestSpeed_mps = 0.01;
 constexpr double kRestRate_radps = 0.03;
-// [s] Time at rest until a vehicle is frozen. Smaller values freeze a vehicle that is about to tip over.
+/// [s] Time at rest until a vehicle is frozen. Smaller values freeze a vehicle that is about to tip over.
 constexpr double kRestTime_s = 0.25;
-// Change of the acceleration in free flight that ends the rest of a frozen vehicle.
-constexpr double kWakeLinear_mps2 = 0.1;
-constexpr double kWakeAngular_radps2 = 0.5;
+/// [m/s^2], [rad/s^2] A frozen vehicle is released when its acceleration without contact forces has changed by more
+/// than this since freezing. Larger values need a larger change of thrust or wind for a takeoff.
+constexpr double kReleaseLinear_mps2 = 0.1;
+constexpr double kReleaseAngular_radps2 = 0.5;
+/// [-] Bound of the acceleration of a vehicle, in multiples of full thrust plus gravity; the excess covers drag in any
+/// wind in which the vehicle can fly. Smaller values might miss a contact, larger ones predict contacts too early.
+constexpr double kAccelerationMargin = 2.0;
+/// [rad] Angle below which a rotation is linearized, because its axis is undefined.
+constexpr double kSmallAngle_rad = 1e-12;
+/// Command that stops a rotor; any negative value does.
+constexpr double kStopRotor = -1.0;
 
-// [vehicles] Least number from which vehicles are distributed over threads, and size of the blocks. Smaller values
-// synchronize more than they save.
+/// [vehicles] Number from which vehicles are distributed over threads, and number per work item of a thread. With
+/// smaller values, synchronization takes more time than the threads save.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 4;
+/// [-] Near pairs and contacts per vehicle, and contacts in addition, for which memory is reserved. Further ones
+/// allocate during the flight.
+constexpr std::size_t kPairsPerVehicle = 16, kTouchesPerVehicle = 8, kExtraTouches = 64;
 
-/// Sum of the downwash of all other vehicles.
+/// Velocity of the air at a point [m/s] due to the downwash of all other vehicles.
 Vector3 downwash_at(VehicleId id, const Vector3& p_world, std::span<const Wake> wakes) {
   Vector3 sum = Vector3::Zero();
   for (VehicleId source = 0; source < static_cast<VehicleId>(wakes.size()); ++source) {
@@ -51,15 +67,15 @@ Vector3 downwash_at(VehicleId id, const Vector3& p_world, std::span<const Wake> 
   return sum;
 }
 
-/// Sets the wind at a vehicle with gusts.
-void blow(WorldVehicle& vehicle, const VehicleState& state, const WindConfig& wind, std::uint32_t step_number,
-          double step_s) {
-  const Vector3 v_air = state.v_world_mps - vehicle.air.wind_world_mps;
+/// Advances the gusts at a vehicle by one step and sets the wind that results.
+void update_wind(WorldVehicle& vehicle, const VehicleState& state, const WindConfig& wind, std::uint32_t step_number,
+                 double step_s) {
+  const Vector3 airspeed_world_mps = state.v_world_mps - vehicle.air.wind_world_mps;
   vehicle.air.wind_world_mps =
-      wind.mean_mps + vehicle.gusts->advance(step_number, step_s, state.p_world_m.z(), v_air.norm());
+      wind.mean_mps + vehicle.gusts->advance(step_number, step_s, state.p_world_m.z(), airspeed_world_mps.norm());
 }
 
-/// Rotors are valid if these are: their speeds are clamped, and non-finite commands are rejected earlier.
+/// Checks pose and velocities. Rotor speeds need no check: commands are clamped, and NaN stops a rotor.
 bool is_finite(const VehicleState& state) {
   return swiftlet::is_finite(state.p_world_m) && swiftlet::is_finite(state.q_world_body) &&
          swiftlet::is_finite(state.v_world_mps) && swiftlet::is_finite(state.omega_body_radps);
@@ -67,7 +83,7 @@ bool is_finite(const VehicleState& state) {
 
 Eigen::Quaterniond rotation_by(const Vector3& rotation_vector) {
   const double angle = rotation_vector.norm();
-  if (angle < 1e-12)
+  if (angle < kSmallAngle_rad)
     return Eigen::Quaterniond(1.0, 0.5 * rotation_vector.x(), 0.5 * rotation_vector.y(), 0.5 * rotation_vector.z());
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
 }
@@ -112,7 +128,7 @@ struct PhysicsWorld::Impl {
   Contacts contacts;
   std::vector<Crash> crashes;
 
-  // Scratch, kept to avoid allocations.
+  // Working memory, kept to avoid allocations.
   std::vector<Vector3> positions;
   Neighborhood neighborhood;
   std::vector<Wake> wakes;
@@ -122,7 +138,7 @@ struct PhysicsWorld::Impl {
   std::vector<ContactBody> bodies;
   std::vector<Contacts::Pair> pairs;
   std::vector<Touch> touches;
-  std::array<double, kMaxRotors> stopped{};
+  std::array<double, kMaxRotors> stopped{};  // command that stops all rotors
 
   Impl(const PhysicsConfig& physics, const WindConfig& wind_config, std::span<const PhysicsVehicle> fleet,
        std::shared_ptr<const StaticScene> static_scene, std::uint64_t seed)
@@ -133,7 +149,7 @@ struct PhysicsWorld::Impl {
         contacts(fleet, physics),
         neighborhood(circumscribed_radii_m(fleet)),
         near_pairs(fleet.size()) {
-    stopped.fill(-1.0);
+    stopped.fill(kStopRotor);
     for (const PhysicsVehicle& vehicle : fleet) add(vehicle, seed);
     const std::size_t count = vehicles.size();
     crashes.reserve(count);
@@ -142,8 +158,8 @@ struct PhysicsWorld::Impl {
     near_vehicles.reserve(count);
     before.resize(count);
     bodies.reserve(count);
-    pairs.reserve(16 * count);
-    touches.reserve(64 + 8 * count);
+    pairs.reserve(kPairsPerVehicle * count);
+    touches.reserve(kExtraTouches + kTouchesPerVehicle * count);
     note_positions();
     neighborhood.update(states);
   }
@@ -163,17 +179,17 @@ struct PhysicsWorld::Impl {
     entry.air.wind_world_mps = wind.mean_mps;
     if (wind.gusts) {
       entry.gusts.emplace(wind, seed, vehicle.name);
-      blow(entry, state, wind, 0, config.step_s);
+      update_wind(entry, state, wind, 0, config.step_s);
     }
     entry.circumscribed_m = airframe.circumscribed_radius_m();
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
-    // Twice the acceleration by rotors and gravity covers drag in any wind that a vehicle can fly in.
-    entry.acceleration_bound_mps2 = 2.0 * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
+    entry.acceleration_bound_mps2 =
+        kAccelerationMargin * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
     vehicles.push_back(std::move(entry));
     states.push_back(state);
   }
 
-  /// Calls act(vehicle) for all vehicles, in parallel where that pays; it may modify only its own vehicle.
+  /// Calls act(vehicle) for all vehicles, in parallel from kManyVehicles on. `act` may modify only this vehicle.
   template <class Act>
   void for_each_vehicle(const Act& act) const {
     const int count = static_cast<int>(vehicles.size());
@@ -186,6 +202,7 @@ struct PhysicsWorld::Impl {
 
   // ---- prediction of contacts, for several steps at once ----
 
+  /// Finds the vehicles that may touch something within span_s, and updates downwash and ground effect when due.
   void plan(double span_s) {
     note_positions();
     const bool look_up_air = now >= next_air;
@@ -199,6 +216,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
+  /// Part of plan() for one vehicle: bounds its displacement and compares it with the distance to the nearest surface.
   void look_ahead(VehicleId id, double span_s, bool look_up_air) {
     WorldVehicle& vehicle = vehicles[id];
     const VehicleState& state = states[id];
@@ -228,12 +246,13 @@ struct PhysicsWorld::Impl {
     for (const Contacts::Pair& pair : near_pairs.pairs()) {
       for (const VehicleId id : {pair.a, pair.b}) {
         vehicles[id].near = true;
-        if (vehicles[id].asleep) wake(id);
+        if (vehicles[id].asleep) release(id);
       }
     }
   }
 
-  void wake(VehicleId id) {
+  /// Ends the rest of a frozen vehicle.
+  void release(VehicleId id) {
     WorldVehicle& vehicle = vehicles[id];
     vehicle.asleep = false;
     vehicle.still_s = 0.0;
@@ -246,18 +265,19 @@ struct PhysicsWorld::Impl {
     return states[id].crashed && config.stop_motors_on_crash ? stopped : commands[id];
   }
 
-  /// Free flight through one step.
+  /// Integrates one step without contacts. A frozen vehicle stays in place; only its motors and gusts advance, and it
+  /// is released when its acceleration without contact forces changes.
   void fly(VehicleId id, TimeNs t, RotorCommands commands) {
     WorldVehicle& vehicle = vehicles[id];
     VehicleState& state = states[id];
-    if (vehicle.gusts) blow(vehicle, state, wind, static_cast<std::uint32_t>(t / step), config.step_s);
+    if (vehicle.gusts) update_wind(vehicle, state, wind, static_cast<std::uint32_t>(t / step), config.step_s);
     if (vehicle.asleep) {
       vehicle.model.step_motors(state, command_of(id, commands));
       const auto free = vehicle.model.acceleration(state, vehicle.air);
-      const auto& then = vehicle.free_acceleration;
-      if ((free.linear_world_mps2 - then.linear_world_mps2).norm() > kWakeLinear_mps2 ||
-          (free.angular_body_radps2 - then.angular_body_radps2).norm() > kWakeAngular_radps2) {
-        wake(id);
+      const auto& at_freezing = vehicle.free_acceleration;
+      if ((free.linear_world_mps2 - at_freezing.linear_world_mps2).norm() > kReleaseLinear_mps2 ||
+          (free.angular_body_radps2 - at_freezing.angular_body_radps2).norm() > kReleaseAngular_radps2) {
+        release(id);
       }
     } else {
       vehicle.model.step(state, command_of(id, commands), vehicle.air);
@@ -266,7 +286,7 @@ struct PhysicsWorld::Impl {
     ENSURE(is_finite(state), vehicle.name, to_seconds(t), state.p_world_m, state.v_world_mps, state.omega_body_radps);
   }
 
-  /// A vehicle that cannot touch anything before the prediction ends is integrated independently of all others.
+  /// Integrates all steps of the prediction for a vehicle that cannot touch anything, independently of all others.
   void fly_clear(VehicleId id, int num_steps, RotorCommands commands, StateHistory& history) {
     vehicles[id].touching = false;
     vehicles[id].still_s = 0.0;
@@ -276,7 +296,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// One step of all vehicles that may touch something: free flight, then contact impulses.
+  /// Integrates one step of all vehicles that may touch something: flight without contacts, then contact impulses.
   void fly_near(TimeNs t, RotorCommands commands, StateHistory& history) {
     for (const VehicleId id : near_vehicles) {
       before[id] = states[id];
@@ -295,6 +315,7 @@ struct PhysicsWorld::Impl {
     }
   }
 
+  /// Selects the vehicles, and pairs of vehicles, that are close enough for a contact in this step.
   void collect_bodies() {
     bodies.clear();
     pairs.clear();
@@ -309,17 +330,19 @@ struct PhysicsWorld::Impl {
       WorldVehicle& vehicle = vehicles[id];
       if (vehicle.asleep) continue;
       vehicle.touching = false;
-      const bool low = vehicle.near_world && vehicle.surface.at_least_m(before[id].p_world_m) < vehicle.contact_reach_m;
-      const bool meets = std::any_of(pairs.begin(), pairs.end(),
-                                     [id](const Contacts::Pair& pair) { return pair.a == id || pair.b == id; });
-      if (!low && !meets) continue;
+      const bool at_surface =
+          vehicle.near_world && vehicle.surface.at_least_m(before[id].p_world_m) < vehicle.contact_reach_m;
+      const bool at_vehicle = std::any_of(pairs.begin(), pairs.end(),
+                                          [id](const Contacts::Pair& pair) { return pair.a == id || pair.b == id; });
+      if (!at_surface && !at_vehicle) continue;
       const VehicleState& state = states[id];
-      bodies.push_back({id, low, before[id].p_world_m, before[id].q_world_body, state.v_world_mps,
+      bodies.push_back({id, at_surface, before[id].p_world_m, before[id].q_world_body, state.v_world_mps,
                         state.q_world_body * state.omega_body_radps, false});
     }
   }
 
-  /// Applies contact impulses: the corrected velocities move the vehicle from its pose at the beginning of the step.
+  /// Sets the state of a vehicle after its contact impulses: the step is repeated from the pose at its beginning with
+  /// the velocities after the impulses.
   void take_over(const ContactBody& body) {
     if (!body.touched) return;
     VehicleState& state = states[body.vehicle];
@@ -332,7 +355,8 @@ struct PhysicsWorld::Impl {
            state.omega_body_radps);
   }
 
-  /// True if the contact is a crash.
+  /// Records a crash of the vehicle, its first one only, if the contact is faster than crash_speed_mps or a turning
+  /// propeller is hit.
   void check_crash(const Touch& touch, TimeNs t) {
     VehicleState& state = states[touch.vehicle];
     if (state.crashed) return;
@@ -344,6 +368,7 @@ struct PhysicsWorld::Impl {
     crashes.push_back(crash_by(touch, t, scene.get()));
   }
 
+  /// Freezes a vehicle that has been at rest in contact with a surface for kRestTime_s.
   void fall_asleep(VehicleId id) {
     WorldVehicle& vehicle = vehicles[id];
     VehicleState& state = states[id];
@@ -384,7 +409,7 @@ struct PhysicsWorld::Impl {
 
     clearance.surface_m = scene ? surface_clearance_m(vehicle, p, max_distance_m, *scene) : max_distance_m;
 
-    // Squared distances first: most vehicles are farther than the nearest one so far.
+    // Squared distances are compared first, because most vehicles are farther than the nearest one found so far.
     clearance.vehicle_m = std::numeric_limits<double>::infinity();
     for (const VehicleId other : neighborhood.candidates(id)) {
       const double radii_m = vehicle.circumscribed_m + vehicles[other].circumscribed_m;

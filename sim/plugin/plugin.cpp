@@ -14,21 +14,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMark = "swiftlet plugin mark: ";  // precedes the version (cmake/Version.cmake)
+/// Text in the binary of a plugin, directly before the version for which it was built; as in cmake/Version.cmake.
+constexpr std::string_view kMark = "swiftlet plugin mark: ";
 
-struct Loaded {
+struct LoadedPlugins {
   std::string allowed_version;  // empty: plugins are not allowed
   std::vector<std::string> paths;
 };
 
-Loaded& loaded() {
-  static Loaded state;
+LoadedPlugins& loaded() {
+  static LoadedPlugins state;
   return state;
 }
 
+/// Path of a plugin: in the folder if it exists there, else relative to the working directory.
 fs::path path_of(const std::string& file, const fs::path& folder) {
-  const fs::path beside = folder / file;
-  if (fs::exists(beside)) return fs::absolute(beside).lexically_normal();
+  const fs::path in_folder = folder / file;
+  if (fs::exists(in_folder)) return fs::absolute(in_folder).lexically_normal();
   return fs::exists(file) ? fs::absolute(file).lexically_normal() : fs::path(file);
 }
 
@@ -39,12 +41,12 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The version for which a plugin with this content was built, without running its code; empty when it is no plugin.
+/// Version for which a plugin with this content was built, without executing its code; empty if there is none.
 std::string version_in(const std::string& content) {
   for (std::size_t at = 0; (at = content.find(kMark, at)) != std::string::npos;) {
     at += kMark.size();
     const std::string version = content.substr(at, content.find('\0', at) - at);
-    // An empty version is the constant kMark itself, in a plugin that links this file
+    // Empty after the constant kMark itself, in a plugin that links this file.
     if (!version.empty()) return version;
   }
   return {};
@@ -62,11 +64,11 @@ void allow_plugins(std::string version) { loaded().allowed_version = std::move(v
 const std::vector<std::string>& loaded_plugins() { return loaded().paths; }
 
 std::string load_plugin(const std::string& file, const fs::path& folder) {
-  Loaded& state = loaded();
+  LoadedPlugins& state = loaded();
   const fs::path path = path_of(file, folder);
   if (std::ranges::find(state.paths, path.string()) != state.paths.end()) return {};
   if (state.allowed_version.empty())
-    return "--allow-plugins on the command line, because " + in_quotes(file) + " runs code of its own";
+    return "--allow-plugins on the command line, because the plugin " + in_quotes(file) + " executes native code";
   const std::string no_library = "a shared library, found " + in_quotes(file) + ": ";
   const std::string no_plugin = "a plugin of Swiftlet, found " + in_quotes(file) +
                                 ", which has no SWIFTLET_PLUGIN, or that of an older version; build it again";
@@ -76,7 +78,7 @@ std::string load_plugin(const std::string& file, const fs::path& folder) {
   };
   if (fs::is_regular_file(path)) {
     const std::string content = content_of(path);
-    if (!content.starts_with("\177ELF")) return no_library + "it is no ELF file";
+    if (!content.starts_with("\177ELF")) return no_library + "it is not an ELF file";
     const std::string version = version_in(content);
     if (version.empty()) return no_plugin;
     if (version != state.allowed_version) return other(version);
@@ -92,7 +94,7 @@ std::string load_plugin(const std::string& file, const fs::path& folder) {
     return problem;
   }
   const std::string failed = "a plugin with modules, found " + in_quotes(file) + ": ";
-  try {  // never unloaded, since registries refer to its code
+  try {  // the library is never unloaded, because registries refer to its code
     add_rows({agent_registry(), estimator_registry(), detector_registry(), tracker_registry(),
               relative_localizer_registry(), mapper_registry(), guidance_registry(), sensor_registry(),
               world_registry(), recorder_registry(), metric_registry()});

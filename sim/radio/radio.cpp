@@ -15,33 +15,38 @@ void RadioConfig::visit(ConfigVisitor& v) {
   v.field("rate_kbps", rate_kbps,
           "[kbit/s] transmission rate of each sender; a message occupies the sender for size / rate",
           Range::positive());
-  v.field("delay_s", delay_s, "[s] fixed part of the delay", Range::non_negative());
-  v.field("jitter_s", jitter_s, "[s] standard deviation of the random part of the delay, whose absolute value is added",
+  v.field("delay_s", delay_s, "[s] fixed part of the delay from the end of a transmission to its reception",
+          Range::non_negative());
+  v.field("jitter_s", jitter_s,
+          "[s] standard deviation of a normal random number whose absolute value is added to the delay",
           Range::non_negative());
   v.field("loss_probability", loss_probability, "[-] probability that a receiver loses a message",
           Range::probability());
   v.field("range_m", range_m, "[m] largest distance of reception", Range::positive());
   v.field("line_of_sight", line_of_sight, "[-] whether surfaces of the static world block reception");
   v.field("queue_limit_kB", queue_limit_kB,
-          "[kB] transmission queue of a sender; beyond it the oldest messages are dropped", Range::positive());
+          "[kB] capacity of the transmission queue of a sender; when full, the oldest messages are dropped",
+          Range::positive());
 }
 
 namespace {
 
-/// A message in the radio's memory, needed by `pending` receivers. Slots are reused.
+/// A stored message and the number of vehicles that have yet to receive it. The slot is reused afterwards.
 struct Slot {
   Message message;
   std::uint32_t sequence = 0;  ///< sequence number among its sender's messages
   int pending = 0;
 };
 
+/// Transmitter of one vehicle, with its queue.
 struct Sender {
-  std::vector<int> waiting;  ///< slots, oldest first; short
+  std::vector<int> waiting;  ///< indices of the slots of queued messages, oldest first
   std::size_t waiting_bytes = 0;
-  TimeNs free_at = 0;  ///< end of the last transmission
+  TimeNs free_at = 0;  ///< end of the last transmission, from which on the next one may start
   std::uint32_t num_messages = 0;
 };
 
+/// Future reception of a stored message by one vehicle.
 struct Arrival {
   TimeNs t = 0;
   VehicleId from = kNoVehicle;
@@ -49,7 +54,7 @@ struct Arrival {
   int slot = 0;
 };
 
-/// Heap order of the standard library, whose top is the greatest element: the earliest arrival.
+/// Order for std::push_heap, which keeps the greatest element on top: here, the earliest arrival.
 bool later(const Arrival& a, const Arrival& b) {
   return std::tie(a.t, a.from, a.sequence) > std::tie(b.t, b.from, b.sequence);
 }
@@ -74,6 +79,7 @@ struct Radio::Impl {
     }
   }
 
+  /// Duration of a transmission, at least 1 ns, so that transmissions of a sender never coincide.
   TimeNs air_time(const Message& message) const {
     const double bits = 8.0 * static_cast<double>(message.size_bytes());
     return std::max<TimeNs>(1, from_seconds(bits / (1e3 * config.rate_kbps)));
@@ -92,15 +98,15 @@ struct Radio::Impl {
   RadioConfig config;
   int num_vehicles;
   std::shared_ptr<const StaticScene> world;
-  std::vector<Random> loss, jitter;  ///< (from x to)
+  std::vector<Random> loss, jitter;  ///< indexed by link: from * num_vehicles + to
   std::vector<Slot> slots;
   std::vector<int> free_slots;
   std::vector<Sender> senders;
   std::vector<std::vector<Arrival>> inboxes;  ///< heaps, earliest first
-  std::vector<Message> buffers;               ///< storage returned by recycle()
+  std::vector<Message> buffers;               ///< messages from recycle(), whose memory is reused
   std::vector<Vector3> positions;             ///< vehicle positions in the last tick with a posted message
-  TimeNs transmitted_until = -1;
-  TimeNs positions_at = -1;
+  TimeNs transmitted_until = -1;              ///< all transmissions due until then have started; -1: none
+  TimeNs positions_at = -1;                   ///< time of `positions`; -1: not set
   RadioStatistics statistics;
   double delay_sum_s = 0.0;
   std::vector<RadioTopicStatistics> topics;

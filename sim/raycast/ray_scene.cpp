@@ -19,7 +19,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Most triangles of a scene; larger scenes are refused.
+// [-] Maximum number of triangles of a scene; larger scenes are refused.
 constexpr std::size_t kMaxTriangles = 1'000'000'000;
 constexpr std::size_t kUsuallyNear = 1024;      // reserved triangles near a vehicle
 constexpr std::size_t kMaxSurfaces = 1U << 24;  // limit of Facet::surface

@@ -43,7 +43,7 @@ class CsvRow final : public ColumnSink {
   TextRow row_{','};
 };
 
-/// A CSV file with column names in the first line.
+/// A CSV file with column names in the first line. The file is created by open() or with the first row.
 class Table {
  public:
   Table(std::filesystem::path directory, std::string name, const std::vector<Column>& columns)
@@ -60,7 +60,7 @@ class Table {
     if (!file_.is_open()) open();
     file_.append(line);
   }
-  /// @return its name; empty when it was never opened
+  /// @return path of the file relative to the run's directory; empty when no file was opened
   std::optional<std::filesystem::path> finish() {
     if (!file_.is_open()) return std::nullopt;
     file_.finish();
@@ -73,7 +73,7 @@ class Table {
   OutputFile file_;
 };
 
-/// Input of the rows of one tick.
+/// Tick, vehicle and destination of the rows that a topic writes.
 struct Source {
   const TickView& tick;
   VehicleId vehicle;
@@ -92,12 +92,12 @@ struct Source {
   void end_row() const { table.append(row.line()); }
 };
 
-/// One type of table.
+/// Type of table of a vehicle or of the whole run, such as the state or the tracks.
 struct Topic {
   std::string name;
   std::vector<Column> columns;
   std::function<void(const Source&)> write;  ///< writes the rows of one tick
-  bool sampled = false;                      ///< written at rate_hz; others on arrival
+  bool sampled = false;                      ///< true: written at rate_hz; false: written in every tick that has data
 };
 
 Topic state_topic(int num_rotors) {
@@ -121,7 +121,7 @@ Topic series_topic(const Series& series) {
   return {series.name(), series.columns(), write};
 }
 
-/// One row for each value that `values_of` returns for a tick.
+/// Topic with one row for each value that `values_of` returns for a tick.
 template <class Kind, class ValuesOf>
 Topic topic_of(ValuesOf values_of) {
   const auto write = [values_of](const Source& source) {
@@ -133,7 +133,7 @@ Topic topic_of(ValuesOf values_of) {
   return {Kind::kName, columns_of<Kind>(), write};
 }
 
-/// Samples without a list of their own in Observation.
+/// Topic of samples whose type is not a member of Observation (Observation::others), such as those of plug-in sensors.
 Topic samples_topic(TableType table) {
   const auto write = [name = table.name](const Source& source) {
     for (const auto& samples : source.observation().others) {
@@ -146,7 +146,7 @@ Topic samples_topic(TableType table) {
   return {std::move(table.name), std::move(table.columns), write};
 }
 
-/// Received messages of one kind.
+/// Topic of the received messages of one kind.
 Topic message_topic(const MessageKind& kind) {
   const auto write = [&kind](const Source& source) {
     for (const Message& message : source.observation().messages) {
@@ -158,7 +158,7 @@ Topic message_topic(const MessageKind& kind) {
   return {"message_" + std::string(kind.topic), message_columns(kind), write};
 }
 
-/// Tables of every vehicle.
+/// Topics that every vehicle has.
 std::vector<Topic> vehicle_topics(int num_rotors) {
   std::vector<Topic> topics{state_topic(num_rotors)};
   const Observation nothing;
@@ -204,9 +204,9 @@ class CsvRecorder : public Recorder {
   }
 
   void write(const TickView& tick) override {
-    const bool sample = gate_.due(tick.t);
+    const bool sample_due = gate_.due(tick.t);
     for (OpenTable& open : tables_) {
-      if (!open.topic.sampled || sample) open.topic.write({tick, open.vehicle, *row_, open.table});
+      if (!open.topic.sampled || sample_due) open.topic.write({tick, open.vehicle, *row_, open.table});
     }
   }
 
@@ -237,8 +237,8 @@ class CsvRecorder : public Recorder {
   std::optional<CsvRow> row_;
 };
 
-/// Messages have a reference page of their own.
-std::vector<std::string> names_but_of_kinds_of_messages(std::vector<std::string> names) {
+/// Removes the tables of messages, which the description of `topics` summarizes as message_KIND.
+std::vector<std::string> without_message_tables(std::vector<std::string> names) {
   std::erase_if(names, [](const std::string& name) { return name.starts_with("message_"); });
   return names;
 }
@@ -257,8 +257,8 @@ void CsvConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] rows of the topic state per second; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   static const std::vector<std::string> names = csv_topic_names();
-  static const std::string doc = "[-] tables to write: " + listed(names_but_of_kinds_of_messages(names)) +
-                                 ", and message_KIND of each kind of message";
+  static const std::string doc =
+      "[-] tables to write: " + listed(without_message_tables(names)) + ", and message_KIND of each kind of message";
   v.field("topics", topics, doc.c_str());
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
     return std::find(names.begin(), names.end(), topic) != names.end();

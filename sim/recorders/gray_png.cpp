@@ -14,15 +14,25 @@
 namespace swiftlet::sim {
 namespace {
 
-// Numbers of the deflate format (RFC 1951): symbol of the end of a block, number of symbols, and longest code [bits].
+// Symbols of the deflate format (RFC 1951): 256 literals, the end of the block, and the lengths of repetitions.
 constexpr int kEndOfBlock = 256;
-constexpr int kNumSymbols = 286;  // literals, end, lengths
-constexpr int kMaxCodeBits = 15;
-// [bytes] Shortest run of equal bytes that is coded as a run, and longest run of the format.
-constexpr int kLeastRun = 4, kMostRun = 258;
-constexpr std::uint16_t kRunToken = 256;  // larger tokens are runs of token - kRunToken repetitions
+constexpr int kFirstLength = 257;
+constexpr int kNumSymbols = 286;
+constexpr int kMaxCodeBits = 15;     // longest Huffman code of the format
+constexpr int kNumLengthCodes = 19;  // symbols with which the format writes the lengths of the Huffman codes
+// [bytes] Shortest repetition of a byte that is coded as such, and longest repetition of the format. Smaller values of
+// kMinRun replace literals whose codes are shorter.
+constexpr int kMinRun = 4, kMaxRun = 258;
+// A token below this value is a literal byte; kRunToken + n repeats the previous byte n times.
+constexpr std::uint16_t kRunToken = 256;
+// [bytes] Space for the headers, the checksum and BitWriter's margin, in addition to the coded tokens.
+constexpr std::size_t kOverhead_bytes = 1024;
+constexpr std::uint8_t kFilterSub = 1;  // PNG filter type: difference from the pixel to the left
+// Header of the zlib format: deflate with a window of 32 KiB, no dictionary.
+constexpr std::uint8_t kZlibHeader[] = {0x78, 0x01};
 
-/// Code of a run length, RFC 1951, 3.2.5.
+/// Code of a repetition length (RFC 1951, 3.2.5): the symbol of a range of lengths that begins at `base`, followed by
+/// the difference length - base in `extra_bits` bits.
 struct LengthCode {
   int symbol, extra_bits, base;
 };
@@ -33,10 +43,10 @@ LengthCode length_code(int length) {
                                                  2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 0};
   std::size_t i = kBase.size() - 1;
   while (kBase[i] > length) --i;
-  return {257 + static_cast<int>(i), kExtra[i], kBase[i]};
+  return {kFirstLength + static_cast<int>(i), kExtra[i], kBase[i]};
 }
 
-/// Huffman code lengths of at most 15 bits.
+/// Length of the Huffman code of each symbol [bits], at most kMaxCodeBits, from the frequencies of the symbols.
 std::array<std::uint8_t, kNumSymbols> code_lengths(std::array<std::uint32_t, kNumSymbols> counts) {
   struct Node {
     std::uint64_t count;
@@ -69,12 +79,12 @@ std::array<std::uint8_t, kNumSymbols> code_lengths(std::array<std::uint32_t, kNu
       longest = std::max(longest, length);
     }
     if (longest <= kMaxCodeBits) return lengths;
-    // Flatter counts give shorter codes.
+    // Halved frequencies differ less, so the longest code becomes shorter.
     for (std::uint32_t& count : counts) count = count > 0 ? count / 2 + 1 : 0;
   }
 }
 
-/// Canonical codes, RFC 1951, 3.2.2; bit-reversed, since the stream is filled from the lowest bit.
+/// Canonical Huffman codes (RFC 1951, 3.2.2), with reversed bits, because the stream is filled from the lowest bit.
 std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, kNumSymbols>& lengths) {
   std::array<int, kMaxCodeBits + 2> first{};
   for (const std::uint8_t length : lengths) {
@@ -85,14 +95,15 @@ std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, k
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     if (lengths[i] == 0) continue;
     const int code = first[lengths[i]]++;
-    int turned = 0;
-    for (int bit = 0; bit < lengths[i]; ++bit) turned |= (code >> bit & 1) << (lengths[i] - 1 - bit);
-    codes[i] = static_cast<std::uint16_t>(turned);
+    int reversed = 0;
+    for (int bit = 0; bit < lengths[i]; ++bit) reversed |= (code >> bit & 1) << (lengths[i] - 1 - bit);
+    codes[i] = static_cast<std::uint16_t>(reversed);
   }
   return codes;
 }
 
-/// Fills bytes from the lowest bit. Writes eight bytes at a time, so the buffer must extend that far beyond the end.
+/// Writes a stream of bits, filling each byte from its lowest bit. Each call writes eight bytes, so the buffer must
+/// extend eight bytes beyond the end of the stream.
 class BitWriter {
  public:
   explicit BitWriter(std::uint8_t* at) : at_(at) {}
@@ -116,7 +127,7 @@ class BitWriter {
   std::uint64_t held_ = 0;
   int num_held_ = 0;
 };
-static_assert(std::endian::native == std::endian::little, "bits are laid down as they stand in memory");
+static_assert(std::endian::native == std::endian::little, "BitWriter copies its bits from memory");
 
 void put_big_endian(ByteBuffer& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.put(static_cast<std::uint8_t>(value >> shift));
@@ -132,13 +143,14 @@ void put_chunk(ByteBuffer& out, std::string_view kind, std::span<const std::uint
                           crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()))));
 }
 
-// Subtracts from each byte the byte two before in its row, which is the same half of the pixel to the left.
+// PNG filter Sub on pixels of two bytes, the high one first: replaces each byte by its difference from the same byte of
+// the pixel to the left. Each row begins with the number of the filter.
 void filter(int width, int height, std::span<const std::uint16_t> gray, std::vector<std::uint8_t>& out) {
   out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
   std::uint8_t* at = out.data();
   for (int y = 0; y < height; ++y) {
     const std::uint16_t* const row = gray.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    *at++ = 1;  // Sub
+    *at++ = kFilterSub;
     at[0] = static_cast<std::uint8_t>(row[0] >> 8);
     at[1] = static_cast<std::uint8_t>(row[0]);
     for (int x = 1; x < width; ++x) {
@@ -149,7 +161,7 @@ void filter(int width, int height, std::span<const std::uint16_t> gray, std::vec
   }
 }
 
-// Splits the bytes into literals and runs of the previous byte.
+// Converts the bytes to tokens: literal bytes, and repetitions of the previous byte.
 void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& tokens) {
   tokens.resize(bytes.size());
   std::uint16_t* token = tokens.data();
@@ -157,10 +169,10 @@ void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& 
   for (std::size_t i = 0; i < n;) {
     const std::uint8_t byte = bytes[i++];
     *token++ = byte;
-    while (i + kLeastRun <= n && bytes[i] == byte) {
+    while (i + kMinRun <= n && bytes[i] == byte) {
       std::size_t end = i;
-      while (end < n && end - i < kMostRun && bytes[end] == byte) ++end;
-      if (end - i < kLeastRun) break;
+      while (end < n && end - i < kMaxRun && bytes[end] == byte) ++end;
+      if (end - i < kMinRun) break;
       *token++ = static_cast<std::uint16_t>(kRunToken + (end - i));
       i = end;
     }
@@ -168,32 +180,34 @@ void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& 
   tokens.resize(static_cast<std::size_t>(token - tokens.data()));
 }
 
+/// A sequence of bits in the order of the stream, the first one lowest.
 struct Bits {
   std::uint32_t bits = 0;
   int count = 0;
 };
-constexpr std::size_t kNumTokens = kRunToken + kMostRun + 1;
-constexpr int kMostTokenBits = kMaxCodeBits + 5 + 1;  // length code, its extra bits, the distance
+constexpr std::size_t kNumTokens = kRunToken + kMaxRun + 1;
+constexpr int kMaxTokenBits = kMaxCodeBits + 5 + 1;  // code of a length, its extra bits, code of the distance
 
-/// Bits for each token.
+/// Bits of each token in the stream.
 std::array<Bits, kNumTokens> bits_of_tokens(const std::array<std::uint8_t, kNumSymbols>& lengths) {
   const auto codes = codes_of(lengths);
   std::array<Bits, kNumTokens> table;
   for (std::size_t token = 0; token < kRunToken; ++token) table[token] = {codes[token], lengths[token]};
-  for (int run = kLeastRun; run <= kMostRun; ++run) {
+  for (int run = kMinRun; run <= kMaxRun; ++run) {
     const LengthCode code = length_code(run);
     const auto symbol = static_cast<std::size_t>(code.symbol);
     const auto extra = static_cast<std::uint32_t>(run - code.base);
-    // The code, the difference to its base length, and one bit 0: distance 1.
+    // Code of the length, its extra bits, and a bit 0: the code of distance 1, the only one in use.
     table[static_cast<std::size_t>(kRunToken + run)] = {codes[symbol] | extra << lengths[symbol],
                                                         lengths[symbol] + code.extra_bits + 1};
   }
   return table;
 }
 
-/// Frequency of each symbol of the code.
+/// Frequency of each symbol in the tokens and the end of the block.
 std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16_t> tokens) {
-  // Two tables: equal tokens often follow each other, and the second would wait for the first one's count.
+  // Even and odd positions are counted separately: consecutive tokens are often equal, and with one table each
+  // increment would wait for the previous one.
   std::array<std::uint32_t, kNumTokens> even{}, odd{};
   std::size_t i = 0;
   for (; i + 1 < tokens.size(); i += 2) {
@@ -203,7 +217,7 @@ std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16
   if (i < tokens.size()) ++even[tokens[i]];
   std::array<std::uint32_t, kNumSymbols> counts{};
   for (std::size_t token = 0; token < kRunToken; ++token) counts[token] = even[token] + odd[token];
-  for (int run = kLeastRun; run <= kMostRun; ++run) {
+  for (int run = kMinRun; run <= kMaxRun; ++run) {
     const auto token = static_cast<std::size_t>(kRunToken + run);
     counts[static_cast<std::size_t>(length_code(run).symbol)] += even[token] + odd[token];
   }
@@ -211,25 +225,26 @@ std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16
   return counts;
 }
 
-/// Writes one block with its own codes. @return one past the last byte
+/// Writes one deflate block with dynamic Huffman codes (RFC 1951, 3.2.7). @return one past the last byte
 std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t* out) {
   const auto lengths = code_lengths(count_symbols(tokens));
   BitWriter bits(out);
-  bits.put(1, 1);                  // the last block
-  bits.put(2, 2);                  // with dynamic codes
-  bits.put(kNumSymbols - 257, 5);  // number of symbols
-  bits.put(0, 5);                  // one distance code
-  bits.put(19 - 4, 4);
-  // The code lengths: 16 values of four bits each, no repetitions (order: 16, 17, 18, then 0 to 15 shuffled).
-  for (int i = 0; i < 19; ++i) bits.put(i < 3 ? 0 : 4, 3);
+  bits.put(1, 1);                           // BFINAL: the last block
+  bits.put(2, 2);                           // BTYPE: dynamic codes
+  bits.put(kNumSymbols - kFirstLength, 5);  // HLIT: number of symbols, less 257
+  bits.put(0, 5);                           // HDIST: number of distance codes, less 1
+  bits.put(kNumLengthCodes - 4, 4);         // HCLEN: number of symbols for code lengths, less 4
+  // Code lengths 0 to 15 are written in four bits each. The symbols 16, 17 and 18 for repeated lengths, which come
+  // first, are unused.
+  for (int i = 0; i < kNumLengthCodes; ++i) bits.put(i < 3 ? 0 : 4, 3);
   const auto put_length = [&](int length) {
-    const int turned = (length & 1) << 3 | (length & 2) << 1 | (length & 4) >> 1 | (length & 8) >> 3;
-    bits.put(static_cast<std::uint32_t>(turned), 4);
+    const int reversed = (length & 1) << 3 | (length & 2) << 1 | (length & 4) >> 1 | (length & 8) >> 3;
+    bits.put(static_cast<std::uint32_t>(reversed), 4);
   };
   for (const std::uint8_t length : lengths) put_length(length);
-  put_length(1);
+  put_length(1);  // the distance code
   const auto table = bits_of_tokens(lengths);
-  // Two at a time, which shortens the dependency chain through the write position.
+  // Two tokens per call of put(), because each call waits for the write position of the previous one.
   std::size_t i = 0;
   for (; i + 1 < tokens.size(); i += 2) {
     const Bits first = table[tokens[i]], second = table[tokens[i + 1]];
@@ -241,23 +256,22 @@ std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t
   return bits.finish();
 }
 
-/// Upper bound of the size of a block with this number of tokens, including header, checksum and BitWriter's margin.
-std::size_t room_for(std::size_t num_tokens) { return num_tokens * kMostTokenBits / 8 + 1024; }
+/// [bytes] Buffer size that is sufficient for the zlib stream of this number of tokens.
+std::size_t room_for(std::size_t num_tokens) { return num_tokens * kMaxTokenBits / 8 + kOverhead_bytes; }
 
 }  // namespace
 
 const ByteBuffer& GrayPng::encode(int width, int height, std::span<const std::uint16_t> gray) {
   if (width <= 0 || height <= 0 || gray.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-    throw std::invalid_argument("a picture's size and data do not agree");
+    throw std::invalid_argument("GrayPng::encode: expected width * height pixels, both greater than 0");
   }
   filter(width, height, gray, filtered_);
   find_runs(filtered_, tokens_);
   if (stream_.size() < room_for(tokens_.size())) stream_.resize(room_for(tokens_.size()));
-  stream_[0] = 0x78;
-  stream_[1] = 0x01;
-  std::uint8_t* end = deflate_tokens(tokens_, stream_.data() + 2);
-  const auto check = static_cast<std::uint32_t>(adler32(1, filtered_.data(), static_cast<uInt>(filtered_.size())));
-  for (int shift = 24; shift >= 0; shift -= 8) *end++ = static_cast<std::uint8_t>(check >> shift);
+  std::copy(std::begin(kZlibHeader), std::end(kZlibHeader), stream_.begin());
+  std::uint8_t* end = deflate_tokens(tokens_, stream_.data() + std::size(kZlibHeader));
+  const auto checksum = static_cast<std::uint32_t>(adler32(1, filtered_.data(), static_cast<uInt>(filtered_.size())));
+  for (int shift = 24; shift >= 0; shift -= 8) *end++ = static_cast<std::uint8_t>(checksum >> shift);
 
   file_.clear();
   file_.put_text("\x89PNG\r\n\x1a\n");

@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// [bytes] Header of a CDR message, to which alignment does not apply.
+/// [bytes] Encapsulation header of a CDR message. Numbers are aligned relative to its end.
 constexpr std::size_t kEncapsulationBytes = 4;
 
 }  // namespace
@@ -25,7 +25,8 @@ void RosEncoder::text(std::string_view text) {
 
 void RosEncoder::time(TimeNs t) {
   t = recorded(t);
-  // ROS 1 has no time before zero; ROS 2 has negative seconds, with nanoseconds that always count forward.
+  // A time of ROS 1 is unsigned, so earlier times become zero. A time of ROS 2 before zero has negative seconds and
+  // non-negative nanoseconds.
   if (dialect_ == RosDialect::kRos1) t = std::max<TimeNs>(t, 0);
   const TimeNs nanoseconds = (t % kNsPerSecond + kNsPerSecond) % kNsPerSecond;
   put(static_cast<std::int32_t>((t - nanoseconds) / kNsPerSecond));
@@ -57,8 +58,8 @@ std::byte* RosEncoder::blob(std::size_t size) {
 }
 
 void RosEncoder::align(std::size_t size) {
-  const std::size_t misfit = (buffer_.size() - kEncapsulationBytes) % size;
-  if (misfit != 0) buffer_.grow(size - misfit);
+  const std::size_t excess = (buffer_.size() - kEncapsulationBytes) % size;
+  if (excess != 0) buffer_.grow(size - excess);
 }
 
 }  // namespace swiftlet::sim

@@ -9,12 +9,14 @@
 namespace swiftlet::sim {
 namespace {
 
+/// Record types of the bag format.
 enum Op : std::uint8_t { kBagMessage = 2, kBagHeader = 3, kIndex = 4, kBagChunk = 5, kChunkInfo = 6, kConnection = 7 };
 
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
-constexpr std::size_t kBagHeaderBytes = 4096;  // padded, so that it can be overwritten at the end
+/// [bytes] Size of the bag header record. The padding lets finish() overwrite it with the final counts.
+constexpr std::size_t kBagHeaderBytes = 4096;
 
-/// Appends the output of `content`, preceded by its length.
+/// Appends the bytes that `content` writes, preceded by their number (32 bits).
 template <class Content>
 void put_field(ByteBuffer& out, Content content) {
   const std::size_t start = out.size();
@@ -23,7 +25,7 @@ void put_field(ByteBuffer& out, Content content) {
   out.put_at(start, static_cast<std::uint32_t>(out.size() - start - sizeof(std::uint32_t)));
 }
 
-/// A record: its header fields, then its data.
+/// Appends a record: header with the record type and the given fields, then data.
 template <class Fields, class Data>
 void put_record(ByteBuffer& out, Op op, Fields fields, Data data) {
   put_field(out, [&] {
@@ -53,7 +55,7 @@ void put_text(ByteBuffer& out, std::string_view name, std::string_view text) {
   });
 }
 
-/// Seconds and nanoseconds, each a 32-bit word, as one number.
+/// ROS time in one word: seconds in the lower 32 bits, nanoseconds within the second in the upper ones.
 std::uint64_t ros_time(TimeNs t) {
   const auto nanoseconds = static_cast<std::uint64_t>(t % kNsPerSecond);
   return nanoseconds << 32 | static_cast<std::uint64_t>(t / kNsPerSecond);
@@ -76,7 +78,7 @@ std::uint32_t RosbagWriter::add_connection(Connection connection) {
 }
 
 void RosbagWriter::write(std::uint32_t connection, TimeNs t, std::span<const std::byte> message) {
-  t = std::max<TimeNs>(t, 1);  // readers interpret time 0 as "none": ros::TIME_MIN is 1 ns
+  t = std::max<TimeNs>(t, 1);  // ros::TIME_MIN; readers interpret 0 as no time
   ConnectionState& state = connections_.at(connection);
   const bool first =
       std::all_of(connections_.begin(), connections_.end(), [](const auto& c) { return c.index.empty(); });
@@ -107,7 +109,7 @@ void RosbagWriter::close_chunk() {
         put_number(record_, "size", static_cast<std::uint32_t>(chunk_.size()));
       },
       [&] { record_.put_bytes(data); });
-  // The index of each connection's messages follows its chunk.
+  // An index record per connection with messages in the chunk follows the chunk.
   for (std::uint32_t id = 0; id < connections_.size(); ++id) {
     ConnectionState& state = connections_[id];
     if (state.index.empty()) continue;
@@ -130,7 +132,7 @@ void RosbagWriter::close_chunk() {
 
 std::span<const std::byte> RosbagWriter::compressed_chunk() {
   if (!compress_) return chunk_.bytes();
-  // Supported by ROS's own LZ4 stream reader: independent blocks, a checksum of the content, no other fields.
+  // ROS's own LZ4 stream reader supports only independent blocks, a checksum of the content, and no other frame fields.
   LZ4F_preferences_t preferences{};
   preferences.frameInfo.blockSizeID = LZ4F_max4MB;
   preferences.frameInfo.blockMode = LZ4F_blockIndependent;

@@ -10,8 +10,11 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr const char* kNoContext =
-    "pictures need an OpenGL 4.5 core context in software, which OSMesa could not make here "
-    "(package libosmesa6 with LLVM); remove `snapshots` from the scenario to run without pictures";
+    "pictures need an OpenGL 4.5 core context, which OSMesa could not create "
+    "(package libosmesa6, built with LLVM); remove `snapshots` from the scenario to run without pictures";
+
+// [px] Width and height of the default framebuffer, GlContext::buffer_, which OSMesa requires.
+constexpr int kBufferSize_px = 16;
 
 }  // namespace
 
@@ -36,7 +39,8 @@ GlContext::~GlContext() { OSMesaDestroyContext(static_cast<OSMesaContext>(contex
 
 void GlContext::make_current() {
   if (OSMesaGetCurrentContext() == context_) return;
-  if (OSMesaMakeCurrent(static_cast<OSMesaContext>(context_), buffer_, GL_UNSIGNED_BYTE, 16, 16) == GL_FALSE) {
+  if (OSMesaMakeCurrent(static_cast<OSMesaContext>(context_), buffer_, GL_UNSIGNED_BYTE, kBufferSize_px,
+                        kBufferSize_px) == GL_FALSE) {
     throw std::runtime_error(kNoContext);
   }
 }

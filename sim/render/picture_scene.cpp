@@ -10,7 +10,7 @@ namespace {
 
 // [m] Displacement after which a position is added to a trail. Larger values make curves angular.
 constexpr float kTrailStep_m = 0.05F;
-// [-] Most positions of a trail; then its older half is thinned.
+// [-] Number of positions at which the older half of a trail is thinned. Smaller values make old curves angular.
 constexpr std::size_t kTrailMaxPoints = 8192;
 
 }  // namespace

@@ -19,15 +19,35 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Samples per pixel. More of them smooth edges and cost time.
+// [-] Samples per pixel (multisample anti-aliasing). Larger values smooth edges and take longer.
 constexpr int kSamples = 4;
-// [-] Recent views by which a static camera is recognized, and static cameras whose surfaces are kept.
-constexpr std::size_t kSightsSeen = 4;
-constexpr std::size_t kSurfacesKept = 2;
-constexpr std::int64_t kMostSamplesKept = 16'000'000;  // samples of one picture, of 12 bytes each
-constexpr int kMostWatched = 16;                       // length of u_watched
-// [m] Diameter of the points of a cloud with a size that decreases with distance.
+// [-] Recent views of the world that are compared with the next one: a repeated view belongs to a static camera. At
+// least the number of cameras that are drawn in turn.
+constexpr std::size_t kMaxSeenViews = 4;
+// [-] Static cameras for which the drawn world is kept, to be reused in the next pictures. Larger values take memory.
+constexpr std::size_t kMaxKeptSurfaces = 2;
+// [-] Largest number of samples of a picture whose world is kept, 12 bytes each (color, normal, depth). Larger values
+// take memory.
+constexpr std::int64_t kMaxKeptSamples = 16'000'000;
+// [-] Largest number of vehicles that leaves must not hide; length of u_watched in mesh.vert.
+constexpr int kMaxWatched = 16;
+// Radius around a watched vehicle that leaves must not hide: margin [m], and factor of its circumscribed radius. Larger
+// values remove more leaves.
+constexpr float kWatchedMargin_m = 0.4F, kWatchedRadii = 1.6F;
+// [m] Diameter of cloud points when no fixed size in pixels is set.
 constexpr float kCloudPoint_m = 0.07F;
+// [-] Optical thickness of the haze over the diagonal of the world (see light.frag), and the diagonals [m] between
+// which the haze adapts to it. A larger thickness fades distant surfaces more; 0.35 fades the far end by 19 %.
+constexpr double kHazeAcross = 0.35, kMinHazeSize_m = 60.0, kMaxHazeSize_m = 1500.0;
+// [m] Diagonal assumed for a world without surfaces.
+constexpr double kEmptyWorldSize_m = 100.0;
+// [-] Strength of the grid on the ground; at 0 it is invisible.
+constexpr float kGridStrength = 0.75F;
+// [m] Radius of ambient occlusion. Larger values darken corners more broadly.
+constexpr float kOcclusionRadius_m = 0.9F;
+// [-] Opacity of the parts of vehicles and of trails that the world occludes; at 0 they are invisible.
+constexpr float kOccludedVehicle = 0.55F, kOccludedTrail = 0.4F;
+// Color of the haze, sRGB.
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
 
@@ -43,7 +63,7 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
       if (by == CloudColors::kHeight) color = height_color((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
       if (by == CloudColors::kVehicle) color = vehicle_color(cloud.vehicle);
       if (by == CloudColors::kLabel && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
-      // Square root, since perception follows ratios of reflectivity.
+      // The square root spreads low intensities, since perceived brightness grows more slowly than intensity.
       if (by == CloudColors::kIntensity && i < cloud.intensity.size())
         color = viridis_like(std::sqrt(std::max(0.0F, cloud.intensity[i])));
       points.push_back({p, with_alpha(color, 1.0F)});
@@ -52,7 +72,7 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
   return points;
 }
 
-/// Makes the context current in the calling thread for one picture: another thread may draw the next.
+/// Makes the OpenGL context current in the calling thread for one picture, since another thread may draw the next.
 class CurrentContext {
  public:
   explicit CurrentContext(GlContext& context) : context_(context) { context_.make_current(); }
@@ -81,13 +101,13 @@ struct Renderer::Impl {
   MarkPainter marks{gl};
   std::vector<float> vehicle_radii_m;
   ShadowPainter shadows{gl, depth_program};
-  GLuint empty_array = 0;
+  GLuint empty_array = 0;  // vertex array without attributes, for triangles that cover the picture
   float haze_per_m = 0.001F;
   int samples = 0;  // per pixel of `sampled`
-  Target sampled;   // drawing target
+  Target sampled;   // drawing target, `samples` per pixel
   Target resolved;  // one sample per pixel
-  Target openness;  // ambient occlusion, at half resolution
-  Target softened;  // ambient occlusion without its noise pattern
+  Target openness;  // ambient light that occlusion leaves, and depth, at half resolution
+  Target softened;  // openness, filtered to remove its sampling pattern
 
   Impl(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> shapes)
       : world(gl, scene), vehicles(gl, shapes) {
@@ -95,25 +115,26 @@ struct Renderer::Impl {
     gl.GenVertexArrays(1, &empty_array);
     gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    const double size_m = scene.bounds_m.isEmpty() ? 100.0 : scene.bounds_m.diagonal().norm();
-    haze_per_m = static_cast<float>(0.35 / std::clamp(size_m, 60.0, 1500.0));
+    const double size_m = scene.bounds_m.isEmpty() ? kEmptyWorldSize_m : scene.bounds_m.diagonal().norm();
+    haze_per_m = static_cast<float>(kHazeAcross / std::clamp(size_m, kMinHazeSize_m, kMaxHazeSize_m));
     context.release();
   }
 
-  /// All inputs that determine the view of the world without vehicles.
-  struct Sight {
+  /// All inputs that determine the picture of the world without vehicles.
+  struct WorldView {
     Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
     int width_px = 0, height_px = 0, samples = 0;
     float cut_m = 0.0F;
     bool cull = true, reduce = true, watching = false;
-    bool operator==(const Sight&) const = default;
+    bool operator==(const WorldView&) const = default;
   };
+  /// World as drawn by a static camera.
   struct KeptSurfaces {
-    Sight sight;
+    WorldView view;
     Target surfaces;
   };
-  std::vector<Sight> seen;         // recent ones, latest last
-  std::vector<KeptSurfaces> kept;  // surfaces of static cameras, latest last
+  std::vector<WorldView> seen;     // recent views, newest last
+  std::vector<KeptSurfaces> kept;  // newest last
 
   void prepare_targets(const View& view, int wanted_samples);
   void copy(const Target& from, const Target& to) const;
@@ -180,20 +201,22 @@ void Renderer::Impl::set_watched(const PictureScene& picture, const PictureStyle
   int count = 0;
   for (const VehicleId vehicle : style.watched) {
     if (vehicle < 0 || vehicle >= std::ssize(picture.states) || vehicle >= std::ssize(vehicle_radii_m)) continue;
-    if (count == kMostWatched) break;
+    if (count == kMaxWatched) break;
     const Eigen::Vector3f p = picture.states[vehicle].p_world_m.cast<float>();
-    const float radius_m = 0.4F + 1.6F * vehicle_radii_m[vehicle] * static_cast<float>(style.vehicle_scale);
+    const float radius_m =
+        kWatchedMargin_m + kWatchedRadii * vehicle_radii_m[vehicle] * static_cast<float>(style.vehicle_scale);
     mesh_program.set(("u_watched[" + std::to_string(count++) + "]").c_str(), with_alpha(p, radius_m));
   }
   mesh_program.set("u_num_watched", count);
 }
 
-/// Draws the static world. For a static camera, its surfaces are reused from picture to picture.
+/// Draws the world without vehicles. For a static camera it is drawn once and then copied into each picture.
 void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) {
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  const Sight sight{view.clip_world(), view.width_px, view.height_px, samples,
-                    cut_of(style),     style.cull,    style.reduce,   !style.watched.empty()};
-  const auto found = std::find_if(kept.begin(), kept.end(), [&](const KeptSurfaces& k) { return k.sight == sight; });
+  const WorldView world_view{view.clip_world(), view.width_px, view.height_px, samples,
+                             cut_of(style),     style.cull,    style.reduce,   !style.watched.empty()};
+  const auto found =
+      std::find_if(kept.begin(), kept.end(), [&](const KeptSurfaces& k) { return k.view == world_view; });
   if (found != kept.end()) {
     copy(found->surfaces, sampled);
     gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
@@ -201,19 +224,19 @@ void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, con
     return;
   }
   world.draw(mesh_program, select(view, style, clip_world));
-  if (sight.watching) return;  // omitted leaves change between pictures
-  if (std::int64_t{samples} * view.width_px * view.height_px > kMostSamplesKept) return;
-  const bool again = std::find(seen.begin(), seen.end(), sight) != seen.end();
+  if (world_view.watching) return;  // the omitted leaves change with the positions of the watched vehicles
+  if (std::int64_t{samples} * view.width_px * view.height_px > kMaxKeptSamples) return;
+  const bool again = std::find(seen.begin(), seen.end(), world_view) != seen.end();
   if (!again) {
-    if (seen.size() >= kSightsSeen) seen.erase(seen.begin());
-    seen.push_back(sight);
+    if (seen.size() >= kMaxSeenViews) seen.erase(seen.begin());
+    seen.push_back(world_view);
     return;
   }
-  if (kept.size() >= kSurfacesKept) {
+  if (kept.size() >= kMaxKeptSurfaces) {
     delete_target(gl, kept.front().surfaces);
     kept.erase(kept.begin());
   }
-  kept.push_back({sight, make_surfaces(sampled.width, sampled.height)});
+  kept.push_back({world_view, make_surfaces(sampled.width, sampled.height)});
   copy(sampled, kept.back().surfaces);
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
   gl.DrawBuffers(2, kBoth);
@@ -226,7 +249,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   mesh_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
   mesh_program.set("u_forward", forward_of(view));
   mesh_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
-  mesh_program.set("u_grid", 0.75F);
+  mesh_program.set("u_grid", kGridStrength);
   set_watched(picture, style);
   if (!style.watched.empty()) gl.Enable(GL_CLIP_DISTANCE1);
   if (style.cut_above) gl.Enable(GL_CLIP_DISTANCE0);
@@ -234,7 +257,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
 
-  // Vehicles: first the parts occluded by the world (faintly, in color only), then the visible parts.
+  // Vehicles: first the parts occluded by the world, translucent and without depth, then the visible parts.
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl.DrawBuffers(1, kBoth);
   gl.Enable(GL_BLEND);
@@ -243,7 +266,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   set_mesh_uniforms(ghost_program, clip_world, kNoCut_m);
   for (std::size_t v = 0; v < picture.states.size(); ++v) {
     if (static_cast<VehicleId>(v) == style.hidden_vehicle) continue;
-    ghost_program.set("u_color", with_alpha(vehicle_color(static_cast<VehicleId>(v)), 0.55F));
+    ghost_program.set("u_color", with_alpha(vehicle_color(static_cast<VehicleId>(v)), kOccludedVehicle));
     vehicles.draw_one(v, picture.states[v], style.vehicle_scale);
   }
   gl.Disable(GL_BLEND);
@@ -256,7 +279,8 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-/// Copies colors, normals and depth. From several samples per pixel to one, colors and normals are averaged.
+/// Copies colors, normals and depth. If only the source has several samples per pixel, their colors and normals are
+/// averaged.
 void Renderer::Impl::copy(const Target& from, const Target& to) const {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer);
@@ -276,6 +300,7 @@ void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
   }
 }
 
+/// Computes ambient occlusion in screen space, at half resolution, and filters it.
 void Renderer::Impl::find_occlusion(const View& view) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, openness.framebuffer);
   gl.Viewport(0, 0, openness.width, openness.height);
@@ -287,7 +312,7 @@ void Renderer::Impl::find_occlusion(const View& view) {
   occlusion_program.set("u_normal", 2);
   set_depth_uniforms(occlusion_program, view);
   occlusion_program.set("u_camera_world", Eigen::Matrix4f(view.T_camera_world.cast<float>()));
-  occlusion_program.set("u_radius_m", 0.9F);
+  occlusion_program.set("u_radius_m", kOcclusionRadius_m);
   occlusion_program.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
   occlusion_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
   gl.BindVertexArray(empty_array);
@@ -300,7 +325,7 @@ void Renderer::Impl::find_occlusion(const View& view) {
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/// Shades the picture; keeps the depth of each sample for later marks.
+/// Shades the picture, and keeps the depth of each sample, so that marks drawn later are occluded correctly.
 void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   const Shadow& shadow = shadows.of_world(style);
   const Shadow& vehicle_shadow = shadows.of_vehicles();
@@ -356,8 +381,8 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
     std::vector<ClipVertex> outline;
     std::vector<ClipVertex> ribbon;
     append_trails(view, picture, style.line_scale, outline, ribbon);
-    gl.DepthFunc(GL_LESS);  // occluded parts, faintly
-    marks.draw_clip(ribbon, 0.4F);
+    gl.DepthFunc(GL_LESS);  // depth is reversed: draws the occluded parts
+    marks.draw_clip(ribbon, kOccludedTrail);
     gl.DepthFunc(GL_GEQUAL);
     marks.draw_clip(outline, 1.0F);
     marks.draw_clip(ribbon, 1.0F);
@@ -368,7 +393,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Disable(GL_BLEND);
 }
 
-/// Smooths edges of the picture with one sample per pixel.
+/// Smooths edges in a picture with one sample per pixel, instead of multisampling.
 void Renderer::Impl::smooth_edges() {
   gl.BindFramebuffer(GL_FRAMEBUFFER, resolved.framebuffer);
   gl.DrawBuffer(GL_COLOR_ATTACHMENT0);

@@ -11,7 +11,8 @@ constexpr int kMostShadowTexels = 4096;
 constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
 // [-] Edge of the shadow map of the vehicles in texels.
 constexpr int kVehicleShadowTexels = 1024;
-// [-] Most stored shadow maps of the world, one per height of the cut.
+// [-] Largest number of stored shadow maps of the world, one per height of the cut. Larger values take more memory, but
+// maps are drawn again less often.
 constexpr std::size_t kShadowsKept = 3;
 
 const Eigen::Vector3f kHighSun = Eigen::Vector3f(-0.20F, 0.09F, 0.97F).normalized();

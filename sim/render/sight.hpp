@@ -8,8 +8,8 @@
 
 namespace swiftlet::sim {
 
-/// Occlusion test of a follow camera: every surface blocks except leaves, which its pictures omit where they would hide
-/// the vehicle. Empty without a world.
+/// Test of the line of sight from a follow camera to its vehicle. Every surface blocks except leaves, which the
+/// renderer omits where they would hide the vehicle. Returns an empty function if there is no world.
 BlocksSight sight_in(std::shared_ptr<const StaticScene> world);
 
 }  // namespace swiftlet::sim

@@ -10,15 +10,17 @@
 
 namespace swiftlet::sim {
 
-/// Rows of any data type as a table of a replay: its numbers, by column name. Texts are omitted.
+/// Collects values of one type, such as samples of a sensor, in a table of a replay: one row per value and one column
+/// per number. Texts are omitted. Every row must have the same columns.
 class Rows final : public ColumnSink {
  public:
-  /// @param about  a JSON object
+  /// @param about  JSON object that describes the table to the replay page
   explicit Rows(std::string about) : about_(std::move(about)) {}
 
+  /// Begins a row; the caller passes its values to the returned sink, then calls end_row().
   ColumnSink& begin_row();
   void end_row();
-  /// Moves the rows into the block and empties the table.
+  /// Moves all rows to the block.
   void move_to(ReplayBlock& block);
 
   void time(const ColumnName& name, TimeNs t) override { put(name, to_seconds(t)); }

@@ -18,7 +18,7 @@ struct Lattice {
   int rows = 1, cols = 1, first_row = 0, first_col = 0;
 
   Lattice(const Scan& scan, std::size_t hits, std::size_t most, std::uint64_t number) {
-    // Most rows of a scan that is thinned along its columns only.
+    // [-] Largest number of rows of a scan that is thinned along its columns only.
     constexpr int kFewRows = 12;
     const double factor = std::max(1.0, static_cast<double>(hits) / static_cast<double>(most));
     if (scan.rows() > kFewRows) rows = std::max(1, static_cast<int>(std::sqrt(factor)));

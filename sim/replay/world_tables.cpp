@@ -27,7 +27,7 @@ void append_mesh(const Mesh& mesh, Json about, ReplayBlock& block) {
   about["table"] = "vertices";
   ReplayTable vertices(about.dump(), {{"x_m", kStep_m}, {"y_m", kStep_m}, {"z_m", kStep_m}});
   ReplayTable triangles(Json::object({{"table", "triangles"}}).dump(), {{"a", 1.0}, {"b", 1.0}, {"c", 1.0}});
-  std::vector<std::uint32_t> number(mesh.vertices_mesh_m.size(), 0);  // counted from 1
+  std::vector<std::uint32_t> number(mesh.vertices_mesh_m.size(), 0);  // 1 + row of each vertex; 0: not written yet
   const auto number_of = [&](std::uint32_t v) -> double {
     if (number[v] == 0) {
       const Vector3f& p = mesh.vertices_mesh_m[v];

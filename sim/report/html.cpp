@@ -11,9 +11,9 @@
 namespace swiftlet::sim::html {
 std::string number(double value) {
   if (!std::isfinite(value)) return "–";
-  // Plain digits where they are as short as an exponent.
-  const double size = std::abs(value);
-  return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
+  // From 1e4 on, four digits need an exponent; below 1e7, all digits are shorter.
+  const double magnitude = std::abs(value);
+  return magnitude >= 1e4 && magnitude < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
 }
 
 std::string interval(double low, double high) {
@@ -54,7 +54,7 @@ std::string folded(const std::string& title, const std::string& body) {
 
 std::string replay_frame(const std::string& address) {
   const std::string escaped = escape_markup(address);
-  return "<p><a href=\"" + escaped + "\">Open it alone</a></p>\n<iframe src=\"" + escaped +
+  return "<p><a href=\"" + escaped + "\">Open the replay as a page of its own</a></p>\n<iframe src=\"" + escaped +
          "\" loading=\"lazy\" sandbox=\"allow-scripts allow-downloads\" title=\"replay\"></iframe>\n";
 }
 

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostVehicles = 12;  // lines in one panel
-// [-] Most events and pictures on the page.
+// [-] Largest numbers of events and of pictures on the page; further ones are left out. Larger values make it longer.
 constexpr std::size_t kMostEvents = 200;
 constexpr std::size_t kMostPictures = 60;
 

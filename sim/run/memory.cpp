@@ -17,8 +17,9 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kMebibyte = 1048576.0;
+constexpr double kMebibyte = 1048576.0;  // [bytes]; settings and Slurm count in MiB
 
+/// Soft limit of a resource of this process [bytes]; infinity: none.
 double limit_of(int resource) {
   rlimit limit{};
   if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
@@ -26,20 +27,21 @@ double limit_of(int resource) {
   return static_cast<double>(limit.rlim_cur);
 }
 
-/// The positive number in an environment variable; infinity without one.
+/// Positive number in an environment variable; infinity when the variable has none.
 double limit_of_variable(const char* name) {
   const char* text = std::getenv(name);
   const auto value = number_in<double>(text != nullptr ? text : "");
   return value && *value > 0.0 ? *value : std::numeric_limits<double>::infinity();
 }
 
-/// Memory of a Slurm job on this node, requested per node or per processor.
+/// Memory of this process's Slurm job on this node [bytes], requested per node or per processor; infinity: none.
 double limit_of_slurm() {
-  const double by_node_mb = limit_of_variable("SLURM_MEM_PER_NODE");
-  const double by_processor_mb = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");
-  return std::min(by_node_mb, by_processor_mb) * kMebibyte;
+  const double node_mb = limit_of_variable("SLURM_MEM_PER_NODE");
+  const double processors_mb = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");
+  return std::min(node_mb, processors_mb) * kMebibyte;
 }
 
+/// Throws InputError for a setting that takes `bytes`; all_bytes: total of all settings.
 [[noreturn]] void refuse(const std::string& key, double bytes, double all_bytes) {
   std::string message =
       fmt::format("{}: expected a setting that fits into {:.0f} MiB of memory, found one that takes {:.0f} MiB", key,

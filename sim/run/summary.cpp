@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no NaN; unmeasured values are null.
+// Text or number of a metric. Values that were not measured (NaN) are null, since JSON has no NaN.
 Json value_of(const MetricRow& row) {
   if (!row.text.empty()) return row.text;
   return std::isfinite(row.value) ? Json(row.value) : Json(nullptr);
@@ -31,7 +31,7 @@ Json metrics_json(const MetricTable& table) {
   return {{"run", run}, {"vehicles", vehicles}};
 }
 
-// Scores of detectors and trackers over distance: a list of bins for each observer and stage.
+// Recall and errors of detectors and trackers over the distance of the target: bins by observer and stage.
 Json detection_json(const MetricTable& table) {
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   Json out = Json::object();
@@ -73,7 +73,7 @@ Json radio_json(const RunSummary& summary) {
           {"topics", topics}};
 }
 
-// Only nonzero counters.
+// Counters that are not zero.
 Json counters_json(const std::vector<Counter>& counters) {
   Json out = Json::array();
   for (const Counter& counter : counters) {
@@ -92,10 +92,11 @@ std::string number_text(const MetricRow& row) {
   return tiny ? fmt::format("{:.1e}", row.value) : fmt::format("{:.3f}", row.value);
 }
 
-// Metrics as a table: a row per metric, a column per vehicle (at most kMostColumns, each of kColumn characters).
+// Metrics of the vehicles as text: a row per metric, a column per vehicle.
 std::string vehicle_table(const MetricTable& table) {
-  constexpr std::size_t kMostColumns = 6;
-  constexpr int kColumn = 13;
+  constexpr std::size_t kMaxColumns = 6;  // [-] maximum number of vehicles; more are in summary.json only
+  constexpr int kColumnWidth = 13;        // [characters]
+  constexpr std::size_t kNameWidth = 32;  // [characters] of the column with the names of the metrics
   std::vector<std::string> names, vehicles;
   std::map<std::pair<std::string, std::string>, std::string> cells;
   const auto remember = [](std::vector<std::string>& list, const std::string& name) {
@@ -108,28 +109,29 @@ std::string vehicle_table(const MetricTable& table) {
     cells[{row.name, row.vehicle}] = number_text(row);
   }
   if (vehicles.empty()) return {};
-  const std::size_t shown = std::min(vehicles.size(), kMostColumns);
+  const std::size_t shown = std::min(vehicles.size(), kMaxColumns);
   const auto padded = [](const std::string& text, int width) {
     return std::string(std::max<int>(1, width - static_cast<int>(text.size())), ' ') + text;
   };
-  std::string out = "  " + std::string(32, ' ');
-  for (std::size_t i = 0; i < shown; ++i) out += padded(vehicles[i], kColumn);
+  std::string out = "  " + std::string(kNameWidth, ' ');
+  for (std::size_t i = 0; i < shown; ++i) out += padded(vehicles[i], kColumnWidth);
   if (shown < vehicles.size()) out += "  ... " + std::to_string(vehicles.size() - shown) + " more in summary.json";
   out += "\n";
   for (const std::string& name : names) {
-    out += "  " + name + std::string(name.size() < 32 ? 32 - name.size() : 1, ' ');
-    for (std::size_t i = 0; i < shown; ++i) out += padded(cells[{name, vehicles[i]}], kColumn);
+    out += "  " + name + std::string(name.size() < kNameWidth ? kNameWidth - name.size() : 1, ' ');
+    for (std::size_t i = 0; i < shown; ++i) out += padded(cells[{name, vehicles[i]}], kColumnWidth);
     out += "\n";
   }
   return out;
 }
 
-// Sums counters of several vehicles into one line.
-std::vector<Counter> of_all_vehicles(const std::vector<Counter>& counters) {
+// Counters with the same text and setting, summed over vehicles. The setting keeps the index of the vehicle if only one
+// vehicle has a nonzero count.
+std::vector<Counter> summed_over_vehicles(const std::vector<Counter>& counters) {
   struct Sum {
-    Counter all;
-    Counter last;  // last vehicle with this counter
-    int num_reporting = 0;
+    Counter all;            // sum over vehicles
+    Counter last;           // nonzero counter of the last vehicle
+    int num_reporting = 0;  // number of vehicles with a nonzero counter
   };
   std::vector<Sum> sums;
   for (const Counter& counter : counters) {
@@ -177,7 +179,7 @@ std::string to_json(const RunSummary& s) {
 
 std::string to_text(const std::vector<Counter>& counters) {
   std::string out;
-  for (const Counter& counter : of_all_vehicles(counters)) {
+  for (const Counter& counter : summed_over_vehicles(counters)) {
     out += "  " + counter.setting + ": " + std::to_string(counter.count);
     if (counter.of > 0) out += " of " + std::to_string(counter.of);
     out += " " + counter.what + "\n";

@@ -21,7 +21,7 @@ namespace {
 
 using Kind = Node::Kind;
 
-// [-] Most objects of a configuration, for malicious input.
+// [-] Largest number of objects of a configuration. Limits time and memory for malicious input.
 constexpr std::size_t kMaxObjects = 100'000;
 
 std::vector<std::string> names_of(std::span<const ModuleType> types) {

@@ -23,7 +23,7 @@ void ImuConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("gyro_turn_on_bias_radps", gyro_turn_on_bias_radps, "[rad/s] standard deviation of the constant bias",
           Range::non_negative());
-  v.field("gyro_max_radps", gyro_max_radps, "[rad/s] saturation by axis", Range::positive());
+  v.field("gyro_max_radps", gyro_max_radps, "[rad/s] saturation per axis", Range::positive());
   v.field("accel_noise_density_mps2_psqrthz", accel_noise_density_mps2_psqrthz,
           "[m/s^2/sqrt(Hz)] white noise of the specific force", Range::non_negative());
   v.field("accel_bias_walk_mps3_psqrthz", accel_bias_walk_mps3_psqrthz, "[m/s^3/sqrt(Hz)] random walk of the bias",
@@ -32,7 +32,7 @@ void ImuConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("accel_turn_on_bias_mps2", accel_turn_on_bias_mps2, "[m/s^2] standard deviation of the constant bias",
           Range::non_negative());
-  v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation by axis", Range::positive());
+  v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation per axis", Range::positive());
   v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravitational acceleration in the specific force",
           Range::non_negative());
   v.object("mount_error", mount_error, "true mounting relative to that known to the agent");

@@ -20,18 +20,20 @@ namespace swiftlet::sim {
 
 void LidarConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors",
-          "preset: os1_128, os0_128, mid360, puck_lite, each also as NAME_sheet; os1_128_uniform, os0_128_uniform");
+          "preset: os1_128, os0_128, mid360, puck_lite, each also as NAME_sheet: noise of the data sheet, no faults; "
+          "os1_128_uniform and os0_128_uniform as in the simulator of the papers");
   visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] sweeps per second", Range::between(0.1, 1000));
   v.field("rolling", rolling, "[-] whether each beam fires at its own time; false: the whole sweep at one instant");
   v.field("ideal", ideal, "[-] ideal sensor: no noise, no lost returns, thin beams, true poses");
   v.field("self_mask", self_mask, "[-] whether returns of beams that can intersect the own vehicle are removed");
-  v.field("range_min_m", range_min_m, "[m] smallest measured range", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] largest measured range", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] least range; returns that are measured closer are lost",
+          Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] largest range; surfaces farther away return nothing", Range::positive());
   v.object("mount", mount, "mounting on the vehicle");
-  v.object("mount_error", mount_error, "true mounting relative to that known to the agent");
+  v.object("mount_error", mount_error, "error of the mounting: true pose relative to that known to the agent");
   v.module("pattern", pattern, lidar_pattern_types(), "directions and times of the beams");
-  v.object("noise", noise, "noise of the range");
+  v.object("noise", noise, "noise of the measured range");
   v.object("detection", detection, "detection of returns by the receiver");
   v.object("beam", beam, "width of the beam");
   v.object("faults", faults, "lost shots, outliers, resolution, near returns");
@@ -41,9 +43,13 @@ void LidarConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-constexpr int kTilesAtATime = 32;  // per thread
+/// [tiles] Number of tiles that a thread traces at a time. Smaller values synchronize more often, larger ones
+/// distribute the work less evenly.
+constexpr int kTilesAtATime = 32;
+/// [beams] Number of beams whose random numbers a thread draws at a time.
+constexpr int kBeamsAtATime = 4096;
 
-// Arc cosine of 0..1, error below 2e-7 in single precision: Abramowitz and Stegun 4.4.46.
+/// Arc cosine [rad] for arguments from 0 to 1, with an error below 2e-7: Abramowitz and Stegun 4.4.46.
 float arc_cosine(float x) {
   float p = -0.0012624911F;
   p = p * x + 0.0066700901F;
@@ -56,7 +62,7 @@ float arc_cosine(float x) {
   return std::sqrt(std::max(1.0F - x, 0.0F)) * p;
 }
 
-/// A pooled scan; patterns that do not repeat need a beam table per scan.
+/// Scan whose memory is reused. Patterns that do not repeat need a beam table for each scan.
 struct PooledScan : LabeledScan {
   std::shared_ptr<BeamTable> own_beams;
 };
@@ -88,7 +94,7 @@ class Lidar final : public Sensor {
   Pose T_body_lidar_;       // as calibrated
   Pose true_T_body_lidar_;  // with the mounting error
   Schedule schedule_;
-  TimeNs duration_;  // duration of a sweep; 0: frozen
+  TimeNs duration_;  // duration of a sweep; 0: all beams fire at the same time
   std::unique_ptr<LidarPattern> pattern_;
   LidarMeasurement measurement_;
   SweepScene scene_;
@@ -99,14 +105,14 @@ class Lidar final : public Sensor {
   LidarFaults faults_;
   LidarTiler tiler_;
   std::vector<LidarTile> tiles_;
-  std::vector<float> range_normals_;  // (beams), of the current sweep
+  std::vector<float> range_normals_;  // (beams), standard normal range errors in the current sweep
   std::vector<std::shared_ptr<PooledScan>> pool_;
   std::vector<std::shared_ptr<LabeledScan>> completed_;
   std::shared_ptr<PooledScan> begun_;  // started by begin_sweep(), delivered by measure()
-  int tiles_of_part_ = 1;
+  int tiles_of_part_ = 1;              // number of tiles that one trace_part() traces
 };
 
-std::shared_ptr<const StaticScene> world_or_nothing(const SensorSetup& setup) {
+std::shared_ptr<const StaticScene> world_or_empty(const SensorSetup& setup) {
   return setup.world ? setup.world : std::make_shared<const StaticScene>(Scene{});
 }
 
@@ -122,7 +128,7 @@ std::vector<SurfaceLookUp> surfaces_of(const SweepScene& scene, const SensorSetu
     surfaces.push_back({material.reflectivity, material.retroreflective, static_cast<std::uint8_t>(surface.part),
                         static_cast<std::uint16_t>(surface.surface_class), surface.instance});
   }
-  if (surfaces.empty()) surfaces.emplace_back();  // lanes without a hit refer to number 0
+  if (surfaces.empty()) surfaces.emplace_back();  // beams that hit nothing refer to surface 0
   return surfaces;
 }
 
@@ -141,7 +147,7 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
       duration_(config.rolling ? schedule_.period() : 0),
       pattern_(make_lidar_pattern(config.pattern, 1.0 / config.rate_hz)),
       measurement_(config.noise, config.detection, config.range_max_m, config.ideal),
-      scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, true_T_body_lidar_, config.range_max_m),
+      scene_(world_or_empty(setup_), setup_.vehicle_shapes, setup_.vehicle, true_T_body_lidar_, config.range_max_m),
       tracer_(config, scene_, surfaces_of(scene_, setup_)),
       external_poses_(config.external_pose, config.ideal, setup_.seed, setup_.entity),
       range_random_(stream("lidar.range")),
@@ -152,13 +158,13 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
   make_tiles(*beams_);
-  // Scattered shots about a degree apart share little data in the caches with their neighbors, so small parts allow a
-  // better order.
+  // In a scattered pattern, beams are about a degree apart, so consecutive tiles have little cached data in common. In
+  // parts of one tile each, they can be traced in order of direction together with the tiles of other sensors.
   tiles_of_part_ = pattern_->is_image() ? kTilesAtATime : 1;
   range_normals_.resize(beams_->size());
 }
 
-// One firing per column where all its beams share origin and time, otherwise one per beam.
+// One firing per column if all beams of a column have the same origin and time, otherwise one per beam.
 std::vector<Firing> Lidar::firings_of(const BeamTable& beams) const {
   bool by_column = beams.row_offset_s.empty();
   for (int i = 0; i < beams.size() && by_column; ++i) {
@@ -218,7 +224,7 @@ int Lidar::heading_of_part(int part) const {
   return direction_cell((scene_.T_world_lidar(beams.firing[0]).linear() * direction_lidar).cast<float>());
 }
 
-// A pooled scan without other references, or a new one.
+// A scan of the pool that no consumer holds any more, or a new one.
 std::shared_ptr<PooledScan> Lidar::take_from_pool() {
   for (const auto& scan : pool_) {
     if (scan.use_count() == 1) return scan;
@@ -257,11 +263,11 @@ std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, cons
   return scan;
 }
 
-// All steps of a sweep except the tracing.
+// Prepares a sweep for tracing: beams, poses of the sensor, external poses and random numbers.
 void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out) {
   out.scan.stamp = stamp;
   if (!pattern_->repeats()) {
-    // The table may still be referenced without the scan.
+    // A consumer may hold the beam table after it has released the scan.
     out.scan.beams.reset();
     if (!out.own_beams || out.own_beams.use_count() > 1) out.own_beams = std::make_shared<BeamTable>();
     pattern_->fill(index, *out.own_beams);
@@ -272,12 +278,11 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   external_poses_.append_poses(truth, setup_.vehicle, true_T_body_lidar_, stamp, duration_, index,
                                out.scan.external_poses);
 
-  // Each number is a function of (sweep, beam), so it does not depend on the distribution over threads.
-  constexpr int kChunk = 4096;
+  // Each random number is a function of sweep and beam, so it does not depend on the distribution over threads.
   const int size = static_cast<int>(range_normals_.size());
-  parallel_for((size + kChunk - 1) / kChunk, 1, [&](int chunk) {
-    const int first = chunk * kChunk;
-    const std::size_t count = std::min(kChunk, size - first);
+  parallel_for((size + kBeamsAtATime - 1) / kBeamsAtATime, 1, [&](int chunk) {
+    const int first = chunk * kBeamsAtATime;
+    const std::size_t count = std::min(kBeamsAtATime, size - first);
     const std::span normals = std::span(range_normals_).subspan(first, count);
     range_random_.fill_normal(index, first, normals);
     faults_.draw(index, first, normals);
@@ -290,7 +295,7 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
 // ---- one tile ----
 
 void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const {
-  // Prefetches the noise values, which lie a row apart, for use after the tracing.
+  // Prefetches the range errors for use after the tracing: those of a tile are a row of the scan apart in memory.
   for (const int beam : tile.beam) __builtin_prefetch(&range_normals_[std::max(beam, 0)]);
   Echoes echoes;
   tracer_.trace(tile, echoes);
@@ -306,13 +311,13 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     const int beam = tile.beam[i];
     if (beam < 0) continue;
     const float range = echoes.range_m[i];
-    const bool met = range > 0.0F;
+    const bool hit = range > 0.0F;
     const SurfaceLookUp& surface = tracer_.surface(echoes.surface[i]);
     out.truth.range_m[beam] = range;
-    out.truth.incidence_rad[beam] = met ? incidence_rad[i] : 0.0F;
-    out.truth.surface_class[beam] = met ? surface.surface_class : 0;
-    out.truth.instance[beam] = met ? surface.instance : 0;
-    out.truth.part[beam] = met ? surface.part : 0;
+    out.truth.incidence_rad[beam] = hit ? incidence_rad[i] : 0.0F;
+    out.truth.surface_class[beam] = hit ? surface.surface_class : 0;
+    out.truth.instance[beam] = hit ? surface.instance : 0;
+    out.truth.part[beam] = hit ? surface.part : 0;
 
     const float brightness = echoes.brightness[i];
     float sigma = 0.0F, gain = 0.0F;
@@ -320,14 +325,16 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     const float measured = std::min(range + sigma * range_normals_[beam], range_max);
     // Range limits apply to the measured range, not to the true one.
     const bool detected =
-        met && measured >= range_min && measured > 0.0F &&
+        hit && measured >= range_min && measured > 0.0F &&
         measurement_.detected(brightness * gain, [&] { return detection_random_.normal(index, beam); });
-    const float toward_10_m = kIntensityRange_m / (met ? range : 1.0F);
-    const float intensity = brightness * toward_10_m * toward_10_m;
-    const float corrected = measured / kIntensityRange_m;
+    // The intensity falls with the square of the range. The sensor corrects this in the reflectivity by its measured
+    // range.
+    const float true_ratio = kIntensityRange_m / (hit ? range : 1.0F);
+    const float intensity = brightness * true_ratio * true_ratio;
+    const float measured_ratio = measured / kIntensityRange_m;
     out.scan.range_m[beam] = detected ? measured : 0.0F;
     out.scan.intensity[beam] = detected ? intensity : 0.0F;
-    out.scan.reflectivity[beam] = detected ? intensity * corrected * corrected : 0.0F;
+    out.scan.reflectivity[beam] = detected ? intensity * measured_ratio * measured_ratio : 0.0F;
   }
   if (faults_.has_range_step()) {
     for (const int beam : tile.beam) {

@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Most rays that represent one beam; the size of the arrays of an echo.
+// [-] Largest number of rays that represent one beam; the size of the arrays of an echo.
 constexpr int kMaxSubRays = 9;
 
 }  // namespace

@@ -16,7 +16,7 @@ Vector3 normals_of(const Random& random, std::uint32_t sweep, std::uint32_t pose
 
 void ExternalPoseConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] whether scans contain poses of an external localization");
-  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position by axis",
+  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position per axis",
           Range::non_negative());
   v.field("sigma_rotation_rad", sigma_rotation_rad, "[rad] standard deviation of each Euler angle",
           Range::non_negative());

@@ -57,7 +57,7 @@ void LidarFaultsConfig::visit(ConfigVisitor& v) {
   v.field("near_per_sweep", near_per_sweep, "[-] mean number of returns of the sensor's window in a sweep",
           Range::non_negative());
   v.field("near_range_m", near_range_m, "[m] smallest and largest range of returns of the window", Range::positive());
-  v.list("rig", rig, "parts of the own rig that no self-mask covers");
+  v.list("rig", rig, "parts of the vehicle's structure that the self-mask does not remove");
   v.check(dropout_probability + tail_probability <= 1.0, "tail_probability", "at most 1 with dropout_probability");
   v.check(near_range_m.y() >= near_range_m.x(), "near_range_m", "the least range first");
 }

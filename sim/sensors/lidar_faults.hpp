@@ -30,7 +30,7 @@ class LidarFaults {
     return step_m * std::rint(range_m / step_m);
   }
 
-  /// Adds returns of the window and of the own rig to a traced sweep.
+  /// Adds returns from the LiDAR's window and from the vehicle's own structure (rig) to a traced sweep.
   void add_near_returns(std::uint32_t sweep, VehicleId self, float range_min_m, LabeledScan& out) const;
 
  private:

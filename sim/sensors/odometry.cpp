@@ -27,10 +27,11 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("yaw_drift_deg_psqrts", yaw_drift_deg_psqrts, "[deg/sqrt(s)] RMS yaw error by time", Range::non_negative());
   v.field("scale_error_percent", scale_error_percent, "[%] standard deviation of the constant error of scale",
           Range::non_negative());
-  v.field("sigma_position_m", sigma_position_m, "[m] white noise of the position by axis", Range::non_negative());
+  v.field("sigma_position_m", sigma_position_m, "[m] white noise of the position per axis", Range::non_negative());
   v.field("sigma_tilt_deg", sigma_tilt_deg, "[deg] standard deviation of the error of roll and pitch",
           Range::non_negative());
-  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] white noise of the velocity by axis", Range::non_negative());
+  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] white noise of the velocity per axis",
+          Range::non_negative());
 }
 
 namespace {

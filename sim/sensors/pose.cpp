@@ -10,13 +10,13 @@ void PoseConfig::visit(ConfigVisitor& v) {
   visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] poses per second; 0: one in every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
-  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position by axis of the world",
+  v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position per axis of the world",
           Range::non_negative());
   v.field("sigma_rotation_deg", sigma_rotation_deg, "[deg] standard deviation of the rotation about each body axis",
           Range::non_negative());
-  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] standard deviation of the velocity by axis",
+  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] standard deviation of the velocity per axis",
           Range::non_negative());
-  v.field("sigma_rate_radps", sigma_rate_radps, "[rad/s] standard deviation of the body rate by axis",
+  v.field("sigma_rate_radps", sigma_rate_radps, "[rad/s] standard deviation of the body rate per axis",
           Range::non_negative());
   v.field("correlation_time_s", correlation_time_s,
           "[s] correlation time of the noise of position and rotation; 0: white", Range::non_negative());

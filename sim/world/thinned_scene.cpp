@@ -13,15 +13,17 @@ namespace {
 using Vector3f = Eigen::Vector3f;
 using Triangle = std::array<std::uint32_t, 3>;
 
-constexpr float kMostGrowth = 3.0F;  // largest enlargement of leaves that compensates omitted ones
+/// [-] Largest factor of the size of kept leaves, which compensates for the area of removed ones. Larger values keep
+/// crowns dense, but with conspicuously large leaves.
+constexpr float kMostGrowth = 3.0F;
 
-/// Triangles of a mesh, grouped by connected piece.
+/// Triangle indices of a mesh, grouped by connected component.
 std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
   const std::vector<std::uint32_t> piece_of_vertex = pieces_of(mesh);
   std::vector<std::uint32_t> piece_at(piece_of_vertex.size(), 0);
   std::vector<std::vector<std::uint32_t>> pieces;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::uint32_t& number = piece_at[piece_of_vertex[mesh.triangles[i][0]]];  // counted from 1
+    std::uint32_t& number = piece_at[piece_of_vertex[mesh.triangles[i][0]]];  // 1 + index in pieces; 0: none
     if (number == 0) {
       pieces.emplace_back();
       number = static_cast<std::uint32_t>(pieces.size());
@@ -31,9 +33,11 @@ std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
   return pieces;
 }
 
-/// Keeps a share of the pieces, evenly over the mesh: leaves grow to cover the same area; branches are unchanged.
+/// Keeps a share of the connected pieces (leaves or branches), evenly over the mesh. Kept leaves grow to cover the same
+/// area; kept branches are unchanged.
 Mesh thinned(const Mesh& mesh, double share) {
-  constexpr double kFewest = 6.0;  // least number of pieces of a mesh, so that no tree is bare
+  // [-] Least number of kept pieces of a mesh, so that no tree is bare.
+  constexpr double kFewest = 6.0;
   const auto pieces = triangles_by_piece(mesh);
   share = std::min(1.0, std::max(share, kFewest / static_cast<double>(pieces.size())));
   Mesh out = mesh;
@@ -60,7 +64,7 @@ Mesh thinned(const Mesh& mesh, double share) {
   return out;
 }
 
-/// Merges all vertices within a cell of that edge; degenerate triangles are removed.
+/// Vertex clustering: merges all vertices within a cubic cell with this edge and removes degenerate triangles.
 Mesh coarsened(const Mesh& mesh, float edge_m) {
   Mesh out = mesh;
   out.triangles.clear();
@@ -78,21 +82,22 @@ Mesh coarsened(const Mesh& mesh, float edge_m) {
   return out;
 }
 
-struct Shares {
-  double of_pieces = 1.0;
-  float edge_m = 0.0F;  ///< cell edge for coarsening all other meshes; 0: unchanged
+/// Amounts by which plants are thinned and other meshes are coarsened.
+struct Reduction {
+  double piece_share = 1.0;  ///< [-] kept share of the pieces of plants
+  float edge_m = 0.0F;       ///< [m] cell edge for coarsening all other meshes; 0: unchanged
 };
 
-Shares shares_of(const Scene& scene, std::size_t most_triangles) {
+Reduction reduction_for(const Scene& scene, std::size_t most_triangles) {
   std::vector<std::size_t> uses(scene.meshes.size(), 0);
   for (const Instance& instance : scene.instances) ++uses[instance.mesh];
-  double pieces = 0.0, rest = 0.0;
+  double plants = 0.0, rest = 0.0;  // numbers of triangles
   for (std::size_t m = 0; m < uses.size(); ++m) {
-    (is_plant(scene.meshes[m]) ? pieces : rest) +=
+    (is_plant(scene.meshes[m]) ? plants : rest) +=
         static_cast<double>(uses[m]) * static_cast<double>(scene.meshes[m].triangles.size());
   }
   const double half = 0.5 * static_cast<double>(most_triangles);
-  Shares shares;
+  Reduction reduction;
   const auto count_at = [&](float edge_m) {
     double count = 0.0;
     for (std::size_t m = 0; m < uses.size(); ++m) {
@@ -101,15 +106,20 @@ Shares shares_of(const Scene& scene, std::size_t most_triangles) {
     }
     return count;
   };
-  // [m] First and last edge of the cells that coarsen a mesh.
+  // [m] Finest and coarsest cells that are tried.
   constexpr float kFirstEdge_m = 0.05F, kLastEdge_m = 100.0F;
-  for (double left = rest; left > std::max(half, 2.0 * half - pieces);) {
-    shares.edge_m = shares.edge_m == 0.0F ? kFirstEdge_m : 1.5F * shares.edge_m;
-    if (shares.edge_m > kLastEdge_m) break;
-    rest = left = count_at(shares.edge_m);
+  // [-] Ratio of consecutive edges. Smaller values meet the number of triangles more closely, in more attempts.
+  constexpr float kEdgeRatio = 1.5F;
+  // [-] Least share of the pieces of plants, however many triangles the scene has.
+  constexpr double kLeastShare = 0.02;
+  // All other meshes may have half of the triangles, and the part of the other half that plants do not need.
+  while (rest > std::max(half, 2.0 * half - plants)) {
+    reduction.edge_m = reduction.edge_m == 0.0F ? kFirstEdge_m : kEdgeRatio * reduction.edge_m;
+    if (reduction.edge_m > kLastEdge_m) break;
+    rest = count_at(reduction.edge_m);
   }
-  if (pieces > 0.0) shares.of_pieces = std::clamp((2.0 * half - rest) / pieces, 0.02, 1.0);
-  return shares;
+  if (plants > 0.0) reduction.piece_share = std::clamp((2.0 * half - rest) / plants, kLeastShare, 1.0);
+  return reduction;
 }
 
 }  // namespace
@@ -120,14 +130,14 @@ bool is_plant(const Mesh& mesh) {
 }
 
 Scene thinned_scene(const Scene& scene, std::size_t most_triangles) {
-  const Shares shares = shares_of(scene, most_triangles);
+  const Reduction reduction = reduction_for(scene, most_triangles);
   Scene out = scene;
   for (Mesh& mesh : out.meshes) {
     if (mesh.triangles.empty()) continue;
-    if (is_plant(mesh) && shares.of_pieces < 1.0) {
-      mesh = thinned(mesh, shares.of_pieces);
-    } else if (!is_plant(mesh) && shares.edge_m > 0.0F) {
-      mesh = coarsened(mesh, shares.edge_m);
+    if (is_plant(mesh) && reduction.piece_share < 1.0) {
+      mesh = thinned(mesh, reduction.piece_share);
+    } else if (!is_plant(mesh) && reduction.edge_m > 0.0F) {
+      mesh = coarsened(mesh, reduction.edge_m);
     }
   }
   return out;

@@ -14,12 +14,12 @@
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 
-/// The detector of Vrba 2025 written directly from the paper (Table II, the paper's interpretation of every choice), in
-/// double precision and without any code of core/detection, the map or the rays: the reference for their results and
-/// speed.
+/// Reference implementation of VoFOD, the detector of Vrba 2025, written from the paper, with its interpretations and
+/// the parameters of Table II. Double precision, independent of core/detection, core/map and the ray traversal, whose
+/// results and run times are compared with it.
 namespace swiftlet::reference {
 
-/// Amanatides and Woo: visit(cell, length) for every voxel along the ray.
+/// Voxel traversal of Amanatides and Woo (1987): calls visit(cell, length of the ray in the cell [m]) along the ray.
 template <class Visit>
 void walk(const Vector3& origin_m, const Vector3& direction, double length_m, double edge_m, Visit&& visit) {
   Eigen::Vector3i cell = (origin_m / edge_m).array().floor().cast<int>();
@@ -45,7 +45,7 @@ void walk(const Vector3& origin_m, const Vector3& direction, double length_m, do
   }
 }
 
-/// The map as a dense array.
+/// Voxel map of VoFOD: occupancy value G of each voxel, in a dense array.
 struct Map {
   explicit Map(const VoxelMapConfig& config) : config(config) {
     min_cell = ((config.center_m - 0.5 * config.size_m) / config.voxel_m).array().floor().cast<int>();
@@ -68,7 +68,8 @@ struct Map {
                                       static_cast<int>(i / size.x() / size.y()));
   }
   double& at(const Eigen::Vector3i& cell) { return G[index(cell)]; }
-  void update(std::size_t i, double n, double g) {  // eq. (12)
+  /// Moves voxel i toward g by n observations, eq. (12); at infinite n to g.
+  void update(std::size_t i, double n, double g) {
     G[i] = std::isinf(n) ? g : std::exp2(-n) * G[i] + (1.0 - std::exp2(-n)) * g;
   }
 
@@ -84,7 +85,7 @@ struct CellHash {
   }
 };
 
-/// Euclidean clusters as in PCL: breadth first, neighbors from a search structure (here buckets of the tolerance).
+/// Euclidean clusters as in PCL: breadth-first search, neighbors from a hash grid of cells of the tolerance's size.
 inline std::vector<std::vector<int>> clusters(const std::vector<Vector3>& points, double tolerance_m) {
   std::unordered_map<Eigen::Vector3i, std::vector<int>, CellHash> buckets;
   const auto bucket_of = [&](const Vector3& p) -> Eigen::Vector3i {
@@ -118,11 +119,13 @@ inline std::vector<std::vector<int>> clusters(const std::vector<Vector3>& points
   return out;
 }
 
+/// Stages of the detector for one scan: classify(), cast_rays(), then remove_separate().
 class Vofod {
  public:
   explicit Vofod(const VofodConfig& config) : map(config.map), config_(config) {}
 
-  /// Sec. III-B. The classes are in `classes`: 0 background, 1 unknown, 2 flying, 3 too large, by cluster.
+  /// Clusters the cloud, classifies the clusters and updates their voxels, sec. III-B. Returns the flying ones. Sets
+  /// `classes`.
   std::vector<Detection> classify(const LocalCloud& cloud) {
     std::vector<Vector3> points;
     for (const Eigen::Vector3f& p : cloud.points_local_m) {
@@ -143,10 +146,10 @@ class Vofod {
         d.num_points = static_cast<int>(found[i].size());
         detections.push_back(d);
       } else if (diagonal_m(points, found[i]) > config_.max_size_m) {
-        classes[i] = 3;  // seed: large
+        classes[i] = 3;  // too large to fly: its voxels become background
       }
     }
-    std::vector<std::size_t> order(found.size());  // eqs. (16) to (18); too large clusters come last
+    std::vector<std::size_t> order(found.size());  // eqs. (16) to (18): background first, too large clusters last
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] == 0; });
     std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] != 3; });
@@ -162,7 +165,8 @@ class Vofod {
     return detections;
   }
 
-  /// Sec. III-C, eqs. (20) to (22).
+  /// Moves the voxels along the rays toward free, by the length of the rays in each voxel, sec. III-C, eqs. (20) to
+  /// (22).
   void cast_rays(const LocalCloud& cloud, int num_classifications) {
     const Scan& scan = *cloud.scan;
     lengths.assign(map.G.size(), 0.0);
@@ -184,7 +188,7 @@ class Vofod {
     }
   }
 
-  /// Sec. III-D, eqs. (23) to (25).
+  /// Removes small separate clusters of background from the map, sec. III-D, eqs. (23) to (25).
   void remove_separate(int num_classifications) {
     std::vector<std::size_t> voxels;
     std::vector<Vector3> centers;
@@ -204,13 +208,14 @@ class Vofod {
   }
 
   Map map;
-  std::vector<int> classes;
-  std::vector<double> lengths;  // lengths of the last rays [m], by voxel
+  std::vector<int> classes;     // class of each cluster: 0 background, 1 unknown, 2 flying, 3 too large to fly
+  std::vector<double> lengths;  // length of the last scan's rays in each voxel [m]
 
  private:
-  static constexpr std::size_t kMinPoints = 2;  // fewest points of a detection
-  static constexpr double kSeparate_m = 0.7;    // d_sep: distance between clusters of background
+  static constexpr std::size_t kMinPoints = 2;  // [-] minimum number of points of a detection
+  static constexpr double kSeparate_m = 0.7;    // [m] d_sep: largest gap within a cluster of background
 
+  /// Rule A: true when a point is within close_distance_m of background in the map.
   bool rule_a(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     const int reach = static_cast<int>(std::ceil(config_.close_distance_m / config_.map.voxel_m));
     for (const int i : cluster) {
@@ -228,13 +233,13 @@ class Vofod {
     return false;
   }
 
-  /// Algorithm 1: true when the cluster is enclosed by confidently free voxels.
+  /// Rule B, Algorithm 1: true when free voxels enclose the cluster within search_distance_m.
   bool rule_b(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     for (const int i : cluster) {
       const Eigen::Vector3i start = map.cell_of(points[i]);
-      std::unordered_map<Eigen::Vector3i, bool, CellHash> seen;
+      std::unordered_map<Eigen::Vector3i, bool, CellHash> visited;
       std::deque<Eigen::Vector3i> queue = {start};
-      seen[start] = true;
+      visited[start] = true;
       while (!queue.empty()) {
         const Eigen::Vector3i cell = queue.front();
         queue.pop_front();
@@ -245,8 +250,8 @@ class Vofod {
         for (int a = 0; a < 6; ++a) {
           Eigen::Vector3i next = cell;
           next[a / 2] += a % 2 == 0 ? 1 : -1;
-          if (!seen[next]) {
-            seen[next] = true;
+          if (!visited[next]) {
+            visited[next] = true;
             queue.push_back(next);
           }
         }
@@ -255,7 +260,7 @@ class Vofod {
     return true;
   }
 
-  /// Diagonal of the box along the principal axes.
+  /// Diagonal of the bounding box of a cluster along its principal axes.
   static double diagonal_m(const std::vector<Vector3>& points, const std::vector<int>& cluster) {
     Vector3 mean = Vector3::Zero();
     for (const int i : cluster) mean += points[i];

@@ -141,7 +141,7 @@ TEST(RelativeLocalizationInFull, GuidedVehicleReachesItsPlaces) {
   for (const double nearest : nearest_m) {
     EXPECT_LT(nearest, 0.45) << "0.3 m count as visited, the rest is error";
   }
-  EXPECT_LT(flown_in_silence_m, 0.15) << "it hovers";
+  EXPECT_LT(flown_in_silence_m, 0.15) << "distance flown without the link to the guide";
   const auto count_of = [&](const char* note) { return std::count(notes.begin(), notes.end(), note); };
   EXPECT_EQ(count_of("hovering: link to the guide lost"), 1);
   EXPECT_EQ(count_of("following the guide"), 2) << "before and after";

@@ -49,7 +49,7 @@ void expect_octomap_has(const MapVoxels& map, const std::filesystem::path& file)
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
     num_cells += std::size_t{1} << 3 * (tree.getTreeDepth() - leaf.getDepth());
   }
-  EXPECT_EQ(num_cells, map.size()) << "and nothing else";
+  EXPECT_EQ(num_cells, map.size()) << "the file contains the map's cells and no others";
 }
 
 // One round and the beginning of the next: the loop is closed when it comes by its start again.
@@ -109,7 +109,7 @@ TEST(SubmapFlightInFull, KeepsIdenticalBitsAfterLoopClosure) {
 TEST(SubmapFlight, IsRefusedWithoutAPoseGraph) {
   try {
     Simulation simulation(submap_navigation(1.0, {{"vehicles[0].agent.localization", "{type: ground_truth}"}}), 1);
-    FAIL() << "it took a map of submaps without submaps";
+    FAIL() << "a submap mapper is accepted without a pose graph";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("localization: expected {type: slam, global: {enabled: true}}"),
               std::string::npos)
@@ -120,7 +120,7 @@ TEST(SubmapFlight, IsRefusedWithoutAPoseGraph) {
 TEST(SubmapFlight, RefusesMorePiecesThanMemoryHolds) {
   try {
     Simulation simulation(submap_navigation(1.0, {{"vehicles[0].agent.mapping.pieces_max", "1000000"}}), 1);
-    FAIL() << "it took a map that fits nowhere";
+    FAIL() << "more pieces than fit in memory are accepted";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("mapping.pieces_max"), std::string::npos) << error.what();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Usage: write_recordings DIR. Records a synthetic run in every format, and writes the input values to
-// DIR/expected.json, with which the independent readers of this folder compare.
+// Usage: write_recordings DIR. Records a synthetic run with every recorder, and writes the recorded values to
+// DIR/expected.json. The independent readers in this folder compare the recordings with them.
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -178,7 +178,7 @@ std::vector<Module> every_recorder() {
   RosbagConfig plain_bag = bag;
   plain_bag.compression = RosbagConfig::Compression::kNone;
   plain_bag.file = "plain.bag";
-  McapConfig rows_mcap;  // topics without a ROS type
+  McapConfig rows_mcap;  // topics without a standard ROS message type
   rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "events", "spread"};
   rows_mcap.file = "rows.mcap";
   RosbagConfig rows_bag;

@@ -3,7 +3,7 @@
 
 Flights of 517 s in a hall of 15 x 10 m; the wall hides one target for 5 to 7 of every 21 s. The observer has an OS0-128, an IMU and
 an odometry that drifts by 0.2 to 0.3 m. Without the IMU its attitude would be wrong by up to 49°. A track nearer than 1 m follows
-its target. The figure shows targets (lines) and their tracks (crosses) by axis, gray while the moving target is hidden.
+its target. The figure shows targets (lines) and their tracks (crosses) per axis, gray while the moving target is hidden.
 """
 import numpy as np
 from shared.detection import COLUMNS, OS0_DEG, SAME_M, Sightings, fly_sightings

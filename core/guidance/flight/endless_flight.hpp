@@ -11,9 +11,9 @@
 
 namespace swiftlet {
 
-/// Guidance along a flight that is generated during the run: `Flight(config, start_m, vertical_speed_mps,
-/// vertical_acceleration_mps2)`, `advance(dt_s)`, `reference()`, all in the world. It begins at the vehicle's start,
-/// and its heading follows the velocity unless one is given.
+/// Guidance along an endless trajectory that is generated during the run. `Flight` generates it in the world frame:
+/// `Flight(config, start_m, vertical_speed_mps, vertical_acceleration_mps2)`, `advance(dt_s)`, `reference()`. The
+/// trajectory begins at the vehicle's start. The heading follows the velocity unless a fixed heading is given.
 template <typename Config, typename Flight>
 class EndlessFlight : public Guidance {
  public:
@@ -25,7 +25,7 @@ class EndlessFlight : public Guidance {
         yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {}
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    if (!flight_) {  // begins at the start's position in the world, as known now
+    if (!flight_) {  // begins at the start position, transformed by the present correction
       flight_.emplace(config_, FrameChange::to_world(input.estimate).point(start_local_m_), limits_.vertical_speed_mps,
                       limits_.vertical_acceleration_mps2);
     }
@@ -35,7 +35,7 @@ class EndlessFlight : public Guidance {
     if (yaw_world_rad_)
       yaw_rad_ = to_local.yaw(*yaw_world_rad_);
     else
-      turn_along_velocity(kSlowest_mps, yaw_rad_, output.goal);
+      turn_along_velocity(kMinHeadingSpeed_mps, yaw_rad_, output.goal);
     double& rate_radps = output.goal.yaw_rate_radps;
     rate_radps = std::clamp(rate_radps, -limits_.heading_rate_radps, limits_.heading_rate_radps);
     output.goal.yaw_rad = yaw_rad_;
@@ -43,12 +43,13 @@ class EndlessFlight : public Guidance {
   }
 
  private:
-  /// [m/s] slowest velocity that gives a heading. Smaller values turn a nearly resting vehicle about.
-  static constexpr double kSlowest_mps = 0.5;
+  /// [m/s] Horizontal speed below which the heading is kept. Smaller values may turn a nearly hovering vehicle
+  /// abruptly.
+  static constexpr double kMinHeadingSpeed_mps = 0.5;
 
   Config config_;
   MotionLimits limits_;
-  std::optional<double> yaw_world_rad_;
+  std::optional<double> yaw_world_rad_;  // fixed heading; empty: along the velocity
   Vector3 start_local_m_;
   std::optional<Flight> flight_;  // in the world
   double yaw_rad_;                // in the local frame

@@ -183,8 +183,8 @@ void TrajectoryConfig::visit(ConfigVisitor& v) {
   v.field("radius_m", radius_m, "[m] radius of the circle", Range::positive());
   v.field("phase_deg", phase_deg, "[deg] phase at which circle and lissajous begin");
   v.field("clockwise", clockwise, "[-] sense of the circle seen from above");
-  v.field("amplitude_m", amplitude_m, "[m] amplitude of the lissajous curve by axis");
-  v.field("frequency_ratio", frequency_ratio, "[-] frequencies of the lissajous curve by axis; 1, 2: a figure eight");
+  v.field("amplitude_m", amplitude_m, "[m] amplitude of the lissajous curve per axis");
+  v.field("frequency_ratio", frequency_ratio, "[-] frequencies of the lissajous curve per axis; 1, 2: a figure eight");
   v.field("from_m", from_m, "[m] beginning of the line");
   v.field("to_m", to_m, "[m] end of the line");
   if (shape == Shape::kLine) {

@@ -181,7 +181,7 @@ void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("arrival_radius_m", arrival_radius_m, "[m] distance to the goal within which the mission is done",
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
-  v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
+  v.field("encumbrance_m", encumbrance_m, "[m] radius of the sphere that a vehicle occupies", Range::positive());
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");

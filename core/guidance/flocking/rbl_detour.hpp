@@ -27,7 +27,7 @@ class RblDetour {
     Vector3 goal_local_m = Vector3::Zero();
     Vector3 p_local_m = Vector3::Zero();
     double z_min_m = 0.0, z_max_m = 0.0;  ///< allowed flight heights, in the local frame
-    double encumbrance_m = 0.0;           ///< radius that each vehicle needs for itself
+    double encumbrance_m = 0.0;           ///< radius of the sphere that a vehicle occupies
     bool planar = false;                  ///< the vehicle keeps its height
     double sees_goal_from_m = 0.0;        ///< horizontal distance from which the goal is in view at the own height
     std::span<const Neighbor> neighbors = {};

@@ -7,13 +7,13 @@
 namespace swiftlet {
 namespace {
 
-/// [m] Distance of a neighbor below which its direction is arbitrary; guards a division by 0.
+/// [m] Distance of a neighbor below which its direction is undefined, and the x axis is taken; guards a division by 0.
 constexpr double kSamePlace_m = 1e-6;
 
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
-  return obstacle_offset_m(d, Delta, eta);  // plane of the authors' program, at least Delta from the neighbor
+  return obstacle_offset_m(d, Delta, eta);  // as in the authors' program: the plane is at least Delta from the neighbor
 }
 
 HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
@@ -41,7 +41,7 @@ RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool 
 void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> neighbors_local_m, double z_min_m,
                            double z_max_m) {
   p_local_m_ = p_local_m;
-  // An agent outside the height limits keeps the layer next to them.
+  // The cell of an agent outside the height limits keeps one layer of samples next to them, so that S is not empty.
   z_low_m_ = std::min(z_min_m - p_local_m.z(), config_.sensing_radius_m - config_.step_m);
   z_high_m_ = std::max(z_max_m - p_local_m.z(), -config_.sensing_radius_m + config_.step_m);
   cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_local_m) : Vector3(Vector3::Zero()),
@@ -87,16 +87,18 @@ RblPlanner::Step RblPlanner::update(const Vector3& goal_local_m, double dt_s) {
 }
 
 void RblCellConfig::visit(ConfigVisitor& v) {
-  v.field("sensing_radius_m", sensing_radius_m, "[m] r_s, radius of the cell S", Range::positive());
+  v.field("sensing_radius_m", sensing_radius_m, "[m] r_s: sensing radius, radius of the uncut cell S",
+          Range::positive());
   v.field("step_m", step_m, "[m] spacing of the samples of a cell; not in the document", Range::positive());
   v.choice("lattice", lattice, {"agent", "world"},
            "[-] samples centered at the agent (symmetric), or on multiples of the step in the local frame");
-  v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
+  v.field("encumbrance_m", encumbrance_m, "[m] delta: radius of the sphere that a vehicle occupies", Range::positive());
   v.field("eta", eta, "[-] scale of the cells: share of the distance to a neighbor that belongs to the agent",
           Range{0.0, 1.0, true, false});
   v.choice("cut", cut, {"program", "buffered", "continued"},
-           "[-] interpretation of (2.3): plane at least both encumbrances from the neighbor (program), half of the gap "
-           "between them (buffered), or the plane for distant neighbors at any distance (continued)");
+           "[-] interpretation of (2.3): distance from the agent to the plane that cuts its cell, for a neighbor at "
+           "distance d and Delta = 2 delta: Delta + eta (d - 2 Delta), but d - Delta for d < 2 Delta (program); half "
+           "of d - Delta (buffered); Delta + eta (d - 2 Delta) at any d (continued)");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

@@ -266,7 +266,7 @@ void SharePathsConfig::visit(ConfigVisitor& v) {
   v.field("arrival_radius_m", arrival_radius_m, "[m] distance to the goal within which the mission is done",
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
-  v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
+  v.field("encumbrance_m", encumbrance_m, "[m] radius of the sphere that a vehicle occupies", Range::positive());
   v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
           Range::positive());

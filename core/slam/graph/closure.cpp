@@ -227,7 +227,8 @@ void ClosureConfig::visit(ConfigVisitor& v) {
   v.field("cell_m", cell_m, "[m] edge of a cell of the search grid", Range::between(0.1, 5.0));
   v.field("range_max_m", range_max_m, "[m] distance from the submap's center above which points are ignored",
           Range::between(2.0, 200.0));
-  v.field("budget", budget, "[-] most nodes of all searches for one submap", Range::between(100, 100000000));
+  v.field("budget", budget, "[-] largest number of nodes of all searches for one submap",
+          Range::between(100, 100000000));
   v.field("score_min", score_min, "[-] share of the points that must lie in occupied cells of the search grid",
           Range::probability());
   v.field("overlap_min", overlap_min,

@@ -19,10 +19,10 @@ constexpr double kJerkMax_mps3 = 0.15;
 constexpr double kMargin = 1.001;  // margin for peaks between two samples
 /// [-] Instants at which a blend is compared with its limits. More of them miss smaller peaks and cost time.
 constexpr int kSamples = 48;
-/// [-] Factor of the duration from attempt to attempt, and most attempts: then the present motion first comes to rest.
-/// Smaller factors find shorter blends and need more attempts.
+/// [-] Factor of the duration from attempt to attempt. Smaller factors find shorter blends and need more attempts.
 constexpr double kLonger = 1.05;
-// [-] Most durations that are tried. Together with kLonger it bounds the duration by 18 times the first one.
+// [-] Largest number of durations that are tried; if none keeps the limits, the present motion first comes to rest.
+// Together with kLonger it bounds the duration by 18 times the first one.
 constexpr int kMaxAttempts = 60;
 
 /// Weight of the old pose [Orsulic 2021, eq. 2].

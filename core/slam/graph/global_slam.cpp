@@ -187,12 +187,11 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
           "[-] share of a submap's points in older submaps joined with it above which those points are dropped; 1: "
           "none are",
           Range::probability());
-  v.field(
-      "visits_kept", visits_kept,
-      "[-] most submaps that begin within half of submap_m of each other; a further one is dropped if those contain "
-      "covered_share of its points; more take more memory",
-      Range::between(1, 1000));
-  v.field("searches", searches, "[-] most searches for a finished submap", Range::between(0, 100));
+  v.field("visits_kept", visits_kept,
+          "[-] largest number of submaps that begin within half of submap_m of each other; a further one is dropped if "
+          "those contain covered_share of its points; larger values take more memory",
+          Range::between(1, 1000));
+  v.field("searches", searches, "[-] largest number of searches for a finished submap", Range::between(0, 100));
   v.field("use_gnss", use_gnss, "[-] whether GNSS fixes constrain the trajectory");
   v.field("optimize_every_s", optimize_every_s,
           "[s] interval of optimizations for new fixes; a closure is optimized at once", positive);

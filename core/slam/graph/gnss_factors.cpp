@@ -12,7 +12,8 @@ namespace {
 
 // Longest delay between a scan and a GNSS fix that arrives before it [s]. Scans that are later may lose their fix.
 constexpr double kScanLate_s = 2.0;
-// Most pairs of position and GNSS fix kept to fit an unknown start. Larger values average more fixes.
+// [-] Largest number of pairs of position and GNSS fix kept to fit an unknown start; beyond it the oldest is dropped.
+// Larger values average more fixes.
 constexpr std::size_t kMaxMatched = 2000;
 constexpr std::size_t kMinMatched = 5;  // fewest pairs to fit an unknown start
 

@@ -15,7 +15,8 @@ constexpr double kErrorSigmas = 3.0;  // largest error of a guess, in standard d
 // Largest assumed error of a guess [m], also where no factors lead, as to a saved map with a known start. Larger values
 // close loops after more drift, and search longer.
 constexpr double kMaxGuessError_m = 3.0;
-// [searches] Most searches of the saved map from one place: further searches have no new data.
+// [-] Largest number of searches of the saved map from one place. Further searches have no new data; larger values only
+// take longer.
 constexpr int kMaxSearchesFromPlace = 10;
 
 }  // namespace

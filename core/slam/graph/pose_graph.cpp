@@ -367,7 +367,7 @@ void GnssFactorConfig::visit(ConfigVisitor& v) {
 }
 
 void GraphSolverConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] most iterations of one optimization", Range::between(1, 1000));
+  v.field("iterations", iterations, "[-] largest number of iterations of one optimization", Range::between(1, 1000));
 }
 
 }  // namespace swiftlet

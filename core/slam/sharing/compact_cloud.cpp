@@ -14,7 +14,7 @@ namespace {
 constexpr int kTreeDepth = 8;  // 256 voxels along each axis
 /// [voxels] Half of the octree along an axis: indices are relative to the origin of the frame.
 constexpr int kHalfTree = 1 << (kTreeDepth - 1);
-/// [-] Most points of a part: their number is sent in 16 bits.
+/// [-] Largest number of points of a part, which is sent in 16 bits.
 constexpr std::size_t kMostPointsOfChunk = 65535;
 
 struct PackedPoint {

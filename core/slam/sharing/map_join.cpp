@@ -16,8 +16,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMostTested = 64;   // most closures tested: one bit each
-constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
+constexpr std::size_t kMostTested = 64;   // largest number of closures tested: one bit each
+constexpr int kMostCliqueNodes = 200000;  // largest number of nodes of the search for the largest set
 // Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
 constexpr double kMinPathLength_m = 0.05;
 // Standard deviations [m, rad] of the newest own submap, which keeps its pose in the joint graph. Larger values let the

@@ -224,7 +224,8 @@ TEST(Stack, SurvivesJumpsAndStandstillsOfTime) {
   loop.run(1.0);
   Observation observation = loop.observation();
   const Action before = *loop.last;
-  EXPECT_EQ(loop.agent().step(observation).rotor_command, before.rotor_command) << "the same instant again";
+  EXPECT_EQ(loop.agent().step(observation).rotor_command, before.rotor_command)
+      << "a second step at one instant keeps the rotor command";
   for (const TimeNs jump : {TimeNs{700'000'000}, TimeNs{3'600} * kNsPerSecond}) {
     observation.t += jump;
     observation.pose = {loop.plant.pose_sample()};

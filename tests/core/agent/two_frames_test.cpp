@@ -183,7 +183,7 @@ TEST(TwoFrames, TurnsInPlaceWhileItRelocalizes) {
     turned_rad += std::remainder(now_rad - yaw_rad, 2.0 * kPi);
     yaw_rad = now_rad;
   }
-  EXPECT_GT(turned_rad, 2.5) << "it sees all around";
+  EXPECT_GT(turned_rad, 2.5) << "turn in place until the relocalization";
   EXPECT_EQ(flight.run_until_done(6000).mission, MissionStatus::kDone);
   EXPECT_LT((flight.plant.p - target).norm(), 0.6);
 }
@@ -250,7 +250,7 @@ TEST(Stack, ExplainsProblemsOfAValidEstimate) {
   while (flight.plant.t < kNsPerSecond - kStep) EXPECT_EQ(flight.tick().mission_note, "");
   const Action& action = flight.tick();
   EXPECT_EQ(action.mission_note, "half lost");
-  EXPECT_EQ(action.mission, MissionStatus::kRunning) << "it flies on";
+  EXPECT_EQ(action.mission, MissionStatus::kRunning) << "a valid estimate with a problem does not end the mission";
 }
 
 TEST(Stack, PlacesScansOnlyOnGuidanceRequest) {

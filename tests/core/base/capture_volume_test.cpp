@@ -14,8 +14,9 @@ namespace {
 TEST(CaptureVolume, IsMetWherePathCrossesDisc) {
   const CaptureVolume net;  // radius 2 m
   EXPECT_NEAR(net.met_m({1.0, 0.0, 0.5}, {2.0, 0.0, -0.5}).value_or(-1.0), 1.5, 1e-12);
-  EXPECT_FALSE(net.met_m({1.0, 0.0, 0.5}, {1.0, 0.0, 0.1})) << "it stays above";
-  EXPECT_FALSE(net.met_m({2.0, 0.0, 0.5}, {3.0, 0.0, -0.5})) << "it passes beside the rim";
+  EXPECT_FALSE(net.met_m({1.0, 0.0, 0.5}, {1.0, 0.0, 0.1})) << "the path ends above the disc";
+  EXPECT_FALSE(net.met_m({2.0, 0.0, 0.5}, {3.0, 0.0, -0.5}))
+      << "the path crosses the plane of the disc outside its rim";
   EXPECT_TRUE(net.met_m({0.0, 0.0, 100.0}, {0.0, 0.0, -100.0})) << "a fast target between two ticks";
 }
 
@@ -69,10 +70,10 @@ TEST(CaptureVolume, ItsRimsCount) {
   net.height_m = 1.0;
   for (const double z_m : {-0.5, 0.5}) EXPECT_TRUE(net.met_m({-5.0, 0.0, z_m}, {5.0, 0.0, z_m})) << z_m;
   EXPECT_TRUE(net.met_m({-5.0, 2.0, 0.0}, {5.0, 2.0, 0.0}));
-  EXPECT_TRUE(net.met_m({0.0, 0.0, 2.0}, {0.0, 0.0, 0.5})) << "it ends at the upper rim";
+  EXPECT_TRUE(net.met_m({0.0, 0.0, 2.0}, {0.0, 0.0, 0.5})) << "the path ends at the upper rim";
   net.height_m = 0.0;
-  EXPECT_TRUE(net.met_m({1.0, 0.0, 1.0}, {1.0, 0.0, 0.0})) << "it ends on the disc";
-  EXPECT_TRUE(net.met_m({-3.0, 0.0, 0.0}, {3.0, 0.0, 0.0})) << "it flies along it";
+  EXPECT_TRUE(net.met_m({1.0, 0.0, 1.0}, {1.0, 0.0, 0.0})) << "the path ends on the disc";
+  EXPECT_TRUE(net.met_m({-3.0, 0.0, 0.0}, {3.0, 0.0, 0.0})) << "the path lies in the plane of the disc";
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(EuclideanClusters, MatchBruteForceOverGreatDistances) {
   }
 }
 
-// Cells are numbered in 21 bits by axis, less two at either end for their neighbors.
+// Cells are numbered in 21 bits per axis, less two at either end for their neighbors.
 TEST(EuclideanClusters, ExcludePointsAMillionCellsAway) {
   EuclideanClusters clusters;
   for (int axis = 0; axis < 3; ++axis) {

@@ -159,9 +159,9 @@ TEST(BeamIndex, IgnoresBeamsEndingBeforeTarget) {
   index.assign(*one_beam(12.0F));
   EXPECT_NEAR(index.exposure(target).shots, 0.0, 1e-12);
   index.assign(*one_beam(35.0F));
-  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it passed the target's place";
+  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "a beam that passes the target's position";
   index.assign(*one_beam(19.9F));
-  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it ended on the target";
+  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "a beam that ends on the target";
 
   target.sigma_m = 0.4;
   const double anywhere = 0.09 / (0.09 + 2.0 * 0.16);
@@ -258,7 +258,7 @@ TEST(TrackBeforeDetect, FollowsSparseTargetOnKnownPath) {
     if (i < 40) continue;
     EXPECT_LT((track.velocity_mps - Vector3(0.0, 2.0, 0.0)).norm(), 0.7) << i;
   }
-  EXPECT_GE(found, 28) << "of 35";
+  EXPECT_GE(found, 28) << "sweeps with a report, out of 35";
   EXPECT_LT(with_returns, found) << "reported in sweeps without returns as well";
 }
 
@@ -278,7 +278,7 @@ TEST(TrackBeforeDetect, JoinsPartsIntoOneLargeBody) {
     ids.insert(watcher.detector->tracks().front().id);
   }
   EXPECT_EQ(ids.size(), 1U);
-  EXPECT_GT(most, 1U) << "it fell into parts at first";
+  EXPECT_GT(most, 1U) << "largest number of detections while the body is still in parts";
 }
 
 // A bar loses its middle, and its ends fly apart: they are separate targets after a second or two.
@@ -295,7 +295,7 @@ TEST(TrackBeforeDetect, SplitsBodyProvenToBeTwo) {
     if (i >= 70) two += reported == 2;
   }
   EXPECT_EQ(one, 20);
-  EXPECT_GE(two, 18) << "of 20";
+  EXPECT_GE(two, 18) << "sweeps with two reports, out of 20";
 }
 
 // Two that come near each other, with 0.5 m between them, and fly on side by side.
@@ -309,7 +309,7 @@ TEST(TrackBeforeDetect, TwoSideBySideStayTwo) {
     const std::size_t reported = watcher.look(pair).detections.size();
     if (i >= 20) two += reported == 2;
   }
-  EXPECT_GE(two, 57) << "of 60";
+  EXPECT_GE(two, 57) << "sweeps with two reports, out of 60";
 }
 
 TEST(TrackBeforeDetect, DropsTargetThatBeamsPassThrough) {
@@ -319,7 +319,7 @@ TEST(TrackBeforeDetect, DropsTargetThatBeamsPassThrough) {
   ASSERT_EQ(watcher.output.detections.size(), 1U);
   int reported = 0;
   for (int i = 0; i < 15; ++i) reported += static_cast<int>(watcher.look(ground()).detections.size());
-  EXPECT_LT(reported, 14) << "it may be hidden, but soon it can be anywhere";
+  EXPECT_LT(reported, 14) << "sweeps with a report after the target vanished, out of 15";
   EXPECT_TRUE(watcher.output.detections.empty());
 }
 
@@ -374,7 +374,7 @@ TEST(TrackBeforeDetect, KeepsIdentityOfHiddenTarget) {
   }
   EXPECT_GT(hidden, 10) << "too uncertain to report";
   ASSERT_GT(found_after, 0);
-  EXPECT_LE(found_after, 49) << "it comes out at 46";
+  EXPECT_LE(found_after, 49) << "first sweep with a report after the pillar, which hides the target until sweep 46";
 }
 
 // No target flies 24 m in 2 s. So the detection is a new target, and the hidden one keeps its identity.

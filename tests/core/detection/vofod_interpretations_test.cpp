@@ -150,7 +150,8 @@ TEST(VofodInterpretations, TreatsNearbyClustersAsBackground) {
       EXPECT_EQ(flying.size(), is_close ? 0u : 2u);
       EXPECT_TRUE(unknown.empty());
       if (is_close) {
-        EXPECT_GT(air.G(air.cell_of(points[0])), -501.0) << "and its points are";
+        EXPECT_GT(air.G(air.cell_of(points[0])), -501.0)
+            << "points of a background cluster raise their voxel above free";
       }
     }
   }

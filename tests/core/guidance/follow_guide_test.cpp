@@ -143,7 +143,8 @@ TEST(FollowGuide, HoversUntilTheLinkIsBack) {
   EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6);
   guided.put({10, 21.2, 3}, 0.5 * Guided::kPi);
   guided.rest(5.0);
-  EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6) << "and stays there";
+  EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6)
+      << "the goal stays at the stopping point";
   guided.estimate.v_local_mps.setZero();
   guided.hears({{{1.0F, 0.0F, 0.0F}, 0.0F}});
   guided.step();
@@ -189,7 +190,8 @@ TEST(FollowGuide, OscillatesUntilItsGuideResponds) {
   guided.put({10.5, 20.2, 3}, 0.5 * Guided::kPi);
   for (int i = 0; i < 30; ++i) {
     guided.hears({});  // its guide plans
-    EXPECT_LT((guided.step().goal.position_m - Vector3(10.5, 20.2, 3)).norm(), 1e-6) << "it hovers where it is";
+    EXPECT_LT((guided.step().goal.position_m - Vector3(10.5, 20.2, 3)).norm(), 1e-6)
+        << "the goal is the position at the first response";
   }
 }
 
@@ -308,7 +310,7 @@ TEST(FollowGuide, StopsWithinItsBrakingDistanceAhead) {
   EXPECT_LT((guided.step().goal.position_m - rest_m).norm(), 1e-9);
   guided.put({11, 18, 2}, 0.0);
   guided.hears({});
-  EXPECT_LT((guided.step().goal.position_m - rest_m).norm(), 1e-9) << "it keeps its place of rest";
+  EXPECT_LT((guided.step().goal.position_m - rest_m).norm(), 1e-9) << "the stopping point stays fixed during braking";
   guided.estimate.v_local_mps = {0.0, 0.0, 2.0};
   guided.hears({{{90.0F, 0.0F, 0.0F}, 0.0F}});
   guided.step();

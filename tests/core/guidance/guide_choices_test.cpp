@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Decisions of the guide beside its states: planning ahead, relevant changes of the map, and reports of the path.
+// Decisions of the guide within its states: goals, planning ahead, replanning when the map changes, and path messages.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,15 +16,16 @@ using testing::place_at_viewpoint;
 using GuidePair = testing::GuideAndGuided;
 using Motion = GuideConfig::Motion;
 
+/// Note of the guide while it replans its own path.
 constexpr const char* kOwnPathBlocked = "replanning: the path to the viewpoint is blocked";
 
-GuideConfig moves(Motion motion, std::vector<Eigen::Vector3d> goals_m) {
+GuideConfig config_with_motion(Motion motion, std::vector<Eigen::Vector3d> goals_m) {
   GuideConfig config = guides_uav2(std::move(goals_m));
   config.motion = motion;
   return config;
 }
 
-/// The corners of a path that it shows.
+/// Corners of the path in the guide's line overlay `name`, whose positions are the two ends of each segment.
 std::vector<Vector3> shown_path(const GuidePair& pair, const std::string& name) {
   std::vector<Overlay> overlays;
   pair.guidance->append_overlays(overlays);
@@ -43,7 +44,7 @@ std::size_t num_with_waypoints(const std::vector<GuidingPath>& paths) {
       std::count_if(paths.begin(), paths.end(), [](const GuidingPath& path) { return !path.waypoints.empty(); }));
 }
 
-TEST(GuideChoices, RequiresAMapAndRelativeLocalizer) {
+TEST(GuideChoices, RequiresMapAndRelativeLocalizer) {
   const GuidePair pair(guides_uav2({{4, 0, 0.7}}));
   EXPECT_TRUE(pair.guidance->needs().map);
   EXPECT_TRUE(pair.guidance->needs().relatives);
@@ -64,7 +65,7 @@ TEST(GuideChoices, IdlesForeverWithoutAnyGoal) {
   }
 }
 
-TEST(GuideChoices, KeepsACompletedMissionCompleted) {
+TEST(GuideChoices, StaysCompletedAfterStageTimeout) {
   GuideConfig config = guides_uav2({{1, 0, 0.7}});
   config.stage_timeout_s = 3.0;
   GuidePair pair(config);
@@ -90,20 +91,20 @@ TEST(GuideChoices, RetriesTheSameGoal) {
   EXPECT_EQ(pair.counter().of, 2U);
   const std::vector<Vector3> path_local_m = shown_path(pair, "guide.secondary_path");
   ASSERT_FALSE(path_local_m.empty());
-  EXPECT_LT((path_local_m.front() - Vector3(1, 0, 0.7)).norm(), 1e-5) << "from where it is";
+  EXPECT_LT((path_local_m.front() - Vector3(1, 0, 0.7)).norm(), 1e-5) << "the new plan starts at the guided vehicle";
   EXPECT_LT((path_local_m.back() - Vector3(4, 0, 0.7)).norm(), 1e-5);
 }
 
 TEST(GuideChoices, AdvancesFromStartAndClimbsOnce) {
   for (const Motion motion : {Motion::kAlternate, Motion::kAhead}) {
-    GuideConfig config = moves(motion, {});
+    GuideConfig config = config_with_motion(motion, {});
     config.advance.step_m = {2, 0, 0.1};
     config.advance.distance_m = 3.9;
     GuidePair pair(config, testing::CellListMap(0.25), {-1, -1, 0.7}, {3, 2, 0.7});
     pair.run(60.0);
     EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
     EXPECT_LT((pair.guided.position_m - Vector3(7, 2, 0.8)).norm(), 0.15) << pair.guided.position_m.transpose();
-    EXPECT_EQ(pair.counter().of, 2U) << "a plan a leg";
+    EXPECT_EQ(pair.counter().of, 2U) << "one plan per leg";
     EXPECT_EQ(pair.notes["planning"] < 3.0, motion == Motion::kAhead);
   }
 }
@@ -112,7 +113,7 @@ TEST(GuideChoices, AdvancesFromStartAndClimbsOnce) {
 
 TEST(GuideChoices, PlansEachLegAheadOnce) {
   for (const bool loop : {false, true}) {
-    GuideConfig config = moves(Motion::kAhead, {{2, 0, 0.7}, {0, 0, 0.7}});
+    GuideConfig config = config_with_motion(Motion::kAhead, {{2, 0, 0.7}, {0, 0, 0.7}});
     config.loop = loop;
     GuidePair pair(config);
     pair.run(40.0);
@@ -124,29 +125,29 @@ TEST(GuideChoices, PlansEachLegAheadOnce) {
 }
 
 TEST(GuideChoices, LeavesViewpointThatIsNextGoal) {
-  // Around a square, the viewpoints of its sides are beside its corners.
+  // On a square route, the viewpoint of one leg is near the goal of the next.
   const std::vector<Eigen::Vector3d> goals_m = {{3, 0, 0.7}, {3, 3, 0.7}, {0, 3, 0.7}};
   for (const Motion motion : {Motion::kAlternate, Motion::kAhead, Motion::kTogether}) {
-    GuideConfig config = moves(motion, goals_m);
+    GuideConfig config = config_with_motion(motion, goals_m);
     config.loop = true;
     GuidePair pair(config);
     std::size_t num_reached = 0;
-    double least_m = 10.0;
+    double least_separation_m = 10.0;
     for (int i = 0; i < 1500 && pair.out.mission == MissionStatus::kRunning; ++i) {
       pair.tick();
-      least_m = std::min(least_m, (pair.p_m() - pair.guided.position_m).head<2>().norm());
+      least_separation_m = std::min(least_separation_m, (pair.p_m() - pair.guided.position_m).head<2>().norm());
       if ((pair.guided.position_m - goals_m[num_reached % 3]).norm() < 0.3) ++num_reached;
     }
     EXPECT_EQ(pair.out.mission, MissionStatus::kRunning) << pair.out.note;
     EXPECT_GT(num_reached, 6U) << "more than two rounds";
-    EXPECT_GT(least_m, 1.3);
+    EXPECT_GT(least_separation_m, 1.3);
   }
 }
 
 TEST(GuideChoices, ReportsFailedPlanAheadAtGoal) {
   testing::CellListMap world(0.25);
   world.occupy_box({3.25, 3.25, 0}, {4.75, 4.75, 1.5});
-  GuideConfig config = moves(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}});
+  GuideConfig config = config_with_motion(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}});
   config.retries = 0;
   GuidePair pair(config, world);
   pair.run_until("goal reached", 60.0);
@@ -159,9 +160,9 @@ TEST(GuideChoices, ReportsFailedPlanAheadAtGoal) {
   EXPECT_EQ(pair.counter().of, 3U);
 }
 
-// ---- what appears on the map
+// ---- replanning when the map changes
 
-/// Behind a short wall, so that its path to the viewpoint has a corner.
+/// The guide starts behind a short wall, so that its path to the viewpoint has a corner.
 struct BehindAWall : GuidePair {
   explicit BehindAWall() : GuidePair(guides_uav2({{4, 0, 0.7}}), wall(), {-5, 0, 0.7}) {
     hold_until(*this, "primary moving", 5.0);
@@ -176,27 +177,27 @@ struct BehindAWall : GuidePair {
 };
 
 TEST(GuideChoices, ReplansWhenRemainingPathIsBlocked) {
-  for (const bool at_the_end : {false, true}) {
+  for (const bool blocks_last_leg : {false, true}) {
     BehindAWall pair;
     ASSERT_GE(pair.corners_local_m.size(), 3U);
     pair.hold();
     pair.put(pair.corners_local_m[1]);
     hold_for(pair, 0.2);
     const std::size_t last = pair.corners_local_m.size() - 1;
-    pair.discover_around(at_the_end ? Vector3(0.5 * (pair.corners_local_m[last - 1] + pair.corners_local_m[last]))
-                                    : pair.corners_local_m[0]);
+    pair.discover_around(blocks_last_leg ? Vector3(0.5 * (pair.corners_local_m[last - 1] + pair.corners_local_m[last]))
+                                         : pair.corners_local_m[0]);
     pair.hold();
-    EXPECT_STREQ(pair.out.note, at_the_end ? kOwnPathBlocked : "primary moving");
-    EXPECT_EQ(pair.out.goal.position_m == pair.p_m(), at_the_end) << "there it stops";
+    EXPECT_STREQ(pair.out.note, blocks_last_leg ? kOwnPathBlocked : "primary moving");
+    EXPECT_EQ(pair.out.goal.position_m == pair.p_m(), blocks_last_leg) << "the guide stops at its position";
   }
   BehindAWall pair;
   const std::size_t last = pair.corners_local_m.size() - 1;
   pair.discover_around(0.5 * (pair.corners_local_m[last - 1] + pair.corners_local_m[last]));
   pair.hold();
-  EXPECT_STREQ(pair.out.note, kOwnPathBlocked) << "a leg after the next one counts, too";
+  EXPECT_STREQ(pair.out.note, kOwnPathBlocked) << "a blocked later leg also causes replanning";
 }
 
-// ---- waypoints
+// ---- path messages
 
 TEST(GuideChoices, SendsLastWaypointUntilGuidedHovers) {
   GuidePair pair(guides_uav2({{4, 0, 0.7}}));
@@ -220,11 +221,11 @@ TEST(GuideChoices, ResendsOneTimePathAfterHovering) {
   ASSERT_STREQ(pair.out.note, "secondary moving");
   const std::vector<GuidingPath> first = sent_paths(pair);
   EXPECT_EQ(num_with_waypoints(first), 1U);
-  EXPECT_FALSE(first.back().waypoints.empty()) << "and nothing since then";
+  EXPECT_FALSE(first.back().waypoints.empty()) << "no message follows the path";
   pair.hears = false;
   hold_for(pair, 2.0);
   const std::vector<GuidingPath> lost = sent_paths(pair);
-  EXPECT_GE(lost.size(), 2U) << "to hover, again and again";
+  EXPECT_GE(lost.size(), 2U) << "the command to hover is repeated";
   EXPECT_EQ(num_with_waypoints(lost), 0U);
   pair.hears = true;
   hold_for(pair, 1.0);

@@ -165,7 +165,8 @@ TEST(GuideOfSeveral, MovesLostVehicleClearOfNeighbors) {
     team.run(3.4);
     EXPECT_EQ(team.team[0].newest.command, beside_m > 1.5 ? GuidingPath::Command::kMove : GuidingPath::Command::kGuide);
     EXPECT_NEAR(team.team[0].newest.radius_m, beside_m > 1.5 ? beside_m - 1.2 : 0.0, 1e-9);
-    EXPECT_EQ(team.team[1].newest.command, GuidingPath::Command::kGuide) << "it is not its turn";
+    EXPECT_EQ(team.team[1].newest.command, GuidingPath::Command::kGuide)
+        << "the second vehicle is not commanded to move";
     EXPECT_EQ(team.team[1].newest.radius_m, 0.0);
   }
 }

@@ -110,7 +110,7 @@ TEST(Guide, AsksLostVehicleToMoveSafely) {
     while (!team.noted("planning")) team.tick();
     team.guided.localized = false;
     team.run(2.0);
-    EXPECT_EQ(team.guided.newest.command, GuidingPath::Command::kGuide) << "it may be found again by itself";
+    EXPECT_EQ(team.guided.newest.command, GuidingPath::Command::kGuide) << "no command to move shortly after the loss";
     team.run(3.0);
     EXPECT_EQ(team.guided.newest.command, cramped ? GuidingPath::Command::kGuide : GuidingPath::Command::kMove);
     EXPECT_NEAR(team.guided.newest.radius_m, cramped ? 0.0 : 1.25 - 0.6, 1e-9) << "the body needs room, too";
@@ -297,7 +297,7 @@ TEST(Guide, DropsVisitedWaypointsAndRepeatsNone) {
   // In the level body frame, whose heading is 2 rad.
   EXPECT_NEAR(rest.waypoints[0].p_body_m.x(), 0.6 * std::cos(2.0), 1e-5);
   EXPECT_NEAR(rest.waypoints[0].p_body_m.y(), -0.6 * std::sin(2.0), 1e-5);
-  EXPECT_NEAR(rest.waypoints[0].yaw_rad, 0.0, 1e-5) << "it keeps its heading";
+  EXPECT_NEAR(rest.waypoints[0].yaw_rad, 0.0, 1e-5) << "the waypoint keeps the heading";
 }
 
 TEST(Guide, TakesShorterTurnToGoalHeading) {
@@ -326,7 +326,7 @@ TEST(Guide, RepeatsLoopedGoalsIndefinitely) {
     const double x_m = team.guided.position_m.x();
     const int at = x_m > 0.8 ? 1 : x_m < 0.2 ? 0 : -1;
     if (at >= 0 && (visits.empty() || visits.back() != at)) visits.push_back(at);
-    ASSERT_EQ(team.out.mission, MissionStatus::kRunning) << "it never ends";
+    ASSERT_EQ(team.out.mission, MissionStatus::kRunning) << "a looped mission does not end";
   }
   EXPECT_GT(visits.size(), 6U);
 }

@@ -24,7 +24,7 @@ TEST(Landing, SinksVerticallyAtItsSpeed) {
   Reference goal;
   double z_m = 3.0;
   for (int i = 1; i <= 400; ++i) {
-    EXPECT_FALSE(landing.step(standing_at(z_m, -0.5), kLandingTick_s, goal)) << "it still sinks";
+    EXPECT_FALSE(landing.step(standing_at(z_m, -0.5), kLandingTick_s, goal)) << "landing ends only after the descent";
     z_m = goal.position_m.z();
     ASSERT_NEAR(z_m, 3.0 - 0.5 * kLandingTick_s * i, 1e-9);
     ASSERT_EQ(goal.velocity_mps, Vector3(0.0, 0.0, -0.5));

@@ -188,7 +188,8 @@ TEST(Navigate, FailsWithoutReachingHoverOrGoal) {
       pilot.estimate.v_local_mps = {0.0, rests ? 0.0 : 1.0, 0.0};
       pilot.step();
       EXPECT_EQ(pilot.out.speed_limit_mps, config.speed_mps);
-      EXPECT_TRUE(pilot.out.mission == MissionStatus::kRunning || i > 45) << "it tries twice";
+      EXPECT_TRUE(pilot.out.mission == MissionStatus::kRunning || i > 45)
+          << "the mission fails only after two attempts";
     }
     EXPECT_EQ(pilot.out.mission, MissionStatus::kFailed);
     EXPECT_STREQ(pilot.out.note, rests ? "the vehicle does not reach its goal" : "the vehicle does not come to rest");

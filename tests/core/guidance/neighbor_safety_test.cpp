@@ -186,7 +186,7 @@ TEST(NeighborSafety, LeavesPlaneByLidarWhereObserved) {
   roofed.occupy_box({-4.0, -4.0, 6.0}, {4.0, 4.0, 6.25});
   EXPECT_GT(highest_m(config, &open, true), 5.4);
   EXPECT_LE(highest_m(config, &roofed, true), 5.51);
-  EXPECT_LE(highest_m(config, &open, false), 5.2) << "it was never farther away, and looks ahead only";
+  EXPECT_LE(highest_m(config, &open, false), 5.2) << "the vehicle has not observed the space above its goal";
 }
 
 // There is no room to step aside, so the plane is left.

@@ -53,7 +53,7 @@ TEST(PathFollower, ArrivesWhenHoveringNearLastCorner) {
   PathFollower follower(flight.rules, 0.4);
   follower.start({{0, 0, 1}, {4, 0, 1}});
   EXPECT_EQ(flight.step(follower, {3.69, 0, 1}), Outcome::kFlying) << "0.31 m away";
-  EXPECT_EQ(flight.step(follower, {3.71, 0, 1}, 0.26), Outcome::kFlying) << "it moves";
+  EXPECT_EQ(flight.step(follower, {3.71, 0, 1}, 0.26), Outcome::kFlying) << "0.29 m away, above the arrival speed";
   EXPECT_EQ(flight.step(follower, {3.71, 0, 1}, 0.24), Outcome::kArrived);
   // Near a corner that is not the last one it has not arrived.
   follower.start(kCorners);
@@ -70,10 +70,10 @@ TEST(PathFollower, IsBlockedOnlyByObstaclesAhead) {
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kFlying);
   flight.world.occupy_box({1.5, 3.75, 0.5}, {2.0, 4.25, 1.5});  // on the last leg
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kBlocked);
-  EXPECT_EQ(follower.target_local_m(), Vector3(4, 1, 1)) << "it stays where it is";
+  EXPECT_EQ(follower.target_local_m(), Vector3(4, 1, 1)) << "the target is the own position";
   EXPECT_EQ(flight.step(follower, {4, 1, 1}), Outcome::kFlying) << "asked once about each map";
   follower.start(kCorners);
-  EXPECT_EQ(flight.step(follower, kCorners[0]), Outcome::kBlocked) << "and anew about each path";
+  EXPECT_EQ(flight.step(follower, kCorners[0]), Outcome::kBlocked) << "a new path is checked again on the same map";
 }
 
 /// From the origin along x, half a meter a second.

@@ -116,7 +116,7 @@ TEST(RblDetour, FliesStraightWhereClearWhenHeld) {
   flight.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 2.0, 2.0});
   while (!flight.detour.on_path()) flight.tick();
   for (int i = 0; i < 5; ++i) flight.tick();
-  EXPECT_FALSE(flight.detour.straight_local_m()) << "it moves";
+  EXPECT_FALSE(flight.detour.straight_local_m()) << "no straight flight while the vehicle is not held up";
   flight.held = true;
   for (int i = 0; i < 30; ++i) flight.tick();
   ASSERT_TRUE(flight.detour.straight_local_m());
@@ -256,7 +256,7 @@ TEST(RblDetour, FailsWithoutPathAndRecoversLater) {
   closed.occupy_box({1.25, -1.5, 0.0}, {1.5, 1.5, 2.0});
   flight.now.map = &closed;
   while (flight.detour.num_plans() < 2) flight.tick();
-  EXPECT_FALSE(flight.detour.has_failed()) << "it tries again";
+  EXPECT_FALSE(flight.detour.has_failed()) << "the detour fails only after several searches";
   for (int i = 0; i < 50; ++i) flight.tick();
   EXPECT_TRUE(flight.detour.has_failed());
   EXPECT_FALSE(flight.detour.on_path());

@@ -43,7 +43,7 @@ TEST(RblInterpretations, ActsOnlyNearAndHeldUp) {
   };
   EXPECT_GT(state(0.2, 1.5).theta_rad, 0.0);
   EXPECT_EQ(state(0.2, 0.2).theta_rad, 0.0) << "not held up";
-  EXPECT_EQ(state(1.0, 1.5).theta_rad, 0.0) << "it moves";
+  EXPECT_EQ(state(1.0, 1.5).theta_rad, 0.0) << "the centroid is far enough to make progress";
   EXPECT_LT(state(0.2, 1.5).beta_m, 1.5);
   EXPECT_EQ(state(0.2, 0.2).beta_m, 1.5);
   EXPECT_LT(state(0.2, 0.2, 2.0).beta_m, 1.5) << "the goal lies in the sensing region";
@@ -298,7 +298,7 @@ TEST(RblFlight, TurnsToTheCentroidBeforeMoving) {
   driver.dt_s = 0.02;
   for (int i = 0; i < 8; ++i) driver.step();
   EXPECT_NEAR(driver.out.goal.yaw_rad, 0.0, 0.05) << "along +x";
-  EXPECT_LT((driver.out.goal.position_m - driver.p_m()).norm(), 1e-9) << "it looks 86 degrees aside";
+  EXPECT_LT((driver.out.goal.position_m - driver.p_m()).norm(), 1e-9) << "the vehicle turns before it moves";
   driver.put({0.0, 0.0, 2.0}, 1.0);  // 57 degrees: within facing_deg
   for (int i = 0; i < 8; ++i) driver.step();
   EXPECT_GT((driver.out.goal.position_m - driver.p_m()).norm(), 0.3);

@@ -23,7 +23,7 @@ TEST(RblViewed, ContainsItselfAndTheSensorWedge) {
   const testing::CellListMap empty(0.25);
   RblViewed viewed(kReach_m, kOwn_m);
   const Vector3 p_m(1.0, 2.0, 5.0);
-  EXPECT_FALSE(viewed.contains(p_m, empty)) << "it has not looked yet";
+  EXPECT_FALSE(viewed.contains(p_m, empty)) << "nothing is viewed before the first scan";
   viewed.look(p_m, 0.0, view_at(0.0));
   EXPECT_TRUE(viewed.contains(p_m - Vector3(0.0, 0.0, 0.49), empty));
   EXPECT_FALSE(viewed.contains(p_m - Vector3(0.0, 0.0, 0.51), empty));
@@ -42,7 +42,7 @@ TEST(RblViewed, RemembersSpaceBelowSeenFromAfar) {
   const Vector3 below_m(6.0, 0.0, 3.4);
   for (double x_m = 0.0; x_m <= 6.0; x_m += 0.1) viewed.look({x_m, 0.0, 5.0}, 0.0, view_at(0.0));
   EXPECT_TRUE(viewed.contains(below_m, empty));
-  EXPECT_FALSE(viewed.contains({0.5, 0.0, 3.4}, empty)) << "it began above it";
+  EXPECT_FALSE(viewed.contains({0.5, 0.0, 3.4}, empty)) << "the point was below the field of view all the time";
   EXPECT_FALSE(viewed.contains({6.0, 0.0, 1.0}, empty));
 }
 

@@ -133,7 +133,7 @@ TEST(SharePaths, SpreadsPlanningTurnsOverThePeriod) {
 TEST(SharePaths, MeetsTheOtherWithoutRadio) {
   SharingTeam team({{-8, 0, 5}, {8, 0, 5}}, {{8, 0, 5}, {-8, 0, 5}}, 1000.0, 0.2);
   team.run(30.0);
-  EXPECT_LT(team.least_m, 0.5) << "it knows others by radio alone";
+  EXPECT_LT(team.least_m, 0.5) << "least distance without radio, the only source of neighbors";
 }
 
 }  // namespace

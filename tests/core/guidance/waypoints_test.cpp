@@ -30,7 +30,7 @@ TEST(WaypointsDecisions, ReachesWaypointsWithinTheArrivalRadius) {
   EXPECT_EQ(driver.out.mission, MissionStatus::kRunning);
   driver.put({10, 9.39, 2});
   EXPECT_EQ(driver.step().mission, MissionStatus::kDone);
-  EXPECT_EQ(driver.out.goal.position_m, Vector3(10, 9, 2)) << "it stays at the last";
+  EXPECT_EQ(driver.out.goal.position_m, Vector3(10, 9, 2)) << "the goal stays at the last waypoint";
 }
 
 TEST(WaypointsDecisions, CountsDwellFromTheArrival) {

@@ -197,7 +197,8 @@ TEST(ChaseTeam, TruncatesReportsWithTooManyPlaces) {
   here.observation.messages = {message};
   here.team.listen(here.observation, {});
   ASSERT_EQ(here.moving_obstacles().size(), 1U);
-  EXPECT_NEAR(here.moving_obstacles()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
+  EXPECT_NEAR(here.moving_obstacles()[0].at(2.0).x(), 20.0, 1e-6)
+      << "prediction beyond the places that fit into a message";
 }
 
 TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
@@ -219,7 +220,7 @@ TEST(ChaseTeam, YieldingVehiclesPlanWithMoreClearance) {
     Team other;
     other.receives(kOther, inactive, 2.0);
     ASSERT_TRUE(other.leads(1.0));
-    EXPECT_EQ(other.moving_obstacles()[0].radius_m, 3.0) << "it does not yield";
+    EXPECT_EQ(other.moving_obstacles()[0].radius_m, 3.0) << "an inactive vehicle does not yield";
   }
 }
 

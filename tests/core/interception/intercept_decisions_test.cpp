@@ -10,9 +10,10 @@
 namespace swiftlet {
 namespace {
 
-using Prey = testing::Hunt;
+using testing::Hunt;
 
-bool noted(const Prey& hunt, const char* note) {
+/// True if guidance has reported this note so far.
+bool noted(const Hunt& hunt, const char* note) {
   return std::find(hunt.notes.begin(), hunt.notes.end(), note) != hunt.notes.end();
 }
 
@@ -20,8 +21,8 @@ constexpr const char* kLost = "target lost: searching";
 
 TEST(InterceptDecisions, ChasesTheNearestTrack) {
   for (const double sign : {-1.0, 1.0}) {
-    Prey hunt({}, {0.0, 0.0, 12.0});
-    hunt.run(1.5, [&](double, Prey& h) {
+    Hunt hunt({}, {0.0, 0.0, 12.0});
+    hunt.run(1.5, [&](double, Hunt& h) {
       h.sees({sign * 15.0, 0.0, 12.0}, Vector3::Zero(), 7);
       h.sees_also({-sign * 25.0, 0.0, 12.0}, Vector3::Zero(), 8);
       if (sign > 0.0) std::swap(h.tracks[0], h.tracks[1]);
@@ -32,16 +33,16 @@ TEST(InterceptDecisions, ChasesTheNearestTrack) {
 
 TEST(InterceptDecisions, AcceptsOnlyTracksNearThePrediction) {
   for (const double off_m : {2.0, 4.0}) {
-    Prey hunt({}, {-25.0, 0.0, 12.0});
-    hunt.run(1.0, [](double t_s, Prey& h) { h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 7); });
-    hunt.run(0.5, [&](double t_s, Prey& h) { h.sees({10.0 + off_m, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 8); });
+    Hunt hunt({}, {-25.0, 0.0, 12.0});
+    hunt.run(1.0, [](double t_s, Hunt& h) { h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 7); });
+    hunt.run(0.5, [&](double t_s, Hunt& h) { h.sees({10.0 + off_m, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, 8); });
     EXPECT_EQ(noted(hunt, kLost), off_m > 3.0) << off_m;
   }
 }
 
 TEST(InterceptDecisions, LosesATrackAfterItsTimeout) {
-  Prey hunt({}, {-25.0, 0.0, 12.0});
-  hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero()); });
+  Hunt hunt({}, {-25.0, 0.0, 12.0});
+  hunt.run(1.0, [](double, Hunt& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero()); });
   hunt.run(0.95);
   EXPECT_FALSE(noted(hunt, kLost));
   hunt.run(0.1);
@@ -52,8 +53,8 @@ TEST(InterceptDecisions, ReacquiringTheTargetRestartsFencePatience) {
   InterceptConfig config;
   config.fence.max_m.x() = 20.0;
   config.fence.patience_s = 1.0;
-  Prey hunt(config, {0.0, 0.0, 12.0});
-  const auto outside = [](double, Prey& h) { h.sees({22.0, 0.0, 12.0}, Vector3::Zero()); };
+  Hunt hunt(config, {0.0, 0.0, 12.0});
+  const auto outside = [](double, Hunt& h) { h.sees({22.0, 0.0, 12.0}, Vector3::Zero()); };
   hunt.run(0.9, outside);
   hunt.tracks.clear();
   hunt.run(0.1);
@@ -64,8 +65,8 @@ TEST(InterceptDecisions, ReacquiringTheTargetRestartsFencePatience) {
   EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
 }
 
-// A target drifts toward the fence from outside, so that the chase leads straight at it.
-TEST(InterceptDecisions, LooksFartherAheadWithLongerPeriod) {
+// The target drifts toward the fence from outside, so that the pursuit leads straight toward the fence.
+TEST(InterceptDecisions, StaysInsideFenceForAnyPeriod) {
   for (const double period_s : {0.02, 0.3, 1.0}) {
     InterceptConfig config;
     config.method = InterceptConfig::Method::kPurePursuit;
@@ -73,102 +74,106 @@ TEST(InterceptDecisions, LooksFartherAheadWithLongerPeriod) {
     config.fence.max_m.x() = 0.0;
     config.fence.patience_s = 100.0;
     double farthest_m = -20.0;
-    Prey hunt(config, {farthest_m, 0.0, 12.0});
-    hunt.run(15.0, [&](double, Prey& h) {
+    Hunt hunt(config, {farthest_m, 0.0, 12.0});
+    hunt.run(15.0, [&](double, Hunt& h) {
       h.sees({5.0 - 0.3 * h.now_s(), 0.0, 12.0}, {-0.3, 0.0, 0.0});
       farthest_m = std::max(farthest_m, h.p_m().x());
     });
-    EXPECT_LT(farthest_m, 0.1) << "it leaves the fence when it thinks every " << period_s << " s";
-    EXPECT_GT(farthest_m, -8.0) << "it does not chase when it thinks every " << period_s << " s";
+    EXPECT_LT(farthest_m, 0.1) << "leaves the fence with a planning period of " << period_s << " s";
+    EXPECT_GT(farthest_m, -8.0) << "does not pursue with a planning period of " << period_s << " s";
   }
 }
 
 TEST(InterceptDecisions, FacesItsTarget) {
-  Prey hunt({}, {0.0, 0.0, 12.0});
-  hunt.run(3.0, [](double, Prey& h) { h.sees({-20.0, -30.0, 12.0}, Vector3::Zero()); });
-  const Vector3 to_m = Vector3(-20.0, -30.0, 12.0) - hunt.p_m();
-  EXPECT_NEAR(std::remainder(hunt.out.goal.yaw_rad - std::atan2(to_m.y(), to_m.x()), 2.0 * std::acos(-1.0)), 0.0, 0.1);
+  Hunt hunt({}, {0.0, 0.0, 12.0});
+  hunt.run(3.0, [](double, Hunt& h) { h.sees({-20.0, -30.0, 12.0}, Vector3::Zero()); });
+  const Vector3 to_target_m = Vector3(-20.0, -30.0, 12.0) - hunt.p_m();
+  EXPECT_NEAR(
+      std::remainder(hunt.out.goal.yaw_rad - std::atan2(to_target_m.y(), to_target_m.x()), 2.0 * std::acos(-1.0)), 0.0,
+      0.1);
 }
 
-// Least distances from a hovering target during an approach until its capture. The target is far from the origin, where
-// positions and their differences differ in size.
+/// Result of an approach to a hovering target.
 struct Approach {
-  bool caught = false;
-  double least_m = 1e9;
+  bool captured = false;
+  double least_m = 1e9;  // least distance from the target until its capture
 };
 
-Approach approach(const InterceptConfig& config, const Vector3& start_by_target_m) {
+/// Approaches a hovering target for at most 20 s. The target is far from the origin, so that a position that is used as
+/// a displacement fails the test.
+/// @param start_from_target_m  start of the vehicle relative to the target
+Approach approach(const InterceptConfig& config, const Vector3& start_from_target_m) {
   const Vector3 target_m(30.0, -20.0, 15.0);
-  Prey hunt(config, target_m + start_by_target_m);
+  Hunt hunt(config, target_m + start_from_target_m);
   Approach result;
   for (int i = 0; i < 200 && hunt.out.mission == MissionStatus::kRunning; ++i) {
-    hunt.run(0.1, [&](double, Prey& h) {
+    hunt.run(0.1, [&](double, Hunt& h) {
       h.sees(target_m, Vector3::Zero());
       if (h.out.mission == MissionStatus::kRunning)
         result.least_m = std::min(result.least_m, (h.p_m() - target_m).norm());
     });
   }
-  result.caught = hunt.out.mission == MissionStatus::kDone;
+  result.captured = hunt.out.mission == MissionStatus::kDone;
   return result;
 }
 
-TEST(InterceptDecisions, ApproachesFromBelowAroundTheTarget) {
+TEST(InterceptDecisions, KeepsTargetClearanceDuringApproach) {
   for (const Vector3& start_m : {Vector3(-12, 0, -7), Vector3(0, 0, -9), Vector3(9, -9, 0), Vector3(3, 20, 10)}) {
     InterceptConfig config;
     const Approach result = approach(config, start_m);
-    EXPECT_TRUE(result.caught) << start_m.transpose();
+    EXPECT_TRUE(result.captured) << start_m.transpose();
     EXPECT_GT(result.least_m, 0.9 * config.target_clearance_m) << start_m.transpose();
   }
 }
 
-TEST(InterceptDecisions, CatchesTargetWithAnyNetOffset) {
+TEST(InterceptDecisions, CapturesTargetWithAnyNetOffset) {
   for (const Vector3& offset_m : {Vector3(0, 0, -1.2), Vector3(1.0, 0.5, -1.5), Vector3(-0.8, 0, -1.2)}) {
     InterceptConfig config;
     config.net.offset_m = offset_m;
-    EXPECT_TRUE(approach(config, {-14.0, 6.0, 2.0}).caught) << offset_m.transpose();
+    EXPECT_TRUE(approach(config, {-14.0, 6.0, 2.0}).captured) << offset_m.transpose();
   }
 }
 
 TEST(InterceptDecisions, ClimbsToFenceTopWhenDone) {
   InterceptConfig config;
   config.fence.max_m.z() = 30.0;
-  Prey hunt(config, {-14.0, 0.0, 17.0});
-  const auto hovering = [](double, Prey& h) { h.sees({0.0, 0.0, 15.0}, Vector3::Zero()); };
+  Hunt hunt(config, {-14.0, 0.0, 17.0});
+  const auto hovering = [](double, Hunt& h) { h.sees({0.0, 0.0, 15.0}, Vector3::Zero()); };
   hunt.run(12.0, hovering);
   ASSERT_EQ(hunt.out.mission, MissionStatus::kDone);
   hunt.run(10.0, hovering);
   EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
   EXPECT_NEAR(hunt.p_m().z(), 30.0, 0.1);
-  EXPECT_LT((hunt.p_m().head<2>() - Vector3(-14.0, 0.0, 0.0).head<2>()).norm(), 0.2) << "where it waited";
+  EXPECT_LT((hunt.p_m().head<2>() - Vector3(-14.0, 0.0, 0.0).head<2>()).norm(), 0.2) << "climbs above its start";
 }
 
 TEST(InterceptDecisions, RepeatsCapturesWithoutACaptureLimit) {
   InterceptConfig config;
   config.captures = 0;
-  Prey hunt(config, {-14.0, 0.0, 17.0});
+  Hunt hunt(config, {-14.0, 0.0, 17.0});
   double farthest_m = 0.0;
-  hunt.run(30.0, [&](double, Prey& h) {
+  hunt.run(30.0, [&](double, Hunt& h) {
     h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
     if (noted(h, "captured")) farthest_m = std::max(farthest_m, (h.p_m() - Vector3(0.0, 0.0, 16.2)).norm());
   });
   EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
   EXPECT_GE(std::count(hunt.notes.begin(), hunt.notes.end(), "captured"), 2);
-  EXPECT_GT(farthest_m, config.net.rearm_m) << "the net is ready again";
+  EXPECT_GT(farthest_m, config.net.rearm_m) << "retreats beyond the distance at which the net is armed again";
   EXPECT_LT(farthest_m, 25.0);
 }
 
-TEST(InterceptDecisions, EndsAfterItsCaptures) {
+TEST(InterceptDecisions, EndsAfterConfiguredCaptures) {
   InterceptConfig config;
   config.captures = 2;
-  Prey hunt(config, {-14.0, 0.0, 17.0});
-  double first_s = 0.0;
-  const auto hovering = [&](double t_s, Prey& h) {
+  Hunt hunt(config, {-14.0, 0.0, 17.0});
+  double first_capture_s = 0.0;
+  const auto hovering = [&](double t_s, Hunt& h) {
     h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
-    if (first_s == 0.0 && noted(h, "captured")) first_s = t_s;
+    if (first_capture_s == 0.0 && noted(h, "captured")) first_capture_s = t_s;
   };
   while (hunt.out.mission == MissionStatus::kRunning && hunt.now_s() < 60.0) hunt.run(0.2, hovering);
   EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
-  EXPECT_GT(hunt.now_s(), first_s + 1.0);
+  EXPECT_GT(hunt.now_s(), first_capture_s + 1.0);
 }
 
 }  // namespace

@@ -90,8 +90,8 @@ TEST(Intercept, AbandonsATargetOutsideTheFence) {
   });
   EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
   EXPECT_EQ(hunt.notes.back(), "gave up: the target left the fence");
-  EXPECT_LT(farthest_m, 20.1) << "it never left the fence itself";
-  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 0.5) << "and went back to where it waited";
+  EXPECT_LT(farthest_m, 20.1) << "the interceptor stays within the fence";
+  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 0.5) << "distance from the waiting position";
 }
 
 TEST(Intercept, SearchesForLostTargetAndResumes) {
@@ -131,7 +131,8 @@ TEST(Intercept, AbandonsATargetNeverFoundAgain) {
   const Vector3 there_m = hunt.p_m();
   hunt.tracks.clear();
   hunt.run(4.0);
-  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 15)).norm(), (there_m - Vector3(0, 0, 15)).norm()) << "it looks over there";
+  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 15)).norm(), (there_m - Vector3(0, 0, 15)).norm())
+      << "the search approaches the expected position of the target";
   hunt.run(3.0);
   EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
   EXPECT_EQ(hunt.notes.back(), "gave up: the target was not found again");
@@ -180,7 +181,7 @@ TEST(Intercept, RequiresNamedTargetToBeVehicle) {
   config.target = "unknown";
   try {
     Hunt hunt(config, {0, 0, 10});
-    FAIL() << "it flies";
+    FAIL() << "an unknown target is accepted";
   } catch (const std::invalid_argument& problem) {
     EXPECT_STREQ(problem.what(), "guidance intercept: target: expected the name of a vehicle, found 'unknown'");
   }

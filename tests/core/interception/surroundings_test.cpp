@@ -96,7 +96,8 @@ TEST(Surroundings, BoundsNearObstaclesByPlanes) {
   // The plane touches the sphere at its nearest point; space beyond is outside.
   EXPECT_NEAR(side[0].excess_m({2.0, 7.0, 55.0}), 0.0, 1e-12);
   EXPECT_NEAR(side[0].excess_m({4.0, 0.0, 50.0}), -2.0, 1e-12);
-  EXPECT_NEAR(walls_at(around, {4, 0, 50}, 0.5).at(0).excess_m({4, 0, 50}), -1.0, 1e-12) << "it will be nearer";
+  EXPECT_NEAR(walls_at(around, {4, 0, 50}, 0.5).at(0).excess_m({4, 0, 50}), -1.0, 1e-12)
+      << "the obstacle is 1 m nearer after 0.5 s";
 }
 
 TEST(Surroundings, PutsTheNearestOccupiedCellFirst) {
@@ -151,9 +152,9 @@ TEST(Braking, EvadesConflictsWithinItsTimeHorizon) {
   const Vector3 away_mps2(kInterceptor.horizontal_acceleration_mps2, 0, 0);
   // A vehicle flies straight at this one's right side and will pass 1 m behind it: forward is away from it.
   EXPECT_LT((evasion_mps2({-1, -4, 50}) - away_mps2).norm(), 1e-6);
-  EXPECT_TRUE(evasion_mps2({-1, -9, 50}).isZero()) << "it arrives later";
+  EXPECT_TRUE(evasion_mps2({-1, -9, 50}).isZero()) << "the conflict lies beyond the time horizon";
   EXPECT_GT(evasion_mps2({-1, -9, 50}, 1.0).x(), 1.0) << "a second from now";
-  EXPECT_TRUE(evasion_mps2({-4, -4, 50}).isZero()) << "it passes with sufficient room";
+  EXPECT_TRUE(evasion_mps2({-4, -4, 50}).isZero()) << "the other vehicle passes at a sufficient distance";
 }
 
 TEST(Braking, ClimbsBeforeAHeadOnCollision) {
@@ -178,7 +179,7 @@ TEST(Braking, StopsBeforeTheFenceIfPossible) {
   EXPECT_TRUE(stops(around, {100.0 - way_m - 0.3, 0, 50}, {v, 0, 0}));
   EXPECT_FALSE(stops(around, {100.0 - way_m + 0.3, 0, 50}, {v, 0, 0}));
   EXPECT_TRUE(stops(around, {100.0 - way_m + 0.3, 0, 50}, {v, 0, 0}, 0.6)) << "what was there already may stay";
-  EXPECT_FALSE(stops(around, {100.5, 0, 50}, {-v, 0, 0})) << "it is outside now";
+  EXPECT_FALSE(stops(around, {100.5, 0, 50}, {-v, 0, 0})) << "the vehicle is outside of the fence already";
 }
 
 TEST(Braking, RefusesStopsCrossedByABystander) {

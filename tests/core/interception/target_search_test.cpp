@@ -97,7 +97,7 @@ TEST(TargetSearch, TargetsTurnBackAtTheFence) {
   search.advance(1.0, fence);
   for (const Vector3& p : places_of(search)) EXPECT_LT((p - Vector3(10, 1, 10)).norm(), 1e-3) << "at the side";
   search.advance(1.0, fence);
-  for (const Vector3& p : places_of(search)) EXPECT_LT((p - Vector3(6, 2, 10)).norm(), 1e-3) << "and back";
+  for (const Vector3& p : places_of(search)) EXPECT_LT((p - Vector3(6, 2, 10)).norm(), 1e-3) << "particles turned back";
 }
 
 /// The share of places that stay possible after a long look at a single place.

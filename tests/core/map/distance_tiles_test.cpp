@@ -162,7 +162,7 @@ TEST(DistanceTiles, RecomputeOnlyWhatChanged) {
   EXPECT_EQ(ask_all(), 0U) << "a new cell lowers known distances";
   map.set({0, 0, 26}, false);
   const std::uint64_t again = ask_all();
-  EXPECT_GT(again, 0U) << "it was the nearest of some";
+  EXPECT_GT(again, 0U) << "a removed cell that was nearest to others causes updates";
   EXPECT_LT(again, all);
   map.set({3, 3, -2}, true);
   map.set({3, 3, -2}, false);
@@ -210,7 +210,8 @@ TEST(DistanceTiles, FollowOccupiedCellsOfAMap) {
       double expected = 1.5;
       for (const Vector3& cell_m : occupied) expected = std::min(expected, (cell_m - center_m).norm());
       ASSERT_NEAR(map.clearance_m(p_m, 1.5), expected, 1e-9);
-      ASSERT_NEAR(map.OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9) << "by the generic implementation";
+      ASSERT_NEAR(map.OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9)
+          << "clearance by the generic implementation";
       double farther = 4.0;
       for (const Vector3& cell_m : occupied) farther = std::min(farther, (cell_m - center_m).norm());
       ASSERT_NEAR(map.clearance_m(p_m, 4.0), farther, 1e-9) << "farther than distances are kept";

@@ -55,8 +55,10 @@ TEST(OverlaidOccupancy, ASegmentHitsWhatComesFirst) {
   EXPECT_NEAR(through->distance_m, 2.5, 1e-9);
   EXPECT_NEAR(view.first_hit({4.05, 0.05, 2.05}, {10.05, 0.05, 2.05})->distance_m, 1.95, 1e-9) << "behind the column";
   EXPECT_FALSE(view.first_hit({0.05, 0.05, 8.05}, {10.05, 0.05, 8.05}).has_value());
-  EXPECT_EQ(view.first_hit({3.05, 0.05, 2.05}, {10.05, 0.05, 2.05})->distance_m, 0.0) << "it begins inside";
-  EXPECT_FALSE(view.first_hit({0.05, 0.05, 2.05}, {2.45, 0.05, 2.05}).has_value()) << "it ends before";
+  EXPECT_EQ(view.first_hit({3.05, 0.05, 2.05}, {10.05, 0.05, 2.05})->distance_m, 0.0)
+      << "the segment begins inside the column";
+  EXPECT_FALSE(view.first_hit({0.05, 0.05, 2.05}, {2.45, 0.05, 2.05}).has_value())
+      << "the segment ends before the column";
 }
 
 // Random points and segments against a fine walk along the segment.
@@ -136,7 +138,7 @@ TEST(OverlaidOccupancy, CollectsItsCellsOnce) {
   EXPECT_EQ(std::adjacent_find(cells.begin(), cells.end()), cells.end());
   EXPECT_EQ(std::count_if(cells.begin(), cells.end(), [](const Vector3& c) { return kBox.contains(c); }),
             std::ssize(cells) - 1)
-      << "and the one of the map";
+      << "all cells but the one of the map lie in the box";
   view.occupied_within({3.05, 0.05, 2.05}, 1.0, kEver, inside);
   for (const Vector3& cell : inside) {
     EXPECT_LE(((cell - Vector3(3.05, 0.05, 2.05)).cwiseAbs().array() - 0.05).cwiseMax(0.0).matrix().norm(), 1.0);

@@ -488,7 +488,7 @@ TEST(SubmapMap, IsUnchangedWithoutRedundantCells) {
       cells_before += cells->num_free() + cells->num_occupied();
     }
   }
-  EXPECT_GT(map.share_known_by_newer(pieces[0], 1), 0.9) << "it was seen three times since";
+  EXPECT_GT(map.share_known_by_newer(pieces[0], 1), 0.9) << "share of the first piece that three newer ones know";
   EXPECT_EQ(map.share_known_by_newer(pieces.back(), 1), 0.0);
   for (const int piece : pieces) {
     const auto needed = map.needed_of(piece);

@@ -138,7 +138,7 @@ TEST(VoxelMap, CountsRejectedPriorVoxels) {
   config.extent = VoxelMapConfig::Extent::kScrolling;
   VoxelMap scrolling(config);
   scrolling.set_prior(prior);
-  EXPECT_EQ(scrolling.num_prior_outside(), 0U) << "it comes to the others";
+  EXPECT_EQ(scrolling.num_prior_outside(), 0U) << "a scrolling map can reach all prior voxels";
   prior.occupied_world_m = {{900.0F, 0.0F, 0.0F}, {901.0F, 0.0F, 0.0F}};
   prior.free_world_m.clear();
   scrolling.set_prior(prior);

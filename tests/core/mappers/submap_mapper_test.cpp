@@ -137,7 +137,7 @@ TEST(SubmapMapper, GraphUpdateMovesMapNotSurroundings) {
   mapping.begin_submap(at(1, 0, 1));
   mapping.see({0, 0, 1}, 4);
   EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "the wall of the first submap";
-  EXPECT_EQ(mapping.state({7.05, 1, 1}), CellState::kOccupied) << "that of the second";
+  EXPECT_EQ(mapping.state({7.05, 1, 1}), CellState::kOccupied) << "the wall of the second submap";
   const std::uint64_t revision = mapping.mapper->map().revision();
   mapping.move_submap(0, at(1, 0, 1));
   EXPECT_NE(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "walls never double";
@@ -266,7 +266,7 @@ TEST(SubmapMapper, DroppedSubmapsCellsFollowOlderSubmap) {
   mapping.see_nothing();
   EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied) << "nothing has moved";
   mapping.move_submap(1, at(-20, 0, 1));
-  EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied) << "it hangs on the new one no longer";
+  EXPECT_EQ(mapping.state({6.05, 5, 1}), CellState::kOccupied) << "the cell does not move with the newer submap";
   EXPECT_EQ(mapping.state({-5, -6.15, 1}), CellState::kOccupied);
   mapping.move_submap(0, at(0, 2, 1));
   EXPECT_EQ(mapping.state({5, 8.05, 1}), CellState::kOccupied);

@@ -56,7 +56,7 @@ TEST(NextView, FindsNothingUnknownInKnownHalls) {
   const NextView found = find_next_view(map, rules(), {}, GivenUp(0.4), {1.1, 3.0, 1.5});
   EXPECT_EQ(found.status, NextViewStatus::kNothingLeft);
   EXPECT_TRUE(found.corners_local_m.empty());
-  EXPECT_GT(found.expansions, 300U) << "it looked everywhere";
+  EXPECT_GT(found.expansions, 300U) << "the search expands all reachable space";
 }
 
 TEST(NextView, LiesInSightOfUnknownEnd) {
@@ -67,7 +67,7 @@ TEST(NextView, LiesInSightOfUnknownEnd) {
   ASSERT_EQ(found.status, NextViewStatus::kFound);
   EXPECT_EQ(found.corners_local_m.front(), start_m);
   EXPECT_GT(found.corners_local_m.back().x(), 5.0);
-  EXPECT_LT(found.corners_local_m.back().x(), 9.0) << "it does not fly through the unknown";
+  EXPECT_LT(found.corners_local_m.back().x(), 9.0) << "the path ends before unknown space";
   EXPECT_GT(found.share, 0.2);
 }
 

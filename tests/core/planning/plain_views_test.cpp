@@ -28,7 +28,7 @@ TEST(PlainViews, AbandonedCubesAreCorrectAcrossZero) {
       EXPECT_FALSE(given_up.has(Vector3(-0.1, 0.2, 7.4) + 0.5 * sign * Vector3::Unit(axis)));
   }
   given_up.add({-0.3, 0.4, 7.1});
-  EXPECT_EQ(given_up.size(), 1U) << "the same cube";
+  EXPECT_EQ(given_up.size(), 1U) << "a second point in the same cube";
   for (int i = 0; i < 1000; ++i)
     given_up.add({0.5 * (i % 10) + 10.1, 0.5 * (i / 10 % 10) - 2.4, 0.5 * (i / 100) + 0.1});
   EXPECT_EQ(given_up.size(), 1001U);

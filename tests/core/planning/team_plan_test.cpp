@@ -62,7 +62,7 @@ TEST(TeamPlan, SendsTheSmallVehicleThroughGaps) {
     EXPECT_NEAR(plan.secondary_path[i].yaw_rad, 3.0 + turn_rad * flown_m / whole_m, 1e-9) << i;
   }
   EXPECT_GE(plan.viewpoint.num_visible, 3);
-  EXPECT_LT(plan.viewpoint.p_local_m.x(), 2.0) << "it can't pass the gap itself";
+  EXPECT_LT(plan.viewpoint.p_local_m.x(), 2.0) << "the viewpoint lies before the gap, which the primary cannot pass";
   EXPECT_LT((plan.primary_local_m.back() - plan.viewpoint.p_local_m).norm(), 1e-9);
 }
 
@@ -91,7 +91,7 @@ TEST(TeamPlan, MovesThePrimaryOffTheGoal) {
   }
   const std::vector<PlannedPose> flying = {{{-2, 0, 0.7}, 0.0}, secondary};
   const TeamPlan both = plan_team(map, config, goal.p_local_m, secondary, goal, {.flying = flying});
-  EXPECT_EQ(both.next, Next::kFail) << "it may not have left in time";
+  EXPECT_EQ(both.next, Next::kFail) << "no simultaneous flight while the primary blocks the goal";
 }
 
 TEST(TeamPlan, KeepsAnOccupiedViewpoint) {

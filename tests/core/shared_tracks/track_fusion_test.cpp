@@ -13,17 +13,18 @@
 namespace swiftlet {
 namespace {
 
+/// Standard deviations of position and velocity of an observer's track, per axis.
 constexpr double kSigma_m = 0.15, kSigma_mps = 0.4;
 
-/// All observers see the same world, a scan every 0.1 s.
+/// Tracks of several observers in one common frame, fused every 0.1 s.
 class FusionScene {
  public:
   explicit FusionScene(std::uint64_t seed = 1, const TrackFusionConfig& config = {})
       : fusion(config), random_(seed, "test.fusion", "scene") {}
 
-  /// A track of a target that is at a place.
-  void see(VehicleId observer, std::uint32_t identity, const Vector3& p_m, const Vector3& v_mps = Vector3::Zero(),
-           double existence = 0.95, double sigma_m = kSigma_m) {
+  /// Adds to the next fusion an observer's track of a target at p_m; `noisy` adds random errors to its estimate.
+  void observe(VehicleId observer, std::uint32_t identity, const Vector3& p_m, const Vector3& v_mps = Vector3::Zero(),
+               double existence = 0.95, double sigma_m = kSigma_m) {
     ObservedTrack track{observer, identity, {}, existence};
     track.estimate.covariance.setZero();
     track.estimate.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
@@ -37,7 +38,8 @@ class FusionScene {
     }
     observed_.push_back(track);
   }
-  std::span<const FusedTrack> scan() {
+  /// Fuses the added tracks.
+  std::span<const FusedTrack> fuse() {
     std::stable_sort(observed_.begin(), observed_.end(),
                      [](const auto& a, const auto& b) { return a.observer < b.observer; });
     last = observed_;
@@ -48,7 +50,7 @@ class FusionScene {
 
   TrackFusion fusion;
   bool noisy = true;
-  std::vector<ObservedTrack> last;
+  std::vector<ObservedTrack> last;  // tracks of the latest fusion
 
  private:
   Random random_;
@@ -59,9 +61,9 @@ class FusionScene {
 TEST(TrackFusion, ReportsSoleObserversTracksUnchanged) {
   FusionScene scene;
   scene.noisy = false;
-  scene.see(0, 7, {1, 2, 3}, {1, 0, 0});
-  scene.see(0, 8, {1.2, 2, 3}, {1, 0, 0});  // near it, but reported by the same observer as a second target
-  const auto reported = scene.scan();
+  scene.observe(0, 7, {1, 2, 3}, {1, 0, 0});
+  scene.observe(0, 8, {1.2, 2, 3}, {1, 0, 0});  // near target 7, but the same observer reports two
+  const auto reported = scene.fuse();
   ASSERT_EQ(reported.size(), 2U);
   EXPECT_EQ(reported[0].estimate.p_m(), Vector3(1, 2, 3));
   EXPECT_EQ(reported[0].estimate.covariance, scene.last[0].estimate.covariance);
@@ -71,9 +73,9 @@ TEST(TrackFusion, ReportsSoleObserversTracksUnchanged) {
 TEST(TrackFusion, ReportsSharedTargetOnceFromStart) {
   FusionScene scene;
   for (int k = 0; k < 50; ++k) {
-    scene.see(0, 7, {0.1 * k, 2, 3}, {1, 0, 0});
-    scene.see(1, 9, {0.1 * k, 2, 3}, {1, 0, 0});
-    const auto reported = scene.scan();
+    scene.observe(0, 7, {0.1 * k, 2, 3}, {1, 0, 0});
+    scene.observe(1, 9, {0.1 * k, 2, 3}, {1, 0, 0});
+    const auto reported = scene.fuse();
     ASSERT_EQ(reported.size(), 1U) << k;
     EXPECT_EQ(reported[0].id, 1U);
     if (k >= 10) {
@@ -84,13 +86,13 @@ TEST(TrackFusion, ReportsSharedTargetOnceFromStart) {
   EXPECT_EQ(scene.fusion.num_broken(), 0U);
 }
 
-TEST(TrackFusion, NeverJoinsOnSingleAgreement) {
+TEST(TrackFusion, NeverJoinsBeforeConfirmation) {
   FusionScene scene;
   scene.noisy = false;
-  for (int k = 0; k < 2; ++k) {  // two cross at the same place
-    scene.see(0, 7, {0, 0, 0});
-    scene.see(1, 9, {0, 0, 0});
-    scene.scan();
+  for (int k = 0; k < 2; ++k) {  // two agreements; a join takes three (TrackFusionConfig::confirmations)
+    scene.observe(0, 7, {0, 0, 0});
+    scene.observe(1, 9, {0, 0, 0});
+    scene.fuse();
   }
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
@@ -100,13 +102,13 @@ TEST(TrackFusion, KeepsAdjacentTargetsApart) {
     FusionScene scene(seed);
     for (int k = 0; k < 100; ++k) {
       const Vector3 v_mps(2, 0, 0), here_m(0.2 * k, 0, 5), beside_m(0.2 * k, 1.0, 5);
-      scene.see(0, 1, here_m, v_mps);
-      scene.see(0, 2, beside_m, v_mps);
-      scene.see(1, 1, here_m, v_mps);
-      scene.see(1, 2, beside_m, v_mps);
-      scene.scan();
+      scene.observe(0, 1, here_m, v_mps);
+      scene.observe(0, 2, beside_m, v_mps);
+      scene.observe(1, 1, here_m, v_mps);
+      scene.observe(1, 2, beside_m, v_mps);
+      scene.fuse();
     }
-    // Joined are, if anything, tracks of the same identity.
+    // Both observers use the same identities, so that only tracks of equal identity may be joined.
     for (const FusedTrack& reported : scene.fusion.reported()) {
       std::set<std::uint32_t> identities;
       for (const std::size_t m : reported.members) identities.insert(scene.last[m].identity);
@@ -121,9 +123,9 @@ TEST(TrackFusion, KeepsSeparatelyObservedTargetsApart) {
     FusionScene scene(seed);
     for (int k = 0; k < 100; ++k) {
       const Vector3 v_mps(2, 0, 0);
-      scene.see(0, 1, {0.2 * k, 0, 5}, v_mps);
-      scene.see(1, 2, {0.2 * k, 1.5, 5}, v_mps);
-      scene.scan();
+      scene.observe(0, 1, {0.2 * k, 0, 5}, v_mps);
+      scene.observe(1, 2, {0.2 * k, 1.5, 5}, v_mps);
+      scene.fuse();
     }
     EXPECT_EQ(scene.fusion.num_joined(), 0U) << seed;
     EXPECT_EQ(scene.fusion.reported().size(), 2U) << seed;
@@ -133,23 +135,23 @@ TEST(TrackFusion, KeepsSeparatelyObservedTargetsApart) {
 TEST(TrackFusion, NeitherJoinsNorDuplicatesWhenAmbiguous) {
   FusionScene scene;
   scene.noisy = false;
-  for (int k = 0; k < 30; ++k) {  // the one that the first sees may be either of those of the second
-    scene.see(0, 1, {0, 0, 5});
-    scene.see(1, 1, {0, 0.2, 5});
-    scene.see(1, 2, {0, -0.2, 5});
-    const auto reported = scene.scan();
-    ASSERT_EQ(reported.size(), 2U) << k;  // at least two, as the second observer reports
+  for (int k = 0; k < 30; ++k) {  // observer 0's target may be either of observer 1's two
+    scene.observe(0, 1, {0, 0, 5});
+    scene.observe(1, 1, {0, 0.2, 5});
+    scene.observe(1, 2, {0, -0.2, 5});
+    const auto reported = scene.fuse();
+    ASSERT_EQ(reported.size(), 2U) << k;  // observer 1 distinguishes two targets
     for (const FusedTrack& track : reported) EXPECT_EQ(scene.last[track.members.front()].observer, 1);
   }
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
 
-TEST(TrackFusion, IgnoresPoorlyKnownPositions) {
+TEST(TrackFusion, NeverJoinsTracksOfUncertainPosition) {
   FusionScene scene;
   for (int k = 0; k < 100; ++k) {
-    scene.see(0, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 1.5);
-    scene.see(1, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 0.1);
-    scene.scan();
+    scene.observe(0, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 1.5);
+    scene.observe(1, 1, {0, 0, 5}, Vector3::Zero(), 0.95, 0.1);
+    scene.fuse();
   }
   EXPECT_EQ(scene.fusion.num_joined(), 0U);
 }
@@ -158,24 +160,24 @@ TEST(TrackFusion, SplitsTracksThatDiverge) {
   FusionScene scene;
   for (int k = 0; k < 60; ++k) {
     const double apart_m = k < 20 ? 0.0 : 0.2 * (k - 20);
-    scene.see(0, 1, {0, 0, 5});
-    scene.see(1, 1, {apart_m, 0, 5}, {k < 20 ? 0.0 : 2.0, 0, 0});
-    scene.scan();
+    scene.observe(0, 1, {0, 0, 5});
+    scene.observe(1, 1, {apart_m, 0, 5}, {k < 20 ? 0.0 : 2.0, 0, 0});
+    scene.fuse();
   }
   EXPECT_EQ(scene.fusion.num_joined(), 1U);
   EXPECT_EQ(scene.fusion.num_broken(), 1U);
   EXPECT_EQ(scene.fusion.reported().size(), 2U);
-  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // the own one goes on
+  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // observer 0's track keeps the id
 }
 
 TEST(TrackFusion, KeepsIdentityWhenAnObserverReacquires) {
   FusionScene scene;
   for (int k = 0; k < 120; ++k) {
     const Vector3 p_m(0.1 * k, 0, 5), v_mps(1, 0, 0);
-    if (k < 40) scene.see(0, 1, p_m, v_mps);
-    if (k >= 80) scene.see(0, 2, p_m, v_mps);  // another identity
-    scene.see(1, 5, p_m, v_mps);
-    const auto reported = scene.scan();
+    if (k < 40) scene.observe(0, 1, p_m, v_mps);
+    if (k >= 80) scene.observe(0, 2, p_m, v_mps);  // reacquired under another identity
+    scene.observe(1, 5, p_m, v_mps);
+    const auto reported = scene.fuse();
     ASSERT_EQ(reported.size(), 1U) << k;
     EXPECT_EQ(reported[0].id, 1U) << k;
   }
@@ -183,36 +185,36 @@ TEST(TrackFusion, KeepsIdentityWhenAnObserverReacquires) {
 
 TEST(TrackFusion, DropsTargetsWithoutReports) {
   FusionScene scene;
-  scene.see(1, 5, {0, 0, 5});
-  EXPECT_EQ(scene.scan().size(), 1U);
-  EXPECT_EQ(scene.scan().size(), 0U);
-  scene.see(1, 5, {0, 0, 5});
-  ASSERT_EQ(scene.scan().size(), 1U);
-  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // remembered
+  scene.observe(1, 5, {0, 0, 5});
+  EXPECT_EQ(scene.fuse().size(), 1U);
+  EXPECT_EQ(scene.fuse().size(), 0U);
+  scene.observe(1, 5, {0, 0, 5});
+  ASSERT_EQ(scene.fuse().size(), 1U);
+  EXPECT_EQ(scene.fusion.reported()[0].id, 1U);  // the id is kept over the fusion without reports
 }
 
 TEST(TrackFusion, ReportsWeakTracksThatAgree) {
   FusionScene scene;
   std::size_t reported = 0;
   for (int k = 0; k < 20; ++k) {
-    scene.see(0, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
-    scene.see(1, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
-    reported = scene.scan().size();
+    scene.observe(0, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
+    scene.observe(1, 1, {0, 0, 5}, Vector3::Zero(), 0.2);
+    reported = scene.fuse().size();
   }
   ASSERT_EQ(reported, 1U);
-  EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds of a quarter, nearly tenfold
+  EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds 0.25, times 1 / common_clutter = 10 at most
 }
 
 TEST(TrackFusion, ThreeObserversSeeOneTarget) {
   FusionScene scene;
   for (int k = 0; k < 40; ++k) {
-    for (VehicleId observer = 0; observer < 3; ++observer) scene.see(observer, 1, {0, 0.1 * k, 5}, {0, 1, 0});
-    ASSERT_EQ(scene.scan().size(), 1U) << k;
+    for (VehicleId observer = 0; observer < 3; ++observer) scene.observe(observer, 1, {0, 0.1 * k, 5}, {0, 1, 0});
+    ASSERT_EQ(scene.fuse().size(), 1U) << k;
   }
   EXPECT_EQ(scene.fusion.reported()[0].members.size(), 3U);
 }
 
-/// With any common errors, the fused error does not exceed its covariance: six degrees of freedom.
+/// With independent and with equal errors of the observers, the mean NEES is at most the degrees of freedom, six.
 TEST(TrackFusion, KeepsErrorWithinReportedCovariance) {
   for (const bool common : {false, true}) {
     double nees = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search on the grid against looking at everything, one by one: windows, budgets, ties and what is left out.
+// Branch-and-bound search compared with exhaustive search: windows, budgets, ties, excluded headings and poses.
 #include "core/slam/graph/branch_and_bound.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,9 @@ namespace swiftlet {
 namespace {
 
 using SearchCloud = std::vector<Eigen::Vector3f>;
+/// [nodes] Budget that no search of these tests exhausts.
 constexpr std::int64_t kNoBudget = 1'000'000'000;
+/// [m] Edge of a grid cell.
 constexpr double kGridCell_m = 0.5;
 
 SearchCloud random_cloud(std::mt19937& random, int num, float half_m) {
@@ -38,17 +40,18 @@ std::array<int, 3> grid_cell_of(const Vector3& p_m) {
   return {c.x(), c.y(), c.z()};
 }
 
-/// Cells and points in cells, without any pyramid.
+/// Occupied cells of a map, without a pyramid.
 struct SearchedGrid {
   std::set<std::array<int, 3>> occupied;
   explicit SearchedGrid(const SearchCloud& points) {
     for (const Eigen::Vector3f& p : points) occupied.insert(grid_cell_of(p.cast<double>()));
   }
-  int score(const SearchCloud& cloud, const Pose& T, const std::array<int, 3>& off) const {
+  /// Number of points in occupied cells at the pose T, displaced by whole cells.
+  int score(const SearchCloud& cloud, const Pose& T, const std::array<int, 3>& displacement_cells) const {
     int sum = 0;
     for (const Eigen::Vector3f& p : cloud) {
       std::array<int, 3> c = grid_cell_of(T * p.cast<double>());
-      for (int axis = 0; axis < 3; ++axis) c[axis] += off[axis];
+      for (int axis = 0; axis < 3; ++axis) c[axis] += displacement_cells[axis];
       sum += occupied.count(c) != 0 ? 1 : 0;
     }
     return sum;
@@ -64,16 +67,18 @@ double headings_apart_rad(const Pose& a, const Pose& b) {
   return std::abs(std::atan2(R(1, 0), R(0, 0)));
 }
 
-struct PlainBest {
+/// Best pose of the exhaustive search; for equal scores the first.
+struct ExhaustiveBest {
   int score = 0;
   Pose T = Pose::Identity();
 };
 
-PlainBest best_one_by_one(const SearchCloud& map_points, const SearchCloud& cloud, const Pose& guess,
-                          const SearchWindow& window, std::span<const std::uint8_t> allowed, const Excluded* excluded) {
+ExhaustiveBest best_by_exhaustive_search(const SearchCloud& map_points, const SearchCloud& cloud, const Pose& guess,
+                                         const SearchWindow& window, std::span<const std::uint8_t> allowed,
+                                         const Excluded* excluded) {
   const SearchedGrid grid(map_points);
   const int half = static_cast<int>(window.yaw_rad / window.yaw_step_rad + 1e-9);
-  PlainBest best;
+  ExhaustiveBest best;
   for (int i = -half; i <= half; ++i) {
     if (!allowed.empty() && allowed[static_cast<std::size_t>(i + half)] == 0) continue;
     const Pose T = at_heading(guess, i * window.yaw_step_rad);
@@ -107,7 +112,7 @@ TEST(GridPyramid, HoldsPointCellsAtLowestLevel) {
       }
     }
   }
-  EXPECT_FALSE(OccupancyPyramid({}, kGridCell_m, 3).at(2, 0, 0, 0)) << "without points nothing is occupied";
+  EXPECT_FALSE(OccupancyPyramid({}, kGridCell_m, 3).at(2, 0, 0, 0)) << "without points, no cell is occupied";
 }
 
 TEST(GridSearchWindow, SpansHeadingsAroundTheGuess) {
@@ -136,16 +141,19 @@ TEST(BranchAndBound, FindsBestPoseAroundAnyGuess) {
     const Excluded* excluded = trial < 3 ? nullptr : &near;
     const OccupancyPyramid map(points, kGridCell_m, 1 + trial % 4);
     const SearchResult found = search_best_pose(map, cloud, guess, window, 0.0, kNoBudget, allowed, excluded);
-    const PlainBest expected = best_one_by_one(points, cloud, guess, window, allowed, excluded);
+    const ExhaustiveBest expected = best_by_exhaustive_search(points, cloud, guess, window, allowed, excluded);
     ASSERT_TRUE(found.complete);
     ASSERT_TRUE(found.best);
     EXPECT_DOUBLE_EQ(found.best->score, expected.score / 30.0) << trial;
     // The reported share of points lies in occupied cells at the reported pose.
     const Vector3 by_m = found.best->T_map_cloud.translation() - guess.translation();
     const Pose turned = make_pose(guess.translation(), Eigen::Quaterniond(found.best->T_map_cloud.linear()));
-    const Eigen::Vector3i off = (by_m / kGridCell_m).array().round().cast<int>();
-    EXPECT_LT((by_m - kGridCell_m * off.cast<double>()).norm(), 1e-9);
-    EXPECT_EQ(SearchedGrid(points).score(cloud, turned, {off.x(), off.y(), off.z()}), expected.score) << trial;
+    const Eigen::Vector3i displacement_cells = (by_m / kGridCell_m).array().round().cast<int>();
+    EXPECT_LT((by_m - kGridCell_m * displacement_cells.cast<double>()).norm(), 1e-9);
+    EXPECT_EQ(SearchedGrid(points).score(cloud, turned,
+                                         {displacement_cells.x(), displacement_cells.y(), displacement_cells.z()}),
+              expected.score)
+        << trial;
     if (excluded != nullptr && headings_apart_rad(found.best->T_map_cloud, T) <= near.angle_rad) {
       EXPECT_GE((found.best->T_map_cloud.translation() - T.translation()).norm(), near.distance_m);
     }
@@ -176,7 +184,7 @@ TEST(BranchAndBound, SearchesExactlyWithinItsWindow) {
 }
 
 TEST(BranchAndBound, ReturnsFirstOfEqualPoses) {
-  // Two posts, and a cloud of one: in each of two places all of it fits.
+  // The map has two points, the cloud one: displacements to either point have the highest score.
   for (int axis = 0; axis < 3; ++axis) {
     SearchCloud posts;
     for (const double at_m : {-1.0, 1.0}) posts.push_back((at_m * Vector3::Unit(axis)).cast<float>());
@@ -188,7 +196,7 @@ TEST(BranchAndBound, ReturnsFirstOfEqualPoses) {
       EXPECT_EQ(found.best->T_map_cloud.translation(), -Vector3::Unit(axis)) << axis << " " << levels;
     }
   }
-  // A point on the axis fits at every heading.
+  // A point near the axis of rotation stays in its cell at every heading of the window.
   const SearchCloud post = {{0.1F, 0.1F, 0.0F}};
   const SearchResult found = search_best_pose(OccupancyPyramid(post, kGridCell_m, 1), post, Pose::Identity(),
                                               {0, 0, 0.1, 0.05}, 0.0, kNoBudget);
@@ -207,7 +215,7 @@ TEST(BranchAndBound, EndsExactlyAtItsBudget) {
 }
 
 TEST(BranchAndBound, AcceptsScoresFromTheMinimumUpward) {
-  // Three of eight points fit.
+  // The map has the cells of three of the cloud's eight points.
   SearchCloud points, cloud;
   for (int i = 0; i < 8; ++i) cloud.emplace_back(1.5F * static_cast<float>(i), 0.1F, 0.1F);
   for (int i = 0; i < 3; ++i) points.push_back(cloud[static_cast<std::size_t>(i * i)]);
@@ -220,7 +228,7 @@ TEST(BranchAndBound, AcceptsScoresFromTheMinimumUpward) {
     EXPECT_DOUBLE_EQ(found(score_min)->score, 3.0 / 8.0);
   }
   for (const double score_min : {3.01 / 8.0, 4.0 / 8.0, 1.0}) EXPECT_FALSE(found(score_min)) << score_min;
-  // One point of all is something, none is nothing.
+  // With a minimum score of 0, one matching point gives a result; without any there is none.
   const SearchCloud one = {cloud[0]};
   EXPECT_TRUE(search_best_pose(OccupancyPyramid(one, kGridCell_m, 1), cloud, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0,
                                kNoBudget)

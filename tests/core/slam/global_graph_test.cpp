@@ -88,7 +88,7 @@ TEST(GlobalGraph, LimitsSubmapLengthAndStartsAnother) {
     EXPECT_LT((T.translation() - Vector3(8.5 * (num - 1), 1, 2)).norm(), 1e-9);
     const std::size_t nodes = static_cast<std::size_t>(std::lround((to_m - 8.5 * (num - 1)) / 0.5)) + 1;
     EXPECT_NEAR(static_cast<double>(map->submaps.back().points_submap_m.size()), 3.0 * static_cast<double>(nodes), 2.0)
-        << "of the four points of a scan two lie within a centimeter";
+        << "a scan has four points, two of them within a centimeter";
     const Eigen::Vector3f first = map->submaps.back().points_submap_m[0];
     const Vector3 seen = make_pose({8.5 * (num - 1), 1, 2}, rotation_by({0.1, -0.05, 0.3})) * Vector3(1, 0, 0);
     EXPECT_LT((T * first.cast<double>() - seen).norm(), 1e-5);

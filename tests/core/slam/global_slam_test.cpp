@@ -400,15 +400,16 @@ TEST(GlobalSlam, LocatesUninformedFlightInLoadedMap) {
     ASSERT_TRUE(flight.correction);
     const SubmapPoses& poses = flight.slam.submap_poses();
     ASSERT_EQ(poses.num_given, config.loaded_map->submaps.size());
-    ASSERT_EQ(poses.T_local_given.size(), poses.num_given) << "it knows where they lie";
-    EXPECT_EQ(poses.given.size(), poses.num_given) << "of their points";
+    ASSERT_EQ(poses.T_local_given.size(), poses.num_given) << "poses of the loaded submaps";
+    EXPECT_EQ(poses.given.size(), poses.num_given) << "points of the loaded submaps";
     const Vector3 given_world_m = config.loaded_map->T_world_submap(config.loaded_map->submaps[1]).translation();
     EXPECT_LT((poses.T_local_given[1].translation() - flight.T_local_world * given_world_m).norm(), 0.1) << yaw_rad;
     const Vector3 p_world_m = on_square_m(25.0), p_local_m = flight.T_local_world * p_world_m;
     EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.05) << yaw_rad;
     EXPECT_LT(std::abs(yaw_of(Matrix3(flight.correction->linear() * flight.T_local_world.linear()))), 0.005);
     const auto both = flight.slam.saved_map();
-    EXPECT_GT(both->submaps.size(), config.loaded_map->submaps.size()) << "it goes on with the map";
+    EXPECT_GT(both->submaps.size(), config.loaded_map->submaps.size())
+        << "the saved map contains loaded and new submaps";
     EXPECT_EQ(fault_of(*both), "");
   }
 }

@@ -154,7 +154,8 @@ TEST(InertialFilter, LevelingMakesGravityVertical) {
   const auto force_body_mps2 = [](const Filter::State& s) {
     return Vector3(s.nav.q.conjugate() * s.gravity_local_mps2());
   };
-  EXPECT_LT((force_body_mps2(filter.state()) - force_body_mps2(state)).norm(), 1e-9) << "the same in body axes";
+  EXPECT_LT((force_body_mps2(filter.state()) - force_body_mps2(state)).norm(), 1e-9)
+      << "leveling keeps gravity in body axes";
 }
 
 TEST(InertialFilter, EvidenceThatIsEmptyChangesNothing) {

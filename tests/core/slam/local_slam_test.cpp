@@ -105,7 +105,7 @@ TEST(LocalSlam, InsertsScansEverySecondAtRest) {
   EXPECT_EQ(inserted_scans(outcomes), first_ten_and({20, 30, 40}));
   EXPECT_EQ(slam.inserted_at().t, 40 * kLidarTick);
   for (const ScanOutcome& outcome : outcomes) EXPECT_TRUE(outcome.used);
-  EXPECT_EQ(outcomes.front().num_iterations, 0) << "it began the map";
+  EXPECT_EQ(outcomes.front().num_iterations, 0) << "the first scan begins the map without matching";
   EXPECT_GT(outcomes.back().num_iterations, 0);
 }
 

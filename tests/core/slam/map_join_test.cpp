@@ -70,7 +70,8 @@ TEST(MapJoin, OneClosureIsNeverEnough) {
   const std::vector<MapClosure> contrary = {paths.closure(1, 6), paths.closure(3, 4, level_at(0, 4, 0, 0))};
   EXPECT_TRUE(agreeing_closures(contrary, paths.own, paths.others, {}).empty());
   const std::vector<MapClosure> twice = {paths.closure(1, 6), paths.closure(2, 6)};
-  EXPECT_TRUE(agreeing_closures(twice, paths.own, paths.others, {}).empty()) << "the same cloud of the other";
+  EXPECT_TRUE(agreeing_closures(twice, paths.own, paths.others, {}).empty())
+      << "both closures use the same cloud of the other vehicle";
 }
 
 TEST(MapJoin, TakesNeitherOfTwoAmbiguousSets) {

@@ -207,7 +207,7 @@ TEST(InnovationMonitor, ScalesNoiseUntilInnovationsAgree) {
   EXPECT_LT(monitor.noise_factor(), 900.0);
   EXPECT_TRUE(monitor.disagrees());
   for (int i = 0; i < 500; ++i) monitor.add(6.0, 6);
-  EXPECT_EQ(monitor.noise_factor(), 1.0) << "it recovers";
+  EXPECT_EQ(monitor.noise_factor(), 1.0) << "the noise factor recovers";
 }
 
 }  // namespace

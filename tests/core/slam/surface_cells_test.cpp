@@ -205,7 +205,7 @@ TEST(SurfaceCells, ReturnTheLargestPlaneAcrossSizes) {
   EXPECT_GT(std::abs(map.find(wall_m)->normal.x()), 0.99F);
   ASSERT_NE(map.find(bush_m), nullptr);
   EXPECT_FALSE(map.find(bush_m)->planar);
-  EXPECT_LT(map.find(bush_m)->count, 250.0F) << "of a smaller cell";
+  EXPECT_LT(map.find(bush_m)->count, 250.0F) << "points of the bush come from a smaller cell";
 }
 
 }  // namespace

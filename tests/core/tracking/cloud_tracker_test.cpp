@@ -71,7 +71,7 @@ TEST(CloudTracker, ReportsBrightestReturnAndMeasurementPosition) {
   ASSERT_EQ(tracks.size(), 2U);
   for (const Track& track : tracks) {
     const bool is_marked = (track.position_m - marked(10 * kScan)).norm() < 0.5;
-    EXPECT_EQ(track.reflectivity, is_marked ? 18.0 : 0.0) << "of the newest measurement";
+    EXPECT_EQ(track.reflectivity, is_marked ? 18.0 : 0.0) << "reflectivity of the newest measurement";
     const Vector3 truth = is_marked ? marked(10 * kScan) : plain(10 * kScan);
     EXPECT_LT((track.measured_m - truth).norm(), 0.2);
     EXPECT_NEAR(track.measured_covariance(0, 0), 0.09, 1e-12);

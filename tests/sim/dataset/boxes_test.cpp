@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// A LiDAR 0.3 m above uav1 at the origin at 10 m height, uav2 20 m ahead of it, and what stands between them.
+/// uav1 hovers at (0, 0, 10) m with a LiDAR 0.3 m above its center. Each test places uav2, uav3 and occluders.
 class BoxesTest : public ::testing::Test {
  protected:
   BoxesTest() {
@@ -45,7 +45,7 @@ class BoxesTest : public ::testing::Test {
     scan.truth.instance.assign(size, 0);
   }
 
-  /// Boxes of uav2 and uav3, which fly with a constant velocity from these places.
+  /// Boxes of uav2, which flies from p2 with the velocity v2, and of uav3, which hovers at p3.
   std::vector<VehicleBox> boxes(const Vector3& p2, const Vector3& p3, const Vector3& v2 = Vector3::Zero()) {
     StateHistory truth(3, 200);
     for (int k = 0; k <= 110; ++k) {
@@ -78,7 +78,7 @@ TEST_F(BoxesTest, MatchTheVehiclePositionAndSize) {
   EXPECT_NEAR(box.T_lidar_box.translation().y(), 0.0, 1e-6);
   EXPECT_NEAR(box.range_m, box.T_lidar_box.translation().norm(), 1e-12);
   EXPECT_EQ(box.num_points, 0);
-  // Hubs at 0.25 m on the diagonals and propellers of 0.15 m: 2 (0.25 / sqrt 2 + 0.15).
+  // The rotor hubs are on the diagonals, 0.25 m from the center; propellers have a radius of 0.15 m.
   const double width_m = 2.0 * (0.25 / std::sqrt(2.0) + 0.15);
   EXPECT_NEAR(box.size_m.x(), width_m, 0.02);
   EXPECT_NEAR(box.size_m.y(), width_m, 0.02);
@@ -86,15 +86,15 @@ TEST_F(BoxesTest, MatchTheVehiclePositionAndSize) {
   EXPECT_LT(box.size_m.z(), 0.6);
 }
 
-TEST_F(BoxesTest, AreTimedByThePassingBeams) {
-  // Straight to the right, at azimuth -90 degrees: the beams pass after a quarter of the sweep, 25 ms.
+TEST_F(BoxesTest, HaveTimeOfPassingBeams) {
+  // The beams turn clockwise from the x axis: they pass uav2, at azimuth -90 degrees, after a quarter of the sweep.
   const auto found = boxes({0, -20, 10.3}, kFarBehind, {8, 0, 0});
   EXPECT_NEAR(to_seconds(found[0].t), 0.025, 0.002);
   EXPECT_NEAR(found[0].T_lidar_box.translation().x(), 8 * to_seconds(found[0].t), 0.01);
   EXPECT_EQ(found[0].v_world_mps, Vector3(8, 0, 0));
 }
 
-TEST_F(BoxesTest, AreHiddenByWallsInProportion) {
+TEST_F(BoxesTest, LoseVisibleFractionBehindWalls) {
   scene.add_box({10, -5, 0}, {10.1F, 5, 20});
   EXPECT_DOUBLE_EQ(boxes({20, 0, 10.3}, kFarBehind)[0].visible_fraction, 0.0);
   TestScene half;
@@ -103,8 +103,8 @@ TEST_F(BoxesTest, AreHiddenByWallsInProportion) {
   EXPECT_NEAR(boxes({20, 0, 10.3}, kFarBehind)[0].visible_fraction, 0.5, 0.1);
 }
 
-TEST_F(BoxesTest, OneVehicleHidesAnother) {
-  // Same size at half the distance: it covers all of the one behind, which looks half as large.
+TEST_F(BoxesTest, LoseVisibleFractionBehindVehicles) {
+  // uav3 at 6 m appears three times as large as uav2 behind it at 20 m.
   const auto found = boxes({20, 0, 10.3}, {6, 0, 10.3});
   EXPECT_LT(found[0].visible_fraction, 0.5);
   EXPECT_DOUBLE_EQ(found[1].visible_fraction, 1.0);
@@ -112,7 +112,7 @@ TEST_F(BoxesTest, OneVehicleHidesAnother) {
 
 TEST_F(BoxesTest, AreInvisibleOutsideRangeOrView) {
   EXPECT_DOUBLE_EQ(boxes({55, 0, 10.3}, kFarBehind)[0].visible_fraction, 0.0);
-  EXPECT_DOUBLE_EQ(boxes({5, 0, 20}, kFarBehind)[0].visible_fraction, 0.0);  // 63 degrees up
+  EXPECT_DOUBLE_EQ(boxes({5, 0, 20}, kFarBehind)[0].visible_fraction, 0.0);  // elevation 63 degrees
 }
 
 TEST_F(BoxesTest, CountOnlyPointsReturnedByVehicles) {
@@ -123,12 +123,12 @@ TEST_F(BoxesTest, CountOnlyPointsReturnedByVehicles) {
     scan.truth.instance[i] = static_cast<std::uint16_t>(instance);
   };
   put(100, 20.0F, 300, 2);
-  put(101, 0.0F, 300, 2);   // lost
-  put(102, 20.0F, 40, 2);   // ground
-  put(103, 20.0F, 300, 1);  // the carrier itself
+  put(101, 0.0F, 300, 2);   // no return
+  put(102, 20.0F, 40, 2);   // class ground
+  put(103, 20.0F, 300, 1);  // uav1, which carries the LiDAR
   put(104, 20.0F, 300, 3);
   put(105, 20.0F, 300, 3);
-  put(106, 20.0F, 300, 4);  // instance of no vehicle
+  put(106, 20.0F, 300, 4);  // no vehicle has this instance
   put(107, 20.0F, 300, 0);
   const auto found = boxes({20, 0, 10.3}, kFarBehind);
   ASSERT_EQ(found.size(), 2U);
@@ -142,12 +142,12 @@ TEST_F(BoxesTest, HaveBodyPoseAtTheirTime) {
   const Vector3 v2(3, -2, 1);
   const auto found = boxes({20, 5, 10.3}, kFarBehind, v2);
   const VehicleBox& box = found[0];
-  // The middle of the box lies below the hubs or above them, but over the middle of the body.
+  // The center of the box lies on the vertical through the center of mass, above or below it.
   const Vector3 body_m = Vector3(20, 5, 10.3) + to_seconds(box.t) * v2;
   EXPECT_LT((box.T_world_box.translation() - body_m).head<2>().norm(), 0.02);
   EXPECT_LT(std::abs((box.T_world_box.translation() - body_m).z()), 0.3);
   EXPECT_LT((box.T_world_box.translation() - box.T_lidar_box.translation() - Vector3(0, 0, 10.3)).norm(), 1e-9)
-      << "the carrier hovers, its LiDAR 0.3 m above it";
+      << "uav1 hovers, its LiDAR 0.3 m above its center";
   EXPECT_EQ(box.v_world_mps, v2);
 }
 
@@ -156,7 +156,7 @@ TEST_F(BoxesTest, DeriveFieldOfViewFromBeams) {
     const double a = azimuth_deg * std::numbers::pi / 180.0, e = elevation_deg * std::numbers::pi / 180.0;
     return Vector3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
   };
-  // So distant that the vehicle is less than a degree wide.
+  // At 45 m a vehicle is less than a degree wide.
   const auto visible_at = [&](double azimuth_deg, double elevation_deg, double beam_deg) {
     auto beams = std::make_shared<BeamTable>();
     beams->rows = beams->cols = 1;
@@ -171,11 +171,11 @@ TEST_F(BoxesTest, DeriveFieldOfViewFromBeams) {
   EXPECT_EQ(visible_at(1.0, 1.0, 1.0), 1.0);
   EXPECT_EQ(visible_at(5.0, 1.0, 1.0), 0.0) << "beside the beam";
   EXPECT_EQ(visible_at(-3.0, 1.0, 1.0), 0.0);
-  EXPECT_EQ(visible_at(1.0, 5.0, 1.0), 0.0) << "above it";
+  EXPECT_EQ(visible_at(1.0, 5.0, 1.0), 0.0) << "above the beam";
   EXPECT_EQ(visible_at(1.0, -3.0, 1.0), 0.0);
   for (const double beam_deg : {179.0, -179.0}) {
     EXPECT_EQ(visible_at(beam_deg, 1.0, beam_deg), 1.0);
-    EXPECT_EQ(visible_at(-beam_deg, 1.0, beam_deg), 1.0) << "across the seam behind";
+    EXPECT_EQ(visible_at(-beam_deg, 1.0, beam_deg), 1.0) << "across the wrap of the azimuth at 180 degrees";
     EXPECT_EQ(visible_at(-std::copysign(175.0, beam_deg), 1.0, beam_deg), 0.0);
   }
 }
@@ -188,22 +188,22 @@ TEST_F(BoxesTest, TakeNearestBeamTimeWithoutPoints) {
   }
 }
 
-TEST_F(BoxesTest, ArePartlyHiddenBySmallObjects) {
-  // A post that covers the middle half of the width, seen from 20 m.
+TEST_F(BoxesTest, ArePartlyOccludedByNarrowPosts) {
+  // A post in front of uav2 covers about half of the width between its hubs.
   const auto whole = boxes({20, 0, 10.3}, kFarBehind)[0];
   const double half_width_m = 0.25 / std::sqrt(2.0);
   scene.add_box({18.0F, static_cast<float>(-0.5 * half_width_m), 0},
                 {18.1F, static_cast<float>(0.5 * half_width_m), 20});
   const double seen = boxes({20, 0, 10.3}, kFarBehind)[0].visible_fraction;
   EXPECT_LT(seen, whole.visible_fraction - 0.2);
-  // Behind it the post hides nothing.
+  // In front of the post, uav2 is fully visible.
   EXPECT_EQ(boxes({16, 0, 10.3}, kFarBehind)[0].visible_fraction, 1.0);
 }
 
-TEST_F(BoxesTest, IgnoreVehiclesOffTheSightLine) {
+TEST_F(BoxesTest, StayVisibleWithoutOccludersBetween) {
   EXPECT_EQ(boxes({20, 0, 10.3}, {10, 1.0, 10.3})[0].visible_fraction, 1.0);
-  EXPECT_EQ(boxes({20, 0, 10.3}, {25, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind it";
-  EXPECT_EQ(boxes({20, 0, 10.3}, {-5, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind the LiDAR";
+  EXPECT_EQ(boxes({20, 0, 10.3}, {25, 0.0, 10.3})[0].visible_fraction, 1.0) << "uav3 behind uav2";
+  EXPECT_EQ(boxes({20, 0, 10.3}, {-5, 0.0, 10.3})[0].visible_fraction, 1.0) << "uav3 behind the LiDAR";
   EXPECT_LT(boxes({20, 0, 10.3}, {10, 0.0, 10.3})[0].visible_fraction, 1.0);
 }
 

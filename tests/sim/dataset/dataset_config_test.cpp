@@ -307,7 +307,8 @@ TEST_F(TeamOfFour, PreparesScenarioWithPathsAndWorld) {
     EXPECT_GE(prepared.reflectivities[i], static_cast<double>(0.02F));
     EXPECT_LE(prepared.reflectivities[i], static_cast<double>(0.98F));
   }
-  EXPECT_NE(prepare_flight(plan, flight, 1).reflectivities, prepared.reflectivities) << "of another attempt";
+  EXPECT_NE(prepare_flight(plan, flight, 1).reflectivities, prepared.reflectivities)
+      << "another attempt draws other reflectivities";
   const World again = make_flight_world(scenario, prepared.reflectivities);
   EXPECT_EQ(again.scene->materials[0].reflectivity, materials[0].reflectivity);
   std::vector<double> too_many = prepared.reflectivities;

@@ -47,7 +47,7 @@ std::string card_of(const DatasetPlan& plan, const std::vector<SequenceInfo>& se
   return read_whole_file(directory.path() / "README.md");
 }
 
-TEST(DataCard, CountsSplitsBySequenceAndFlight) {
+TEST(DataCard, CountsSequencesAndFlightsPerSplit) {
   const DatasetPlan plan = plan_of({{"train", 3, 5}, {"valid", 0, 9}, {"test", 1, 11}});
   std::vector<SequenceInfo> sequences = {sequence_of(0, "train"), sequence_of(1, "train"), sequence_of(2, "train"),
                                          sequence_of(3, "test")};
@@ -77,7 +77,7 @@ TEST(DataCard, StatesShareOfPosesOutsideWalls) {
   for (SequenceInfo& info : sequences) info.statistics.frames = 40;
   EXPECT_EQ(poses_outside(sequences), "");
   EXPECT_THAT(card_of(plan, sequences), Not(HasSubstr("outside walls")));
-  // The second family, in a forest, has no walls.
+  // Sequence 01, in a forest, has no walls: its poses are not counted.
   sequences[0].statistics.frames_walled = 40;
   sequences[0].statistics.frames_outside = 5;
   sequences[2].statistics.frames_walled = 40;
@@ -95,7 +95,7 @@ TEST(DataCard, ShowsSizesInFittingUnits) {
   }
 }
 
-TEST(DataCard, ListsClassesBySizeWithShare) {
+TEST(DataCard, SortsClassesByNumberOfPoints) {
   SequenceInfo info = sequence_of(0, "train");
   info.statistics.points = 1'000'000;
   info.statistics.points_by_class = {{40, 700'000}, {70, 250'000}, {71, 1000}, {53, 999}, {0, 999}, {300, 47'002}};
@@ -113,7 +113,7 @@ TEST(DataCard, ListsClassesBySizeWithShare) {
                               "| pillar | 53 | 999 | 0.0999 % |\n\n"));
 }
 
-TEST(DataCard, SequencesAndDrawsAreListed) {
+TEST(DataCard, ListsSequencesAndVariedSettings) {
   DatasetPlan plan = plan_of({{"train", 2, 5}});
   plan.config.description = "Two flights.";
   FamilyConfig family;
@@ -165,7 +165,7 @@ TEST(DataCard, ShowsOnlySnapshots) {
   EXPECT_THAT(card, HasSubstr("## Pictures\n\n![sequence 07, side_1](sequences/07/snapshots/side_1.png)\n\n## Random"));
 }
 
-/// The lines of one key of the class table.
+/// Lines below one top-level key of the class table (YAML), without their indentation.
 std::vector<std::string> block(const std::string& table, const std::string& key) {
   std::vector<std::string> lines;
   std::istringstream in(table);
@@ -177,7 +177,7 @@ std::vector<std::string> block(const std::string& table, const std::string& key)
   return lines;
 }
 
-TEST(ClassTable, NumbersClassesDenselyAndStatesShare) {
+TEST(ClassTable, MapsClassesDenselyAndStatesShares) {
   SequenceInfo one = sequence_of(3, "train"), two = sequence_of(4, "valid"), three = sequence_of(5, "train");
   one.statistics.points = 5;
   one.statistics.points_by_class = {{40, 3}, {300, 2}};
@@ -189,11 +189,11 @@ TEST(ClassTable, NumbersClassesDenselyAndStatesShare) {
              ignore = block(table, "learning_ignore");
   ASSERT_GT(labels.size(), 10U);
   std::set<std::string> seen;
-  int before = -1;
+  int previous = -1;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string number = labels[i].substr(0, labels[i].find(':'));
-    EXPECT_GT(std::stoi(number), before);
-    before = std::stoi(number);
+    EXPECT_GT(std::stoi(number), previous);
+    previous = std::stoi(number);
     EXPECT_TRUE(seen.insert(labels[i].substr(labels[i].find('"'))).second);
     EXPECT_EQ(content.at(i), number + (number == "40"    ? ": 0.750000000"
                                        : number == "300" ? ": 0.250000000"
@@ -208,9 +208,9 @@ TEST(ClassTable, NumbersClassesDenselyAndStatesShare) {
   const Eigen::Vector3i ground_rgb = (255.0F * class_color(40).cast<float>()).array().round().matrix().cast<int>();
   EXPECT_THAT(colors, ::testing::Contains("40: [" + std::to_string(ground_rgb.z()) + ", " +
                                           std::to_string(ground_rgb.y()) + ", " + std::to_string(ground_rgb.x()) + "]"))
-      << "blue first";
+      << "colors are in the order blue, green, red";
   EXPECT_THAT(block(table, "split"), ElementsAre("train:", "  - 3", "  - 5", "valid:", "  - 4", "test: []"));
-  // Without points all shares are zero.
+  // A data set without points has zero shares.
   EXPECT_THAT(block(class_table(plan_of({}), {}), "content").at(1), HasSubstr(": 0.000000000"));
 }
 
@@ -273,7 +273,7 @@ TEST(SequenceInfo, RoundTripsThroughJson) {
   EXPECT_EQ(json.at("statistics").at("points_by_class").at("65535"), 3);
 }
 
-TEST(SequenceInfo, RefusesInvalidDescriptionsWithTheirPlace) {
+TEST(SequenceInfo, RefusesInvalidDescriptionsNamingTheKey) {
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "sequence.json";
   EXPECT_THAT([&] { read_sequence_info(directory.path()); },
@@ -297,8 +297,8 @@ TEST(SequenceInfo, RefusesInvalidDescriptionsWithTheirPlace) {
   expect_refused([](auto& json) { json["vehicles"] = {"a", 1}; }, "vehicles: expected a list, each element a text");
   expect_refused([](auto& json) { json["statistics"] = 3; }, "statistics: expected an object");
   expect_refused([](auto& json) { json["statistics"]["points"] = 2'000'000'000'000'000; }, "points: expected a count");
-  const auto whole = nlohmann::json::parse(to_json(full_sequence()));
-  for (const auto& item : whole.items())
+  const auto valid = nlohmann::json::parse(to_json(full_sequence()));
+  for (const auto& item : valid.items())
     expect_refused([&](auto& json) { json.erase(item.key()); }, "not the description of a sequence");
 }
 
@@ -325,14 +325,14 @@ TEST(ListFiles, ListsFilesWithSizeAndHash) {
   EXPECT_EQ(files[1].bytes, 4U);
   EXPECT_EQ(files[1].xxh128, hex(hash_of("1234")));
   EXPECT_EQ(files[2].path, "z.txt");
-  EXPECT_EQ(files[2].bytes, 99U) << "what is known is not read again";
+  EXPECT_EQ(files[2].bytes, 99U) << "a file with a known hash is not read again";
   EXPECT_EQ(files[2].xxh128, "known");
   EXPECT_EQ(list_files(directory.path()).size(), 4U);
 }
 
 TEST(Hash, MatchesHashOfFileBytes) {
   const TemporaryDirectory directory;
-  // The first two by xxhsum -H128.
+  // Expected digests of the first two texts: xxhsum -H128.
   EXPECT_EQ(hex(hash_of("")), "99aa06d3014798d86001c324468d497f");
   EXPECT_EQ(hex(hash_of("a")), "a96faf705af16834e6c632b61e964e1f");
   for (const std::size_t size :
@@ -372,12 +372,12 @@ TEST(Manifest, NamesEveryFileOfEverySequence) {
                                                         {"frames", 12},
                                                         {"points", 1'234'567'890'123},
                                                         {"state_hash", "abc"}}));
-  const auto begun = nlohmann::json::parse(manifest_json(plan, {}, {}, false));
-  EXPECT_EQ(begun.at("complete"), false);
-  EXPECT_TRUE(begun.at("files").is_array() && begun.at("sequences").is_array());
+  const auto incomplete = nlohmann::json::parse(manifest_json(plan, {}, {}, false));
+  EXPECT_EQ(incomplete.at("complete"), false);
+  EXPECT_TRUE(incomplete.at("files").is_array() && incomplete.at("sequences").is_array());
 }
 
-TEST(SequenceStatistics, SumUpAndKeepLeastClearance) {
+TEST(SequenceStatistics, AddUpAndKeepLeastClearance) {
   SequenceStatistics a = full_sequence().statistics, b = full_sequence().statistics;
   b.points_by_class = {{40, 10}, {70, 5}};
   b.least_clearance_m = 0.5;

@@ -133,13 +133,13 @@ TEST_F(SmallDatasetDeathTest, ResumesAfterBeingKilled) {
   fs::create_directories(begun / "sequences");  // all of it at the earliest kill
   GenerateOptions options;
   options.directory = begun;
-  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "not without being asked to";
+  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "an existing directory without the option to resume";
   options.resume = true;
   std::ofstream(begun / "mine.txt") << "";
   EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a file of the user";
   fs::remove(begun / "mine.txt");
   fs::create_directories(begun / "sequences/00");
-  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "whose is that sequence?";
+  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a sequence of unknown origin";
   fs::remove_all(begun / "sequences");
   std::ofstream(begun / "dataset.yaml") << "mine";
   EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a configuration of the user";

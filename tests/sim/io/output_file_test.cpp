@@ -33,7 +33,7 @@ TEST(OutputFile, AppearsUnderItsNameWhenComplete) {
   EXPECT_FALSE(fs::exists(path.string() + ".part"));
 }
 
-TEST(OutputFile, CountsBufferedBytesAndMoves) {
+TEST(OutputFile, KeepsBufferedBytesWhenMoved) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.txt", 8);
   std::string expected;
@@ -41,7 +41,8 @@ TEST(OutputFile, CountsBufferedBytesAndMoves) {
     file.append(part);
     expected += part;
     EXPECT_EQ(file.size(), expected.size());
-    EXPECT_LE(expected.size() - fs::file_size(directory.path() / "a.txt.part"), 8U) << "at most a buffer is held back";
+    EXPECT_LE(expected.size() - fs::file_size(directory.path() / "a.txt.part"), 8U)
+        << "at most one buffer is not yet in the file";
   }
   OutputFile moved = std::move(file);
   EXPECT_EQ(moved.size(), expected.size());
@@ -73,7 +74,7 @@ TEST(OutputFile, LeavesNothingWhenUnfinished) {
   EXPECT_TRUE(fs::is_empty(directory.path()));
 }
 
-TEST(OutputFile, OverwritesWhatWasWrittenBefore) {
+TEST(OutputFile, OverwritesEarlierBytes) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.txt", 4);
   file.append("0123456789");
@@ -85,7 +86,7 @@ TEST(OutputFile, OverwritesWhatWasWrittenBefore) {
   EXPECT_EQ(read_whole_file(directory.path() / "a.txt"), "01XY456789abcd");
 }
 
-TEST(OutputFile, NamesFileThatExceedsTheDisk) {
+TEST(OutputFile, NamesFileWhenDiskIsFull) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.bin", 16);
   file.append("fits");
@@ -94,7 +95,7 @@ TEST(OutputFile, NamesFileThatExceedsTheDisk) {
               ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("a.bin"), HasSubstr("File too large"))));
 }
 
-TEST(OutputFile, ReportsLastBytesExceedingTheDisk) {
+TEST(OutputFile, ReportsFullDiskWhenFinishing) {
   const TemporaryDirectory directory;
   OutputFile file(directory.path() / "a.bin");
   file.append("buffered");
@@ -103,7 +104,7 @@ TEST(OutputFile, ReportsLastBytesExceedingTheDisk) {
   EXPECT_FALSE(fs::exists(directory.path() / "a.bin"));
 }
 
-TEST(OutputFile, IsWrittenByOneRecorderOnly) {
+TEST(OutputFile, RefusesSecondRecorderOfSameFile) {
   const TemporaryDirectory directory;
   OutputFile first(directory.path() / "a.txt");
   first.append("first");
@@ -122,7 +123,7 @@ TEST(OutputFile, OverwritesRemainsOfKilledRun) {
   EXPECT_EQ(read_whole_file(directory.path() / "a.txt"), "now");
 }
 
-TEST(OutputFile, FollowsNoLink) {
+TEST(OutputFile, ReplacesSymbolicLinks) {
   const TemporaryDirectory directory;
   const fs::path outside = directory.path() / "outside";
   std::ofstream(outside) << "precious";
@@ -140,7 +141,7 @@ TEST(OutputFile, FollowsNoLink) {
   }
 }
 
-TEST(OutputFile, ReplacesALeftoverOfAnyKind) {
+TEST(OutputFile, ReplacesHardLinksAndPipes) {
   const TemporaryDirectory directory;
   const fs::path path = directory.path() / "a.txt", partial = directory.path() / "a.txt.part";
   std::ofstream(directory.path() / "outside") << "precious";
@@ -155,7 +156,7 @@ TEST(OutputFile, ReplacesALeftoverOfAnyKind) {
   EXPECT_EQ(read_whole_file(path), "after a pipe");
 }
 
-TEST(OutputFile, NamesAPathThatCannotBe) {
+TEST(OutputFile, NamesPathThatCannotExist) {
   const TemporaryDirectory directory;
   std::ofstream(directory.path() / "file") << "x";
   EXPECT_THAT([&] { OutputFile(directory.path() / "file/below.txt"); },

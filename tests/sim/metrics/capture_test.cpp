@@ -73,7 +73,7 @@ TEST(CaptureMetric, CompletesOnceAllTargetsAreCaught) {
 TEST(CaptureMetric, RecountsTargetOnlyAfterItLeaves) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 9.5, 8.5}) run.put_target({0.0, 0.0, z_m});
-  EXPECT_EQ(run.value("captures"), 1.0) << "it never left";
+  EXPECT_EQ(run.value("captures"), 1.0) << "a target that stays near is counted once";
   run.put_target({0.0, 0.0, 14.0});
   run.put_target({0.0, 0.0, 8.0});
   EXPECT_EQ(run.value("captures"), 2.0);

@@ -78,7 +78,7 @@ TEST(JoinedMaps, CountMessagesByKind) {
   EXPECT_EQ(run.value("map_words_bytes", "uav2"), static_cast<double>(sent[1].size_bytes()));
   EXPECT_EQ(run.value("map_looks_bytes", "uav2"), 0.0);
   EXPECT_TRUE(std::isnan(run.value("joined_s", "uav2")));
-  EXPECT_EQ(run.metrics.report().find("joined_s", "uav1"), nullptr) << "it says nothing of maps";
+  EXPECT_EQ(run.metrics.report().find("joined_s", "uav1"), nullptr) << "uav1 has no joined map";
 }
 
 }  // namespace

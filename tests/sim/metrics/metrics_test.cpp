@@ -183,7 +183,7 @@ TEST(Metrics, RefusesMissionCompletionAfterACrash) {
   EXPECT_EQ(run.text("outcome", "uav1"), "crashed");
   EXPECT_EQ(run.text("outcome", "uav2"), "crashed");
   EXPECT_TRUE(std::isnan(run.value("time_to_done_s", "uav1")));
-  EXPECT_TRUE(std::isnan(run.value("time_to_done_s", "uav2"))) << "it was done, but the run counts as a crash";
+  EXPECT_TRUE(std::isnan(run.value("time_to_done_s", "uav2"))) << "uav2 was done before, but the run counts as a crash";
   EXPECT_NEAR(run.value("time_to_done_s", "uav3"), 0.03, 1e-12);
 }
 

@@ -12,9 +12,9 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kParts = 200;
+constexpr int kParts = 200;  // iterations of the loop
 
-TEST(FirstException, NothingIsThrownWhereNothingWas) {
+TEST(FirstException, RethrowsNothingWithoutException) {
   Crew crew(4);
   const Crew::Duty duty(crew);
   FirstException failure;
@@ -23,13 +23,13 @@ TEST(FirstException, NothingIsThrownWhereNothingWas) {
   EXPECT_NO_THROW(failure.rethrow());
 }
 
-TEST(FirstException, SelectsFirstPartRegardlessOfThreads) {
+TEST(FirstException, KeepsExceptionOfLowestPart) {
   for (const int threads : {1, 2, 4}) {
     Crew crew(threads);
     const Crew::Duty duty(crew);
     FirstException failure;
     parallel_for(kParts, 1, [&](int k) {
-      const int i = kParts - 1 - k;
+      const int i = kParts - 1 - k;  // the lowest part runs last
       failure.guard(i, [&] {
         if (i % 50 == 17) throw std::runtime_error("part " + std::to_string(i));
       });
@@ -44,7 +44,7 @@ TEST(FirstException, SelectsFirstPartRegardlessOfThreads) {
   }
 }
 
-TEST(FirstException, AllOtherPartsAreDone) {
+TEST(FirstException, RunsRemainingPartsAfterException) {
   Crew crew(4);
   const Crew::Duty duty(crew);
   FirstException failure;

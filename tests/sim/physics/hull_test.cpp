@@ -70,7 +70,7 @@ TEST(Hull, IsBodyDiscsArmsAndLegs) {
       }
     }
     EXPECT_GT(feet, 3) << "legs reach down to their height";
-    EXPECT_LT(feet, 100) << "and are thin";
+    EXPECT_LT(feet, 100) << "legs are thin";
   }
 }
 

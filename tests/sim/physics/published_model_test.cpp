@@ -117,7 +117,7 @@ double off_after_five_seconds_m(const Airframe& airframe) {
     for (int i = 0; i < 2500; ++i) model.step(command, 2e-4);
     tilted_most_rad = std::max(tilted_most_rad, std::acos(std::clamp(model.R(2, 2), -1.0, 1.0)));
   }
-  EXPECT_GT(tilted_most_rad, 2.0) << "it tumbles";
+  EXPECT_GT(tilted_most_rad, 2.0) << "the vehicle tumbles";
   EXPECT_GT((model.p_m - vehicle.start.p_world_m).norm(), 5.0);
   return (flight.state().p_world_m - model.p_m).norm();
 }

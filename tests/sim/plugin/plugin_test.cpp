@@ -61,7 +61,7 @@ TEST_F(Plugins, RunNothingUnlessTheyAreAllowed) {
   build("fine", plugin_for("1.2"));
   allow_plugins("");
   EXPECT_THAT(load_plugin("fine.so", folder.path()),
-              HasSubstr("--allow-plugins on the command line, because \"fine.so\""));
+              HasSubstr("--allow-plugins on the command line, because the plugin \"fine.so\""));
   EXPECT_FALSE(is_loaded(folder.path() / "fine.so"));
 }
 

@@ -193,7 +193,7 @@ void expect_nearest_triangles(const Mesh& mesh, const std::vector<Ray>& rays) {
                         << " at " << expected[i].range_m;
         }
       }
-      EXPECT_EQ(different, 0) << "of " << rays.size();
+      EXPECT_EQ(different, 0) << "rays that differ, out of " << rays.size();
     }
   }
 }

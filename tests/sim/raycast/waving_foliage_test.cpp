@@ -98,7 +98,7 @@ TEST(WavingFoliage, MatchesClosedFormForLeaves) {
       ASSERT_EQ(still.range_m[0], 10.0F);
       EXPECT_EQ(trunk.surface(still.surface[0]).surface_class, SurfaceClass::kTrunk);
     }
-    EXPECT_GT(most_m - least_m, 0.4) << "it did move";
+    EXPECT_GT(most_m - least_m, 0.4) << "the leaves move";
   }
 }
 
@@ -169,7 +169,7 @@ TEST(WavingFoliage, MatchesAForestFrozenInPlace) {
       moved += std::abs(range_m - still.look(kNow, 0, packet_along(d)).range_m[0]) > 1e-3F;
     }
     EXPECT_GT(hits, 100);
-    EXPECT_GE(same, 1191) << "of 1200: a few graze the edge of a leaf";
+    EXPECT_GE(same, 1191) << "equal ranges out of 1200; a few rays graze the edge of a leaf";
     EXPECT_GT(moved, 40) << "elsewhere than at another time";
   }
 }

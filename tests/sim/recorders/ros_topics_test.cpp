@@ -375,7 +375,7 @@ TEST(RosTopics, SendsExistingEstimateExactlyOnce) {
   EXPECT_EQ(tick.sink.read_all("/tf").at(1).count("transforms"), 1U);
   action.estimate.valid = true;
   for (const TimeNs t : {40'000'000, 60'000'000}) tick.write(t, &action);
-  EXPECT_EQ(tick.sink.read_all("/a/estimate").size(), 1U) << "of time 0, twice the same";
+  EXPECT_EQ(tick.sink.read_all("/a/estimate").size(), 1U) << "two ticks with the same estimate of time 0";
   EXPECT_EQ(tick.sink.read_all("/tf").at(3).count("transforms"), 2U);
   action.estimate.t = 70'000'000;
   tick.write(80'000'000, &action);

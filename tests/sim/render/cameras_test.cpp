@@ -129,7 +129,8 @@ TEST(CameraController, AvoidsOcclusionAtTheStart) {
   const View view = CameraController(config, 0, {0.5F}, kBounds, blocks).view(picture);
   EXPECT_FALSE(blocks(picture.states[0].p_world_m, view.eye_world_m));
   const Vector3d at = *view.project(picture.states[0].p_world_m);
-  EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6)) << "it still looks at the vehicle";
+  EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6))
+      << "the vehicle stays at the center of the picture";
 }
 
 TEST(CameraController, KeepsSightAlongWallsAndReturns) {
@@ -153,7 +154,7 @@ TEST(CameraController, KeepsSightAlongWallsAndReturns) {
     ASSERT_TRUE(k == 0 || (eye - last_eye).norm() < 0.4) << "a jump at " << k;
     last_eye = eye;
   }
-  EXPECT_LT(blocked, 30) << "of 1501";
+  EXPECT_LT(blocked, 30) << "views with the vehicle hidden, out of 1501";
   // 1.2 s of inertia at 1.5 m/s leave it behind a little.
   EXPECT_TRUE((last_eye - picture.states[0].p_world_m).isApprox(Vector3d(-8, 0, 3), 0.3))
       << (last_eye - picture.states[0].p_world_m).transpose();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Visibility of small scenes: contrast, size and position of drawn things, measured in pixels.
+// Pictures of small scenes: visibility, color, size and position of the drawn objects, measured in pixels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 const Rgb kLightGray(0.7F, 0.7F, 0.7F);
 
-/// Top view of the middle of the scene, with 96 x 96 pixels and `px_per_m`.
+/// Top view of the center of the scene, 96 x 96 pixels.
 View from_above(double px_per_m) { return top_view({0, 0}, 96.0 / px_per_m, -2.0, 8.0, 96, 96); }
 
 BoxWorld floor_world() {
@@ -24,7 +24,8 @@ BoxWorld floor_world() {
   return world;
 }
 
-/// Shared renderer of the floor and one kind of vehicle; creating one takes longer than ten pictures.
+/// Renderer of the floor and one vehicle shape, shared by the tests, because its creation takes longer than ten
+/// pictures.
 Renderer& floor_renderer() {
   static BoxWorld* const world = new BoxWorld(floor_world());
   static Renderer* const renderer = new Renderer(world->scene(), std::vector{make_test_shape()});
@@ -38,7 +39,7 @@ PictureScene with_vehicle(const Eigen::Vector3d& p) {
   return picture;
 }
 
-TEST(Looks, HiddenVehiclesAndTrailsShineThrough) {
+TEST(Renderer, ShowsOccludedVehiclesAndTrailsFaintly) {
   BoxWorld world;
   world.add({4, -3, -3}, {4.5F, 3, 3}, kLightGray).add({30, -60, -60}, {31, 60, 60}, kLightGray);
   Renderer renderer(world.scene(), std::vector{make_test_shape()});
@@ -51,7 +52,7 @@ TEST(Looks, HiddenVehiclesAndTrailsShineThrough) {
   hidden.trails = false;
   const Image plain = renderer.draw(view, picture, hidden);
   const Eigen::Vector3d vehicle = *view.project({8.0, 1.0, 0.0}), trail = *view.project({8.0, -0.5, 0.0});
-  const auto share = [&](const Eigen::Vector3d& at) {  // share of the vehicle's color in the visible color
+  const auto share = [&](const Eigen::Vector3d& at) {  // weight of the vehicle's color in the drawn pixel
     const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
     const Rgb from = color_at(plain, x, y), to = vehicle_color(0);
     return (color_at(drawn, x, y) - from).dot(to - from) / (to - from).squaredNorm();
@@ -62,7 +63,7 @@ TEST(Looks, HiddenVehiclesAndTrailsShineThrough) {
   EXPECT_GT(share(trail), 0.1F);
 }
 
-TEST(Looks, CloudsHaveTheirStylesColors) {
+TEST(Renderer, ColorsCloudsByStyle) {
   Renderer& renderer = floor_renderer();
   const View view = from_above(8.0);
   PictureScene picture;
@@ -94,7 +95,7 @@ TEST(Looks, CloudsHaveTheirStylesColors) {
   expect_color(1, 2, class_color(static_cast<std::uint16_t>(SurfaceClass::kMarking)));
   style.cloud = CloudColors::kIntensity;
   expect_color(0, 0, viridis_like(0.0F));
-  expect_color(0, 1, viridis_like(0.5F));  // the root of a quarter
+  expect_color(0, 1, viridis_like(0.5F));  // intensities are colored by their square root
   expect_color(0, 2, viridis_like(1.0F));
   style.cloud = CloudColors::kHeight;
   style.heights = HeightScale{1.0F, 5.0F};
@@ -110,34 +111,35 @@ TEST(Looks, CloudsHaveTheirStylesColors) {
   EXPECT_EQ(unknown.x(), unknown.z());
 }
 
-TEST(Looks, BlendsTranslucentOverlaysInDepthOrder) {
+TEST(Renderer, BlendsTranslucentOverlaysInDepthOrder) {
   Renderer& renderer = floor_renderer();
   const View view = from_above(8.0);
   PictureScene picture;
   const Eigen::Vector4f red(1, 0, 0, 0.5F), blue(0, 0, 1, 0.5F), green(0, 1, 0, 1);
-  // Named first, drawn last; the higher one over the lower one whatever their order.
-  for (const bool turned : {false, true}) {
+  // Translucent cubes are listed first, but drawn after opaque overlays, and the higher cube after the lower one in
+  // either order.
+  for (const bool swapped : {false, true}) {
     Overlay cubes{"cubes", Overlay::Kind::kCubes, {{0, 0, 1}, {0, 0, 4}}, {red, blue}, 2.0F, {}};
-    if (turned) std::swap(cubes.positions[0], cubes.positions[1]), std::swap(cubes.colors[0], cubes.colors[1]);
+    if (swapped) std::swap(cubes.positions[0], cubes.positions[1]), std::swap(cubes.colors[0], cubes.colors[1]);
     picture.overlays = {
         cubes, {"below", Overlay::Kind::kTriangles, {{-6, -6, 0.1F}, {6, -6, 0.1F}, {0, 9, 0.1F}}, {green}, 1.0F, {}}};
     PictureStyle style;
     style.overlays = {"*"};
     const Rgb both = color_at(renderer.draw(view, picture, style), 48, 48);
-    EXPECT_GT(both.z(), both.x() + 0.1F) << "the near one counts twice as much as the far one";
+    EXPECT_GT(both.z(), both.x() + 0.1F) << "the near cube has twice the weight of the far one";
     EXPECT_GT(both.x(), 0.15F);
-    EXPECT_GT(both.y(), 0.1F) << "and what lies below shines through";
+    EXPECT_GT(both.y(), 0.1F) << "the opaque triangle below both is visible";
   }
 }
 
-// Exact to the pixel: a square of 40 px around the middle, and a plane up to all four borders.
-TEST(Looks, PicturesAreNeitherShiftedNorCut) {
+// Checked to the pixel: a square of 40 px is centered in the picture, and the floor reaches all four borders.
+TEST(Renderer, NeitherShiftsNorCropsPictures) {
   BoxWorld world;
   world.add({-30, -30, -1}, {30, 30, 0}, Rgb(0.2F, 0.2F, 0.9F))
       .add({-2, -2, -0.5F}, {2, 2, 0.001F}, Rgb(0.9F, 0.1F, 0.1F));
   Renderer renderer(world.scene(), {});
   for (const auto& [width, height] : {std::pair(96, 96), {97, 63}}) {
-    const View view = top_view({0, 0}, height / 10.0, -2.0, 8.0, width, height);  // 10 px a meter
+    const View view = top_view({0, 0}, height / 10.0, -2.0, 8.0, width, height);  // 10 px per meter
     for (const bool quick : {false, true}) {
       PictureStyle style;
       style.quick = quick;
@@ -149,7 +151,7 @@ TEST(Looks, PicturesAreNeitherShiftedNorCut) {
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
           const double off = std::max(std::abs(x + 0.5 - 0.5 * width), std::abs(y + 0.5 - 0.5 * height)) - 20.0;
-          if (std::abs(off) < 0.6) continue;  // on the edge itself
+          if (std::abs(off) < 0.6) continue;  // pixel on the square's edge, with a blended color
           const Rgb color = color_at(image, x, y);
           ASSERT_EQ(is_dominated_by(color, 0), off < 0.0) << x << " " << y << " " << quick;
           if (off > 3.0) {
@@ -165,8 +167,8 @@ TEST(Looks, PicturesAreNeitherShiftedNorCut) {
   }
 }
 
-// A renderer that has drawn other sizes, styles and depths draws as a new one does.
-TEST(Looks, PicturesAreIndependentOfEarlierOnes) {
+// A renderer draws the same picture as a new one, whatever sizes, styles and depth images it has drawn before.
+TEST(Renderer, DrawsIndependentlyOfEarlierPictures) {
   BoxWorld world = floor_world();
   world.add({2, -2, 0}, {3, 2, 2}, Rgb(0.9F, 0.1F, 0.1F));
   const auto shape = make_test_shape();
@@ -176,15 +178,15 @@ TEST(Looks, PicturesAreIndependentOfEarlierOnes) {
   quick.quick = true;
   const auto view = [](int width, int height) { return perspective_view({-4, 1, 3}, {2, 0, 1}, 60.0, width, height); };
   std::vector<float> first_depth_m;
-  std::map<std::pair<int, bool>, Image> alone;
+  std::map<std::pair<int, bool>, Image> by_new_renderer;
   for (const auto& [height, is_quick] :
        {std::pair(64, false), {48, false}, {48, true}, {64, true}, {64, false}, {48, true}}) {
     const PictureStyle style = is_quick ? quick : PictureStyle{};
-    const View its_view = view(height == 64 ? 96 : 64, height);
-    const Image drawn = used.draw(its_view, picture, style);
+    const View same_view = view(height == 64 ? 96 : 64, height);
+    const Image drawn = used.draw(same_view, picture, style);
     if (height == 64 || is_quick) {
-      Image& expected = alone[{height, is_quick}];
-      if (expected.rgb.empty()) expected = Renderer(world.scene(), std::vector{shape}).draw(its_view, picture, style);
+      Image& expected = by_new_renderer[{height, is_quick}];
+      if (expected.rgb.empty()) expected = Renderer(world.scene(), std::vector{shape}).draw(same_view, picture, style);
       EXPECT_EQ(drawn.rgb, expected.rgb) << height << " " << is_quick;
     }
     const std::vector<float> depth_m = used.draw_depth(view(60, 80), picture, {}).depth_m;

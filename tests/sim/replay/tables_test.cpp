@@ -147,7 +147,7 @@ TEST_F(Overlays, NumberEqualAndOmitReservedNames) {
              overlay("cells", Overlay::Kind::kCubes, 3), overlay("tracks", Overlay::Kind::kPoints, 1),
              overlay("tracks.cov", Overlay::Kind::kPoints, 1), overlay("detections", Overlay::Kind::kPoints, 1)},
             11);
-  ASSERT_EQ(tables.size(), 4U) << "and the map, which is due";
+  ASSERT_EQ(tables.size(), 4U) << "three overlays and the map, which is due";
   EXPECT_EQ(find(tables, "cells")->rows(), 1U);
   EXPECT_EQ(find(tables, "cells#1")->rows(), 2U);
   EXPECT_EQ(find(tables, "cells#2")->rows(), 3U);
@@ -468,7 +468,7 @@ TEST(LiveServer, WaitsOnlyForAnOpenPage) {
   EXPECT_FALSE(is_over) << "the page has not had the last one";
   get(0);
   std::this_thread::sleep_for(std::chrono::milliseconds(250));
-  EXPECT_FALSE(is_over) << "that was another one";
+  EXPECT_FALSE(is_over) << "the page has requested an earlier block only";
   get(1);
   waiting.join();
   EXPECT_TRUE(is_over);

@@ -390,7 +390,7 @@ TEST(BatchTables, NamesSelectRunMeanOrVehicle) {
   EXPECT_EQ(shown("b.each"), std::vector<std::string>{"each (b)"});
   EXPECT_EQ(shown("b.each, of_run, each"), (std::vector<std::string>{"each (b)", "of_run", "each (mean)"}));
   const BatchTable t = made_table(1, {"v"}, 3, "", metrics);
-  EXPECT_DOUBLE_EQ(t.find("each", "mean")->values[2], 3.0) << "of those that were measured";
+  EXPECT_DOUBLE_EQ(t.find("each", "mean")->values[2], 3.0) << "mean over the vehicles with a measured value";
   EXPECT_EQ(t.find("each", "c"), nullptr);
   EXPECT_EQ(t.find("single", "mean"), nullptr);
   EXPECT_TRUE(t.totals.empty()) << "with a single point";
@@ -563,7 +563,7 @@ TEST(TimeSeries, InterpolatesEstimatesWithoutExtrapolating) {
   std::ofstream(folder.path() / "trajectories/b.tum") << "# t_s x_m y_m z_m\n0 0 0 0\n";
   std::filesystem::create_directories(folder.path() / "csv/c");
   const auto all = read_time_series(folder.path());
-  ASSERT_EQ(all.size(), 2U) << "of c there is only a folder";
+  ASSERT_EQ(all.size(), 2U) << "c has an empty folder and no series";
   EXPECT_EQ(all[0].name, "a");
   ASSERT_EQ(all[0].speed_mps.size(), 5U);
   EXPECT_TRUE(std::isnan(all[0].speed_mps[0]));

@@ -343,7 +343,7 @@ TEST(Simulation, RefusesDestinationsInsideObstacles) {
       to("{type: hover, at: point, point_m: [0, 0, 0]}"),
       HasSubstr("vehicles[0].agent.guidance.point_m: expected room for uav1, found ground in its place; there is "
                 "room from z = 0.20 m upwards"));
-  EXPECT_EQ(to("{type: hover, at: start, point_m: [0, 0, 0]}"), "") << "it does not go there";
+  EXPECT_EQ(to("{type: hover, at: start, point_m: [0, 0, 0]}"), "") << "point_m is not used with at: start";
   EXPECT_EQ(refusal("hall",
                     "position_m: [0, 0, 2], known: nothing}\n    agent: {guidance: {type: hover, at: point, point_m: "
                     "[1.5, 0, 2]}"),

@@ -133,14 +133,14 @@ TEST(StateHash, ThePlaceOfAValueCounts) {
   Observation altimeter, compass;
   altimeter.altimeter.emplace_back();
   compass.compass.emplace_back();
-  EXPECT_NE(hash_of(altimeter), hash_of(compass)) << "the same numbers from another sensor";
+  EXPECT_NE(hash_of(altimeter), hash_of(compass)) << "equal numbers from different sensors";
   Observation one, two;
   one.messages.resize(1);
   two.messages.resize(1);
   one.messages[0].topic = "ab";
   two.messages[0].topic = "a";
   two.messages[0].payload = {std::byte{'b'}};
-  EXPECT_NE(hash_of(one), hash_of(two)) << "the same bytes, cut elsewhere";
+  EXPECT_NE(hash_of(one), hash_of(two)) << "equal bytes, divided differently";
 }
 
 TEST(StateHash, SimulatorTypesNameAllTheirFields) {

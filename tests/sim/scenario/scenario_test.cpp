@@ -359,8 +359,8 @@ TEST(Scenario, WritesTruthByNameAsSensor) {
   EXPECT_EQ(resolved.vehicles[0].sensors[0].type, "pose");
   EXPECT_EQ(resolved.vehicles[0].sensors[1].type, "neighbors");
   EXPECT_TRUE(resolved.vehicles[0].sensors[1].as<NeighborsConfig>().ideal);
-  EXPECT_EQ(resolved.vehicles[1].sensors.size(), 1U) << "it carries one";
-  EXPECT_TRUE(resolved.vehicles[2].sensors.empty()) << "it needs none";
+  EXPECT_EQ(resolved.vehicles[1].sensors.size(), 1U) << "the configured pose sensor alone";
+  EXPECT_TRUE(resolved.vehicles[2].sensors.empty()) << "an agent of type none needs no sensor";
 }
 
 TEST(Scenario, NamesAreUniqueAndFileSafe) {

@@ -44,7 +44,8 @@ TEST(Units, MatchTheirDefinitions) {
     const Unit* const other = find_unit(equal.symbol, *unit);
     ASSERT_NE(other, nullptr) << equal.symbol;
     EXPECT_NEAR(convert(1.0, *other, *unit), equal.value, 1e-15 * equal.value) << equal.key << ' ' << equal.symbol;
-    EXPECT_NEAR(convert(convert(7.3, *other, *unit), *unit, *other), 7.3, 1e-14) << "and back";
+    EXPECT_NEAR(convert(convert(7.3, *other, *unit), *unit, *other), 7.3, 1e-14)
+        << "conversion to the other unit and back";
     EXPECT_EQ(convert(7.3, *unit, *unit), 7.3);
   }
 }

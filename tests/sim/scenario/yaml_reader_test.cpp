@@ -238,7 +238,7 @@ TEST(MergeKeys, FillMissingKeysPreferringEarlierMaps) {
   EXPECT_EQ(fleet.boats[2].name, "c") << "a key of one's own wins, wherever it stands";
   EXPECT_EQ(fleet.boats[2].speed_mps, 1.0);
   EXPECT_EQ(fleet.boats[2].noise.sigma_range_m, 0.5);
-  EXPECT_EQ(fleet.boats[3].speed_mps, 1.0) << "of several maps the first one that has the key";
+  EXPECT_EQ(fleet.boats[3].speed_mps, 1.0) << "the first of several maps with the key wins";
   EXPECT_EQ(fleet.boats[3].rate_hz, 20.0);
   EXPECT_EQ(fleet.boats[3].noise.sigma_range_m, NoiseConfig().sigma_range_m) << "maps within are not merged";
   EXPECT_EQ(fleet.boats[4].speed_mps, 3.0);

@@ -92,7 +92,8 @@ TEST(LidarPattern, OusterSweepsStartAtRearConnector) {
   const BeamTable beams = beams_of(module_of("ouster", config));
   EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[0]) - 180.0), 0.0, 1e-4);
   EXPECT_NEAR(azimuth_deg(beams.directions_lidar[512]), 0.0, 1e-4) << "half a turn later it looks forward";
-  EXPECT_NEAR(azimuth_deg(beams.directions_lidar[256]), 90.0, 1e-4) << "it turns clockwise from behind over the left";
+  EXPECT_NEAR(azimuth_deg(beams.directions_lidar[256]), 90.0, 1e-4)
+      << "the sweep turns clockwise from the rear over the left";
 }
 
 TEST(LidarPattern, FewerOusterRowsThinTheTable) {

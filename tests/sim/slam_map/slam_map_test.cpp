@@ -371,7 +371,7 @@ TEST(SlamMap, RefusesUnreadableMapWithItsKey) {
                                                         {std::string(kGlobal) + ".map", temporary("bad").string()}});
   try {
     Simulation simulation(validated(scenario), 1);
-    FAIL() << "it took a file that is no map";
+    FAIL() << "a file without a map is accepted";
   } catch (const InputError& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("localization.global.map: " + temporary("bad").string()), std::string::npos) << what;

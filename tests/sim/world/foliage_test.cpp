@@ -91,7 +91,8 @@ TEST(Foliage, IsAPureFunctionOfArguments) {
   EXPECT_NE(a.sway_m(3, 12.5), a.sway_m(4, 12.5));
   int leaves[FoliageMotion::kNumPatterns] = {};
   for (std::uint32_t leaf = 0; leaf < 25'600; ++leaf) ++leaves[a.pattern_of(3, leaf)];
-  EXPECT_GT(*std::min_element(std::begin(leaves), std::end(leaves)), 50) << "of 100 in the mean";
+  EXPECT_GT(*std::min_element(std::begin(leaves), std::end(leaves)), 50)
+      << "smallest number of leaves per pattern; 100 on average";
   EXPECT_LT(*std::max_element(std::begin(leaves), std::end(leaves)), 160);
 }
 
@@ -99,7 +100,7 @@ TEST(Foliage, WorldsHandItToTheirScene) {
   ForestConfig forest;
   forest.size_m = {10.0, 10.0};
   forest.surroundings_m = 0.0;
-  EXPECT_FALSE(make_forest(forest, 3).foliage.moves()) << "by default leaves hang still";
+  EXPECT_FALSE(make_forest(forest, 3).foliage.moves()) << "leaves do not move by default";
   forest.foliage = breeze();
   const Scene scene = make_forest(forest, 3);
   EXPECT_EQ(scene.foliage.sway_m, 0.4);

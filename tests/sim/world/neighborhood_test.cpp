@@ -11,16 +11,17 @@
 namespace swiftlet::sim {
 namespace {
 
-/// A swarm in a box of 30 m on random paths.
-struct Swarm {
-  explicit Swarm(int count) : states(count), radii_m(count) {
+/// Vehicles of random radius on random paths that start in a cube with an edge of 30 m.
+struct RandomTeam {
+  explicit RandomTeam(int count) : states(count), radii_m(count) {
     for (int i = 0; i < count; ++i) {
       radii_m[i] = random.uniform(0.1, 0.8, 0, i);
       for (int axis = 0; axis < 3; ++axis) states[i].p_world_m[axis] = random.uniform(0.0, 30.0, 1 + axis, i);
     }
   }
 
-  /// Steps of up to `step_m`, the same for many ticks, so that vehicles get somewhere.
+  /// Moves each vehicle by a random step with a standard deviation of `step_m` per axis. Steps are constant for 40
+  /// ticks, so that vehicles fly far enough to change their nearest neighbor.
   void move(std::uint32_t tick, double step_m) {
     for (std::size_t i = 0; i < states.size(); ++i) {
       const auto step = random.normal3(100 + tick / 40, static_cast<std::uint32_t>(i));
@@ -28,6 +29,7 @@ struct Swarm {
     }
   }
 
+  /// All vehicles with the least gap to vehicle `i`: distance of centers less the other vehicle's radius.
   std::vector<VehicleId> nearest_to(VehicleId i, const std::vector<double>& radii) const {
     double least_m = std::numeric_limits<double>::infinity();
     std::vector<VehicleId> nearest;
@@ -47,16 +49,16 @@ struct Swarm {
 };
 
 void expect_nearest_among_candidates(double step_m, bool with_radii) {
-  Swarm swarm(60);
-  const std::vector<double> radii_m = with_radii ? swarm.radii_m : std::vector<double>(60, 0.0);
+  RandomTeam team(60);
+  const std::vector<double> radii_m = with_radii ? team.radii_m : std::vector<double>(60, 0.0);
   Neighborhood neighborhood(radii_m);
   for (std::uint32_t tick = 0; tick < 300; ++tick) {
-    swarm.move(tick, step_m);
-    neighborhood.update(swarm.states);
+    team.move(tick, step_m);
+    neighborhood.update(team.states);
     for (VehicleId i = 0; i < 60; ++i) {
       const auto candidates = neighborhood.candidates(i);
       ASSERT_TRUE(std::is_sorted(candidates.begin(), candidates.end()));
-      for (const VehicleId j : swarm.nearest_to(i, radii_m)) {
+      for (const VehicleId j : team.nearest_to(i, radii_m)) {
         ASSERT_TRUE(std::binary_search(candidates.begin(), candidates.end(), j))
             << "tick " << tick << ": " << j << " is nearest to " << i;
       }
@@ -71,7 +73,7 @@ TEST(Neighborhood, AlwaysContainsTheNearestVehicle) {
   }
 }
 
-TEST(Neighborhood, KnowsAllThatAreEquallyNear) {
+TEST(Neighborhood, ContainsAllEquallyNearVehicles) {
   Neighborhood neighborhood(std::vector<double>(5, 0.0));
   std::vector<VehicleState> states(5);
   states[0].p_world_m = {1.0, 0.0, 0.0};
@@ -79,11 +81,11 @@ TEST(Neighborhood, KnowsAllThatAreEquallyNear) {
   states[3].p_world_m = {0.0, 1.0, 0.0};
   states[4].p_world_m = {100.0, 0.0, 0.0};
   neighborhood.update(states);
-  const auto around = neighborhood.candidates(2);
-  EXPECT_EQ(std::vector<VehicleId>(around.begin(), around.end()), (std::vector<VehicleId>{0, 1, 3}));
+  const auto candidates = neighborhood.candidates(2);
+  EXPECT_EQ(std::vector<VehicleId>(candidates.begin(), candidates.end()), (std::vector<VehicleId>{0, 1, 3}));
 }
 
-TEST(Neighborhood, HasFewCandidatesInWideFleets) {
+TEST(Neighborhood, HasFewCandidatesInSparseTeam) {
   std::vector<VehicleState> states(100);
   for (int i = 0; i < 100; ++i) states[i].p_world_m = {6.0 * (i % 10), 6.0 * (i / 10), 0.0};
   Neighborhood neighborhood(std::vector<double>(100, 0.3));
@@ -91,7 +93,7 @@ TEST(Neighborhood, HasFewCandidatesInWideFleets) {
   for (VehicleId i = 0; i < 100; ++i) EXPECT_LE(neighborhood.candidates(i).size(), 4U);
 }
 
-TEST(Neighborhood, ALoneVehicleHasNone) {
+TEST(Neighborhood, IsEmptyForSingleVehicle) {
   Neighborhood neighborhood({0.5});
   const std::vector<VehicleState> states(1);
   neighborhood.update(states);

@@ -8,8 +8,8 @@ import itertools
 import numpy as np
 from swiftlet.functions import point_covariances
 
-SIGMA_RAD = (0.005, 0.05, 0.5)  # standard deviation of the attitude, by axis, eqs. (50) to (53)
-SIGMA_M = (0.01, 0.1, 1.0)  # standard deviation of range and position, by axis
+SIGMA_RAD = (0.005, 0.05, 0.5)  # standard deviation of the attitude, per axis, eqs. (50) to (53)
+SIGMA_M = (0.01, 0.1, 1.0)  # standard deviation of range and position, per axis
 RANGE_M = (24.0, 48.0, 72.0)  # ranges of Table I
 COMBINATIONS = tuple(itertools.product(SIGMA_RAD, SIGMA_M, RANGE_M))
 

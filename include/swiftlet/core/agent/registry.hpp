@@ -13,7 +13,7 @@ namespace swiftlet {
 
 using OverlayNames = std::optional<std::vector<std::string>>;
 
-/// One row of core/agent/registry.cpp.
+/// Agent type that a scenario can choose; the list is in core/agent/registry.cpp.
 struct AgentType {
   ModuleType module;
   std::unique_ptr<Agent> (*make)(const ModuleConfig& config, const AgentSetup& setup);

@@ -15,7 +15,7 @@
 
 namespace swiftlet {
 
-/// [-] Most rotors of a vehicle; capacity of rotor commands and states.
+/// [-] Maximum number of rotors of a vehicle; capacity of rotor commands and states.
 inline constexpr int kMaxRotors = 8;
 
 /// Pose and motion that guidance commands; the reference governor limits it. Local frame between stages, world in

@@ -8,12 +8,13 @@
 
 #include "swiftlet/core/base/frames.hpp"
 
-/// Checks that all numbers of a value are finite; applied to every value passed between stages.
+/// Checks that all numbers of a value are finite: neither infinite nor NaN. Applied to every value passed between
+/// stages.
 namespace swiftlet {
 
 inline bool is_finite(double value) { return value * 0.0 == 0.0; }
 
-/// A product with zero is zero unless the coefficient is infinite or NaN; the sum keeps the NaN.
+/// Multiplies each coefficient by zero, which gives NaN if it is infinite or NaN; then the sum is NaN too.
 template <class Derived>
 bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
   return (matrix * 0.0).sum() == 0.0;
@@ -22,18 +23,18 @@ bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
 inline bool is_finite(const Eigen::Quaterniond& q) { return is_finite(q.coeffs()); }
 inline bool is_finite(const Pose& pose) { return is_finite(pose.affine()); }
 
-/// An exponent of all ones is that of infinity and NaN. Counting without an early exit lets compilers vectorize the
-/// loop.
+/// Counts the values with all exponent bits set: infinity and NaN. Without an early exit, compilers vectorize the loop.
 inline bool is_finite(std::span<const float> values) {
-  constexpr std::uint32_t kExponent = 0x7f800000U;
+  constexpr std::uint32_t kExponentBits = 0x7f800000U;
   std::uint32_t count = 0;
-  for (const float value : values) count += (std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent;
+  for (const float value : values) count += (std::bit_cast<std::uint32_t>(value) & kExponentBits) == kExponentBits;
   return count == 0;
 }
 
-/// Visitor that checks every number of a kind of data (swiftlet/core/base/fields.hpp).
+/// Visitor of a struct with a `visit` (swiftlet/core/base/fields.hpp) that checks all its numbers.
 class FiniteNumbers {
  public:
+  /// True if all visited numbers are finite.
   bool all() const { return all_; }
 
   void time(const char*, TimeNs, const char*) {}

@@ -10,11 +10,11 @@
 
 namespace swiftlet {
 
-/// Prior knowledge of the world [Vrba 2025, sec. III-E]: points of occupied and of free voxels, world frame.
+/// Prior knowledge of the world [Vrba 2025, sec. III-E]: points in occupied and in free voxels, world frame.
 struct PriorMap {
   std::vector<Eigen::Vector3f> occupied_world_m;
   std::vector<Eigen::Vector3f> free_world_m;
-  std::vector<Counter> counters;  ///< points of the files that were left out; settings relative to the detector's own
+  std::vector<Counter> counters;  ///< numbers of invalid parts of the files; settings relative to the detector
 };
 
 /// Sources of the prior map; none by default.
@@ -27,13 +27,15 @@ struct PriorConfig {
 
   void visit(ConfigVisitor& v) {
     v.file("occupied", occupied,
-           "point cloud (PCD, PLY) of occupied voxels, or those of an octree (OctoMap's .bt, .ot), world frame");
-    v.file("free", free, "point cloud of free voxels, one point in each, or those of an octree");
-    v.file(
-        "recorded", recorded,
-        "finished run: pcd_index.csv or ply_index.csv of a recorder with `frame: world`; all its points are occupied");
+           "point cloud (PCD, PLY) whose points lie in occupied voxels, or octree (OctoMap's .bt, .ot), of which the "
+           "occupied voxels are used; world frame");
+    v.file("free", free,
+           "point cloud with a point in each free voxel, or octree, of which the free voxels are used; world frame");
+    v.file("recorded", recorded,
+           "pcd_index.csv or ply_index.csv of a finished run, by a recorder with `frame: world`; voxels with a "
+           "recorded point are occupied");
     v.file("mesh", mesh, "mesh (OBJ, PLY, STL) whose surface is occupied, world frame");
-    v.field("world", world, "[-] the scenario's own world is known");
+    v.field("world", world, "[-] whether the surfaces of the scenario's world are occupied in the prior map");
   }
 };
 

@@ -13,7 +13,7 @@ namespace swiftlet {
 struct AirMapConfig {
   double voxel_m = 0.5;  ///< [m] edge of a voxel
   Eigen::Vector3d size_m = {128.0, 128.0, 64.0};
-  int memory_beams = 64;  ///< [-] most beams that a voxel counts; older ones fade
+  int memory_beams = 64;  ///< [-] largest number of beams that a voxel counts; older ones fade
   /// [-] prior count of beams that end in an unknown voxel; larger values learn the voxel later
   double prior_hits = 0.02;
   double prior_passes = 0.08;  ///< [-] prior count of beams that pass an unknown voxel
@@ -37,7 +37,7 @@ struct ExpectedTarget {
   double seen_side_m = 0.05;  ///< [m] distance from the mean of the returns to the center of a target, along the beam
   double sigma_sampling_m = 0.15;
   double sigma_velocity_mps = 4.0;
-  double acceleration_density = 1.5;  ///< [m^2/s^3] spectral density of a target's white acceleration, by axis
+  double acceleration_density = 1.5;  ///< [m^2/s^3] spectral density of a target's white acceleration, per axis
   double birth_per_m3 = 2e-4;         ///< [1/m^3] density of unknown targets
   double new_per_m3 = 2e-6;
   double lifetime_s = 60.0;  ///< [s] mean lifetime of a target
@@ -77,8 +77,8 @@ struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   /// [m] standard deviation of the position, on any axis, above which a hypothesis is dropped
   double sigma_lost_m = 1.3;
   double sigma_hidden_m = 20.0;
-  int rays_per_sweep = 10000;  ///< [-] most beams of a sweep that clear air; the next sweep uses others
-  int max_hypotheses = 128;    ///< [-] most hypotheses; the most likely ones are kept
+  int rays_per_sweep = 10000;  ///< [-] largest number of beams of a sweep that clear air; the next sweep uses others
+  int max_hypotheses = 128;    ///< [-] largest number of hypotheses; the most likely ones are kept
   double latency_s = 0.08;
 
   void visit(ConfigVisitor& v) override;

@@ -7,9 +7,9 @@
 
 namespace swiftlet {
 
-/// Takeoff, hover, landing, motors off. Done when landed.
+/// Takes off, hovers above the start, lands and turns the motors off. The mission is done once the vehicle has landed.
 struct TakeoffLandConfig : ModuleConfigOf<TakeoffLandConfig> {
-  double altitude_m = 2.0;
+  double altitude_m = 2.0;  ///< [m] height of the hover above the start
   double hover_s = 5.0;
   double climb_speed_mps = 1.0;
   double landing_speed_mps = 0.5;

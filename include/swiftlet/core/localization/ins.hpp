@@ -26,7 +26,7 @@ struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
   bool use_altimeter = true;
   bool use_compass = true;
   bool use_odometry = true;
-  double odometry_velocity_sigma_mps = 0.1;  ///< [m/s] standard deviation of the odometry's velocity, by axis
+  double odometry_velocity_sigma_mps = 0.1;  ///< [m/s] standard deviation of the odometry's velocity, per axis
   /// [m/sqrt(m)] random walk of the ground's height over the path; larger values trust the altimeter less over slopes
   double ground_walk_m_sqrt_m = 0.1;
   double position_sigma_max_m = 30.0;

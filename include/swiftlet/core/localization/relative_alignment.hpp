@@ -56,7 +56,7 @@ struct RelativeAlignmentConfig {
   double gate_sigma = 3.5;
   int min_pairs = 8;               ///< [-] fewest inliers of an alignment
   double min_inlier_share = 0.65;  ///< [-] least share of inliers in the window
-  /// [-] largest RMS residual of the inliers by axis, in standard deviations; above it another vehicle was seen
+  /// [-] largest RMS residual of the inliers per axis, in standard deviations; above it another vehicle was seen
   double residual_sigma_max = 1.25;
   double min_spread_m = 0.25;
   double heading_sigma_max_deg = 5.0;

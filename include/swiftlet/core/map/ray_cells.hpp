@@ -11,27 +11,28 @@
 
 namespace swiftlet {
 
-/// Cells that the rays of one sweep pass, each cell once, and cells in which rays end. The traversal is bit-identical
-/// to OctoMap's library [Hornung 2013; Amanatides and Woo, 1987]. Four rays are traversed at a time, in SIMD lanes.
-/// Cells are bits of a window around the origins, in blocks of 8 x 8 x 8 cells with 64 bytes each. Any frame, the same
-/// for all arguments.
+/// Cells of a voxel grid that the rays of one sweep traverse, each cell once, and cells in which rays end. The
+/// traversal gives the same cells as the OctoMap library [Hornung 2013; Amanatides and Woo, 1987], on four rays in
+/// parallel in SIMD lanes. Traversed cells are marked in a bitmap of a window around the origins, in blocks of 8 x 8 x
+/// 8 cells (64 bytes). Any frame, the same for all arguments.
 class RayCells {
  public:
-  static constexpr int kSide = 8;                 ///< edge of a block in cells
-  using Bits = std::array<std::uint64_t, kSide>;  ///< cells of a block: a word for each z, a byte for each y
-  static constexpr double bytes(double reach_m, double edge_m);  ///< approximate size of the window
+  static constexpr int kSide = 8;                 ///< [cells] edge of a block
+  using Bits = std::array<std::uint64_t, kSide>;  ///< cells of a block: word z, byte y, bit x
+  /// Approximate memory of the window for rays of this reach and cells of this edge.
+  static constexpr double bytes(double reach_m, double edge_m);
 
   explicit RayCells(double edge_m) : edge_m_(edge_m), cells_per_m_(1.0 / edge_m) {}
 
-  /// Begins a sweep with rays that start in the box and are no longer than the reach.
+  /// Begins a sweep. Sets the window for rays that start in the box and are no longer than the reach.
   void begin(const Eigen::AlignedBox3d& origins_m, double reach_m);
-  /// Adds one ray: marks the cells from its origin up to its end, without the cell of the end. A ray is ignored when it
-  /// is not finite, or leaves the window or the library's range of 2^16 cells.
-  /// @param ends  true: the cell of the end is one in which a ray ends
+  /// Adds one ray: marks the cells from its origin to its end, except for the end cell. A ray is ignored when it is not
+  /// finite, or leaves the window or the range of the OctoMap library, 2^16 cells per axis.
+  /// @param ends  whether the ray ends with a return, so that its end cell is listed in ends()
   void add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& end_m, bool ends);
 
-  /// Ends the sweep. Calls visit(block, bits) for every block with cells that were passed and in which no ray ended;
-  /// block b spans cells 8 b to 8 b + 7.
+  /// Ends the sweep. Calls visit(block, bits) for every block with free cells: traversed by a ray, and without the end
+  /// of any. Block b spans cells 8 b to 8 b + 7.
   template <class Visit>
   void take_passed(Visit&& visit) {
     finish();
@@ -49,20 +50,27 @@ class RayCells {
       }
     }
   }
-  /// Cells in which rays ended, in the order of the rays, with duplicates. Valid until the next sweep.
+  /// End cells of rays with a return, in the order of the rays, with duplicates. Valid after take_passed() until the
+  /// next sweep.
   std::span<const Cell> ends() const { return ends_; }
 
  private:
-  /// [-] Rays that are traversed at a time.
+  /// [-] Number of rays traversed in parallel: doubles in a SIMD register of 32 bytes.
   static constexpr int kLanes = 4;
-  static constexpr int kMargin = 4;  // margin for rounding of ray ends
-  /// Rays in progress, one per lane. A coordinate is spread over the bits of an index into the window, with all other
-  /// bits set, so that additions carry over the bits between. The index is the bitwise and of the three coordinates.
+  /// [cells] Margin on each side of the window, so that rounding moves no ray end out of it.
+  static constexpr int kMargin = 4;
+  /// Rays in progress, one per lane, by axis. The index of a cell in the bitmap interleaves fields of the three
+  /// coordinates (see spread()). `place[axis]` holds the field of one coordinate with all other bits set, so that the
+  /// carry of an addition passes through the fields of the other axes. The index is the bitwise AND of the three
+  /// places.
   struct alignas(32) Lanes {
+    // Distances along the ray: to the next cell wall, between two walls, and to the end.
     double next[3][kLanes], per_cell[3][kLanes], length[kLanes];
+    // Current cell, increment to the next cell along the axis, and index of the end cell.
     std::int64_t place[3][kLanes], step[3][kLanes], end[kLanes];
   };
 
+  /// Field of a coordinate in the index of a cell: bits within the block lowest, then the coordinate of the block.
   std::int64_t spread(int axis, int cell) const {
     return static_cast<std::int64_t>(cell & 7) << (3 * axis) | static_cast<std::int64_t>(cell >> 3)
                                                                    << (9 + axis * bits_);
@@ -75,14 +83,14 @@ class RayCells {
   void finish();
 
   double edge_m_, cells_per_m_;
-  int bits_ = 0;  // bits of a block coordinate in the window
+  int bits_ = 0;  // number of bits of a block coordinate in the window
   Cell first_block_ = Cell::Zero();
-  std::array<std::int64_t, 3> fields_{};  // index bits of each axis
+  std::array<std::int64_t, 3> fields_{};  // masks of the index bits of each axis
   std::vector<Bits> blocks_;              // all 0 between sweeps
   Lanes lanes_;
-  unsigned busy_ = 0;                                    // lanes with a ray
-  std::int64_t passed_ = -1;                             // a marked cell, target of idle lanes
-  Cell low_ = Cell::Zero(), high_ = Cell::Constant(-1);  // bounds of the cells that rays can pass
+  unsigned busy_ = 0;                                    // lanes with a ray, one bit each
+  std::int64_t passed_ = -1;                             // index of a traversed cell, in which idle lanes stay
+  Cell low_ = Cell::Zero(), high_ = Cell::Constant(-1);  // bounds of the traversed cells
   std::vector<std::int64_t> end_indices_;
   std::vector<Cell> ends_;
 };

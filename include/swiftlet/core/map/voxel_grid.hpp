@@ -17,7 +17,7 @@ using Cell = Eigen::Vector3i;
 struct VoxelGrid {
   double edge_m = 0.25;
   Cell min_cell = Cell::Zero();
-  Cell size = Cell::Zero();  ///< cells by axis
+  Cell size = Cell::Zero();  ///< number of cells per axis
 
   std::ptrdiff_t num_cells() const { return static_cast<std::ptrdiff_t>(size.x()) * size.y() * size.z(); }
   bool contains(const Cell& cell) const {

@@ -18,10 +18,10 @@ struct FrameLinkConfig {
   double min_bend_m = 1.0;
   double bend_sigmas = 4.0;  ///< [-] least distance of a path from such a motion, in standard deviations of the path
   double support_s = 3.0;    ///< [s] least overlap of other paths that support an alignment
-  double support_sigma_m = 1.0;  ///< [m] largest standard deviation, by axis, of an overlap that supports an alignment
+  double support_sigma_m = 1.0;  ///< [m] largest standard deviation, per axis, of an overlap that supports an alignment
   double alone_s = 10.0;         ///< [s] least length of a single path that determines an alignment
   double alone_sigmas = 12.0;    ///< [-] least distance of a single path from a straight motion, in standard deviations
-  /// [-] largest RMS residual by axis between two paths of one body, in standard deviations
+  /// [-] largest RMS residual per axis between two paths of one body, in standard deviations
   double residual_sigma_max = 1.5;
   double gate_sigma = 4.0;  ///< [-] largest distance between tracks of one body, in standard deviations
   /// [-] twice the log-likelihood ratio by which a pair must exceed the next alternative
@@ -57,7 +57,7 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   int max_sent = 16;       ///< [-] largest number of tracks in a message, the likeliest first; 120 bytes each
   double certainty = 0.9;  ///< [-] probability of existence of own tracks whose detector reports none
   double timeout_s = 1.0;
-  double acceleration_density = 3.0;  ///< [m^2/s^3] white acceleration of a target by axis, since the track's report
+  double acceleration_density = 3.0;  ///< [m^2/s^3] white acceleration of a target per axis, since the track's report
   double body_m = 0.8;
   FrameLinkConfig frame;
   OdometryDriftConfig drift;

@@ -14,7 +14,7 @@ struct ClosureConfig {
   double range_max_m = 25.0;  ///< [m] points farther from the submap's center are ignored; more points cost memory
   int max_points = 400;       ///< [-] points of the newer submap in the search; its time is proportional to them
   int levels = 4;             ///< [-] levels of the search grid; the coarsest cells have 2^(levels - 1) edges of cell_m
-  /// [-] most nodes of all searches for one submap; larger values find more closures and take longer
+  /// [-] largest number of nodes of all searches for one submap; larger values find more closures and take longer
   int budget = 3000000;
   double search_radius_m = 8.0;      ///< [m] largest horizontal displacement that is searched; a guess narrows it
   double guess_yaw_error_deg = 8.0;  ///< [deg] largest heading error of a guess; without one all headings are searched

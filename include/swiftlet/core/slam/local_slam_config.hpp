@@ -28,7 +28,7 @@ struct SurfaceMapConfig {
   double cell_m = 2.0;
   int levels = 4;
   double fineness = 0.01;       ///< [-] smallest edge of a cell, as a share of the range of its points
-  int points_per_cell = 300;    ///< [-] most points of a cell
+  int points_per_cell = 300;    ///< [-] largest number of points of a cell; further ones are ignored
   double plane_sigma_m = 0.06;  ///< [m] largest scatter of the points about a plane
   double keep_radius_m = 150.0;
 
@@ -49,8 +49,8 @@ struct ScanToMapConfig {
 };
 
 struct SurfaceMatchingConfig {
-  int map_points = 20000;   ///< [-] most points of a scan that go into the map
-  int match_points = 4000;  ///< [-] most points of a scan that are matched
+  int map_points = 20000;   ///< [-] largest number of points of a scan that go into the map
+  int match_points = 4000;  ///< [-] largest number of points of a scan that are matched
   int iterations = 5;
   double insert_after_m = 0.3;    ///< [m] motion after which a scan goes into the map
   double insert_after_deg = 8.0;  ///< [deg] rotation after which a scan goes into the map

@@ -14,7 +14,7 @@ struct CompactCloudConfig {
   /// [-] approximate limit of points of upright structure; whole columns beyond it are left out
   int upright_points = 1200;
   int bits = 5;
-  int chunk_bytes = 1000;  ///< [B] most bytes of the cloud in one message
+  int chunk_bytes = 1000;  ///< [B] largest size of the cloud in one message
 
   void visit(ConfigVisitor& v);
 };
@@ -46,7 +46,7 @@ struct MapSharingConfig {
   double report_interval_s = 5.0;
   double retry_after_s = 3.0;  ///< [s] time without a reply after which missing data is requested again
   double likeness_min = 0.5;   ///< [-] least similarity of the descriptors of two submaps that are compared
-  int search_submaps = 8;      ///< [-] most own submaps in which another vehicle's submap is searched at once
+  int search_submaps = 8;      ///< [-] largest number of own submaps searched at once for another vehicle's submap
   int closures_enough = 8;     ///< [-] consistent closures with one vehicle after which no more clouds are requested
   CompactCloudConfig cloud;
   MapJoinConfig join;

@@ -9,10 +9,11 @@
 
 namespace swiftlet {
 
-/// One row of core/stage_tables/estimators.cpp.
+/// State estimator type that a scenario can choose; the list is in core/stage_tables/estimators.cpp.
 struct EstimatorType {
   ModuleType module;
   std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  /// Adds the sensors, truth and memory that the stage requires; null: none.
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
   const char* overlays = nullptr;  ///< names of the overlays, separated by spaces; null: not declared
 };

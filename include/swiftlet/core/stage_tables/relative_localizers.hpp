@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// One row of core/stage_tables/relative_localizers.cpp.
+/// Relative localizer type that a scenario can choose; the list is in core/stage_tables/relative_localizers.cpp.
 struct RelativeLocalizerType {
   ModuleType module;
   std::unique_ptr<RelativeLocalizer> (*make)(const ModuleConfig& config, const AgentSetup& setup);

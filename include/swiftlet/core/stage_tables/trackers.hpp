@@ -9,10 +9,11 @@
 
 namespace swiftlet {
 
-/// One row of core/stage_tables/trackers.cpp.
+/// Tracker type that a scenario can choose; the list is in core/stage_tables/trackers.cpp.
 struct TrackerType {
   ModuleType module;
   std::unique_ptr<Tracker> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  /// Adds the sensors, truth and memory that the stage requires; null: none.
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 

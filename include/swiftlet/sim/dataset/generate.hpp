@@ -9,24 +9,25 @@
 #include "swiftlet/sim/dataset/flight.hpp"
 #include "swiftlet/sim/dataset/sequence_info.hpp"
 
-/// From a dataset file to a directory:
+/// Generation of a dataset directory from a dataset file:
 ///   README.md  manifest.json  dataset.yaml  semantic-kitti.yaml  charts/  sequences/NN/...
 namespace swiftlet::sim {
 
 struct GenerateOptions {
   std::filesystem::path directory;
-  int jobs = 1;         ///< worker processes
-  bool resume = false;  ///< continue an interrupted generation
-  std::function<bool()> canceled;
+  int jobs = 1;                    ///< number of worker processes
+  bool resume = false;             ///< continue an interrupted generation
+  std::function<bool()> canceled;  ///< polled; true stops the generation
+  /// Called with the number of finished flights, the number of all flights, and an optional remark.
   std::function<void(int done, int all, const std::string& note)> progress;
 };
 
-/// Wall time of flights by activity.
+/// Wall time of one or several flights by activity.
 struct FlightTiming {
-  double prepare_s = 0.0;   ///< worlds and paths, including rejected draws of flights
-  double simulate_s = 0.0;  ///< the simulation itself
-  double record_s = 0.0;    ///< time for which the simulation waited for writing and hashing
-  double beside_s = 0.0;    ///< processor time of the writing in parallel with the simulation
+  double prepare_s = 0.0;   ///< generation of worlds and paths, and attempts of flights that are drawn again
+  double simulate_s = 0.0;  ///< simulation without recording
+  double record_s = 0.0;    ///< writing and hashing for which the simulation waits
+  double beside_s = 0.0;    ///< processor time of writing in parallel with the simulation; part of no other duration
 
   void add(const FlightTiming& other);
 };
@@ -36,11 +37,12 @@ struct GenerateReport {
   bool canceled = false;
   std::vector<SequenceInfo> sequences;
   double wall_s = 0.0;
-  FlightTiming timing;  ///< sum over all simulated flights
+  FlightTiming timing;  ///< sum over the flights that this call simulated
 };
 
-/// Writes the missing sequences. Throws InputError when the directory holds other files or a dataset of another
-/// configuration, std::runtime_error with the first failure. Finished sequences are kept in any case.
+/// Generates the missing sequences of a dataset. Throws InputError when the directory contains other files or a dataset
+/// of another configuration, and std::runtime_error with the first failure of a flight. Finished sequences are always
+/// kept.
 GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& options);
 
 /// Simulates one flight and writes its sequences, each under a temporary name until it is complete; existing sequences
@@ -48,14 +50,14 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
 FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const std::filesystem::path& directory,
                           int threads);
 
-/// Rebuilds the flight of a finished sequence exactly as it was written, for verification.
+/// Rebuilds the flight of a finished sequence identically, to verify the sequence.
 PreparedFlight restore_flight(const std::filesystem::path& sequence_directory, const SequenceInfo& info);
 
-/// Description of the dataset as a whole: manifest.json.
+/// Content of manifest.json, the description of the whole dataset.
 std::string manifest_json(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences,
                           const std::vector<FileEntry>& files, bool complete);
 
-/// The class table in the form that readers of SemanticKITTI use (semantic-kitti.yaml of semantic-kitti-api).
+/// Content of semantic-kitti.yaml: the classes in the format of semantic-kitti-api, for readers of SemanticKITTI.
 std::string class_table(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences);
 
 }  // namespace swiftlet::sim

@@ -12,10 +12,11 @@
 
 namespace swiftlet::sim {
 
-/// Comma-separated list: "a, b, c".
+/// Words joined by commas: "a, b, c".
 std::string listed(const std::vector<std::string>& words);
 
-/// One line of numbers. A floating-point number is written with the fewest digits that parse to the same bits.
+/// One line of values with a separator, as in a CSV file. A floating-point number is written with the fewest digits
+/// that parse to the same bits.
 class TextRow {
  public:
   explicit TextRow(char separator) : separator_(separator) {}
@@ -29,7 +30,7 @@ class TextRow {
     for (Eigen::Index i = 0; i < values.size(); ++i) add(static_cast<double>(values.derived()(i)));
     return *this;
   }
-  /// Seconds with all nine decimals: exact.
+  /// Adds a time in seconds with nine decimals, so that no nanosecond is lost.
   TextRow& add_seconds(TimeNs t);
   /// The line with its line break; valid until the next clear().
   std::string_view line();

@@ -67,7 +67,7 @@ class Metric {
   std::vector<std::unique_ptr<Series>> series_;
 };
 
-/// One row of sim/metrics/metrics.cpp.
+/// Implementation of related metrics, with their definitions for the reference; the list is in sim/metrics/metrics.cpp.
 struct MetricType {
   const char* name;
   const char* doc;

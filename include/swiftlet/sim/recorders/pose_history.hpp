@@ -7,13 +7,14 @@
 
 namespace swiftlet::sim {
 
-/// The estimated poses of the last seconds, to look up the estimated pose during a sweep.
+/// Recent estimated poses of a vehicle, interpolated at the times of the beams of a sweep.
 class PoseHistory {
  public:
-  /// Poses must be in order of time; one that is not newer than the last is ignored.
+  /// Adds the newest pose. Ignored when its time is not later than that of the previous one.
   void push(TimeNs t, const Pose& T_world_body);
   bool empty() const { return poses_.empty(); }
-  /// Linear in position, slerp in attitude; clamped to the oldest and newest stored pose. Requires a nonempty history.
+  /// Interpolates linearly in position and by slerp in attitude. Times beyond the stored ones give the oldest or newest
+  /// pose. Requires a nonempty history.
   Pose at(TimeNs t) const;
 
  private:

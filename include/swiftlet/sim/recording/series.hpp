@@ -78,7 +78,7 @@ struct TableType {
   std::vector<Column> columns;
 };
 
-/// Tables of samples without a list of their own in Observation. Rows of the sensor registry add them.
+/// Tables of the sample types in Observation::others. Rows of the sensor registry add them.
 inline std::vector<TableType>& sample_tables() {
   static std::vector<TableType> tables;
   return tables;

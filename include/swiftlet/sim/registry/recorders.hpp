@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// One row of sim/registry/recorders.cpp.
+/// Recorder type that a scenario can choose; the list is in sim/registry/recorders.cpp.
 struct RecorderType {
   ModuleType module;
   std::unique_ptr<Recorder> (*make)(const ModuleConfig& config);

@@ -9,14 +9,14 @@
 
 namespace swiftlet::sim {
 
-/// One row of sim/registry/sensors.cpp.
+/// Sensor type that a scenario can choose; the list is in sim/registry/sensors.cpp.
 struct SensorType {
   ModuleType module;
   std::unique_ptr<Sensor> (*make)(const ModuleConfig& config, SensorSetup setup);
-  TableType (*samples)() = nullptr;  ///< sample_table<Sample>, for samples without a list of their own in Observation
+  TableType (*samples)() = nullptr;  ///< sample_table<Sample>, for samples in Observation::others
 };
 
-/// The table of a kind of sample.
+/// Name and columns of the table of one sample type.
 template <class Sample>
 TableType sample_table() {
   return {Sample::kName, columns_of<Sample>()};

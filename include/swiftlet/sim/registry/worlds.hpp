@@ -8,7 +8,8 @@
 
 namespace swiftlet::sim {
 
-/// One row of sim/registry/worlds.cpp: a generator is a pure function of (config, seed).
+/// World generator that a scenario can choose, a pure function of (config, seed); the list is in
+/// sim/registry/worlds.cpp.
 struct WorldType {
   ModuleType module;
   Scene (*make)(const ModuleConfig& config, std::uint64_t seed);

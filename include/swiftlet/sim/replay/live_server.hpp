@@ -8,19 +8,20 @@
 
 namespace swiftlet::sim {
 
-/// Serves the replay page of a run in progress, on 127.0.0.1 only and under an unguessable random address. Accepts only
-/// read requests. A separate thread serves them, so the run does not wait.
+/// HTTP server for the replay page of a run in progress. Accepts connections from this machine only (127.0.0.1), at an
+/// address with a random part that cannot be guessed, and only read requests. A separate thread serves them, so the run
+/// does not wait.
 class LiveServer {
  public:
   /// Throws std::runtime_error when no port is available.
   LiveServer();
   ~LiveServer();
 
-  /// "http://127.0.0.1:40123/<32 random digits>/"
+  /// Address of the page, such as "http://127.0.0.1:40123/<32 random digits>/".
   const std::string& address() const;
-  /// Appends one packed block to the page.
+  /// Appends one gzip-compressed ReplayBlock to the page.
   void put(std::string packed);
-  /// After the last block: waits until each open page has received it, except pages that have stopped responding.
+  /// Waits until each open page has received the last block, except pages that no longer respond.
   void finish();
 
  private:
@@ -28,7 +29,8 @@ class LiveServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Sends the server the data that the recorder `replay` would write. The server must outlive the recorder.
+/// Makes a recorder that sends to the server what the recorder `replay` would write to its file. The server must
+/// outlive the recorder.
 std::unique_ptr<Recorder> make_live_recorder(const ReplayConfig& config, LiveServer& server);
 
 }  // namespace swiftlet::sim

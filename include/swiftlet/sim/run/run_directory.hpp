@@ -9,24 +9,26 @@
 
 namespace swiftlet::sim {
 
-/// A directory that appears under its name only when it is complete. Until commit() its content lies in a sibling
-/// directory `.NAME.partial-` with 16 hexadecimal digits. A killed run leaves at most that, and the next run of the
-/// same name removes it. A directory is removed only when it contains the lock file of a run and no process holds the
-/// lock.
+/// Output directory of a run, which gets its name only when it is complete. Until commit() its content lies in a
+/// sibling directory `.NAME.partial-` with 16 hexadecimal digits. A killed run leaves no more than this directory
+/// behind; the next run with the same destination removes it. A directory is removed only when it contains the lock
+/// file of a run and no process holds the lock.
 class RunDirectory {
  public:
-  /// @param destination  an earlier run there (a directory with a summary.json) is replaced at commit(); any other
-  /// nonempty destination throws InputError
-  /// @param inputs  files that the run reads; throws InputError if one lies in the destination, which would delete it
+  /// @param destination  may be an earlier run (a directory with a summary.json), which commit() replaces; InputError
+  /// is thrown for any other nonempty directory or file
+  /// @param inputs  files that the run reads; InputError is thrown for a file in the destination, which commit() would
+  /// delete
   explicit RunDirectory(std::filesystem::path destination, std::span<const NamedFile> inputs = {});
-  ~RunDirectory();  ///< without commit(): removes the partial directory
+  ~RunDirectory();  ///< removes the partial directory unless committed
   RunDirectory(const RunDirectory&) = delete;
   RunDirectory& operator=(const RunDirectory&) = delete;
 
-  const std::filesystem::path& path() const { return partial_; }  ///< where to write
+  const std::filesystem::path& path() const { return partial_; }  ///< directory to write to
   const std::filesystem::path& destination() const { return destination_; }
-  /// Moves it to its destination. If a file or directory has appeared there meanwhile, that is kept and the run gets
-  /// another name. Throws std::runtime_error in that case, and when it cannot be moved.
+  /// Moves the directory to its destination. Throws std::runtime_error when this fails. When another file or directory
+  /// has appeared at the destination since the start, it is kept, the run is moved to DESTINATION.finished- with 16
+  /// hexadecimal digits, and std::runtime_error is thrown too.
   void commit();
 
  private:

@@ -10,20 +10,20 @@ namespace swiftlet::sim {
 
 /// An input file named by a scenario.
 struct NamedFile {
-  std::string key;   ///< "vehicles[0].agent.localization.global.map"
+  std::string key;   ///< such as "vehicles[0].agent.localization.global.map"
   std::string path;  ///< never empty
 };
 
-/// All input files, in the order of their keys in the resolved scenario.
+/// All input files of a scenario, in the order of its keys.
 std::vector<NamedFile> named_files(const Scenario& scenario);
 
-/// A position in the world from a vehicle's configuration.
+/// A position in the world to which a vehicle is configured to fly.
 struct NamedPlace {
-  std::string key;  ///< "agent.guidance.waypoints_m[2]"
+  std::string key;  ///< such as "agent.guidance.waypoints_m[2]"
   Eigen::Vector3d p_world_m;
 };
 
-/// Configured waypoints, goals and perches of the vehicle.
+/// Waypoints and goals of a vehicle, and perches of a bird.
 std::vector<NamedPlace> destinations_of(const VehicleConfig& vehicle);
 
 }  // namespace swiftlet::sim

@@ -19,7 +19,7 @@
 
 namespace swiftlet::sim {
 
-/// [-] Most vehicles of a scenario; more are refused.
+/// [-] Maximum number of vehicles in a scenario; more are refused.
 inline constexpr int kMaxVehicles = 10'000;
 
 struct StartConfig {

@@ -5,7 +5,8 @@
 
 namespace swiftlet::sim {
 
-/// Heading from a tilt-compensated magnetometer: white noise, a constant calibration error, and slow disturbances.
+/// Compass: heading from a tilt-compensated magnetometer. Its error is the sum of white noise, a constant calibration
+/// error drawn for each run, and slow magnetic disturbances.
 struct CompassConfig : SensorConfigOf<CompassConfig> {
   double rate_hz = 50.0;
   double sigma_deg = 1.0;
@@ -15,7 +16,7 @@ struct CompassConfig : SensorConfigOf<CompassConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// The sigma of a sample covers the whole error.
+/// Each sample states the standard deviation of the total error, with all three parts.
 std::unique_ptr<Sensor> make_compass_sensor(const ModuleConfig& config, SensorSetup setup);
 
 }  // namespace swiftlet::sim

@@ -72,7 +72,7 @@ struct CsvPatternConfig : ModuleConfigOf<CsvPatternConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// One row of the table in lidar_pattern.cpp.
+/// Type of beam pattern that a LiDAR's configuration can choose; the list is in lidar_pattern.cpp.
 struct LidarPatternType {
   ModuleType module;
   /// @param sweep_s  duration of a sweep

@@ -10,16 +10,16 @@
 
 namespace swiftlet::sim {
 
-/// File version written by this program, and the only one that it reads.
+/// Version of the file format. Other versions cannot be read.
 inline constexpr std::uint32_t kSlamMapVersion = 2;
 inline constexpr std::string_view kSlamMapExtension = ".slam";
 
-/// A SLAM map as one file: a title, the version, size and checksum of the content, then graph and clouds. Numbers are
-/// stored in their memory representation, so that reading restores every bit.
+/// Serializes a SLAM map: a title, the version, size and checksum of the content, then pose graph and clouds. Numbers
+/// are stored in their memory representation, so that reading restores every bit.
 std::string slam_map_content(const SavedMap& map);
-/// Throws InputError naming the file and the fault.
+/// Reads a SLAM map. Throws InputError, with file and reason, if the file is missing, damaged or of another version.
 SavedMap read_slam_map(const std::filesystem::path& file);
-/// True for a name with the extension of these files.
+/// True if the name of the file ends with kSlamMapExtension.
 bool is_slam_map_file(const std::filesystem::path& file);
 
 }  // namespace swiftlet::sim

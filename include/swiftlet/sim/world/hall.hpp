@@ -6,8 +6,9 @@
 
 namespace swiftlet::sim {
 
-/// An indoor area with a solid wall as cover [Vrba 2025, sec. V-B]. In the default size, two vehicles at least a meter
-/// from the walls are within the 16 m of Table IV. Crates stand along the outer walls only.
+/// An indoor area with a free-standing solid wall (keys hide_*) that occludes targets [Vrba 2025, sec. V-B]. In the
+/// default size, vehicles at least a meter from the outer walls, floor and ceiling are at most 16 m apart, the maximum
+/// of the multi-UAV experiment (Table IV). Crates stand along the outer walls only.
 struct HallConfig : ModuleConfigOf<HallConfig> {
   Eigen::Vector3d size_m = {15.0, 10.0, 6.0};
   bool ceiling = true;

@@ -7,11 +7,12 @@
 
 namespace swiftlet::sim {
 
-/// A scene for display with about `most_triangles` triangles, without instancing. To reduce triangles, plants lose
-/// leaves while the remaining ones grow, and all other meshes are coarsened. Meshes and instances keep their numbers.
+/// Simplifies a scene for display to about `most_triangles` triangles, counted over all instances. Plants are thinned:
+/// part of their leaves and branches is removed, and the remaining leaves are enlarged to cover the same area. All
+/// other meshes are coarsened. Meshes and instances keep their indices.
 Scene thinned_scene(const Scene& scene, std::size_t most_triangles);
 
-/// Leaves and branches: a mesh of many small pieces.
+/// True for a mesh of leaves or branches, which consists of many small pieces.
 bool is_plant(const Mesh& mesh);
 
 }  // namespace swiftlet::sim
