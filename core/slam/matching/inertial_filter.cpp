@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
 // White noise of the accelerations while no samples arrive: within 0.1 s the speed changes by 0.6 m/s and the body rate
-// by 0.6 rad/s (one sigma). Smaller values make the estimate smoother and late in turns.
-constexpr double kCoastAccel_mps2_sqrt_hz = 2.0, kCoastAngularAccel_radps2_sqrt_hz = 2.0;
+// by 3 rad/s (one sigma), as of a multirotor that begins to brake. Smaller values make the estimate smoother and late
+// in turns.
+constexpr double kCoastAccel_mps2_sqrt_hz = 2.0, kCoastAngularAccel_radps2_sqrt_hz = 10.0;
 // Standard deviation of the body rate at a start without IMU.
 constexpr double kStartRate_radps = 0.5;
 // Random walk of the time offset: clocks that drift by some 20 ppm against each other.
@@ -123,6 +124,13 @@ void InertialFilter::begin_with(const InertialFilter& learned, const Vector3& v_
   P_.bottomRightCorner<kNum, kNum>() = kTwice * learned.P_.bottomRightCorner<kNum, kNum>();
 }
 
+/// A small rotation phi changes the direction of gravity (0, 0, -1) by phi x (0, 0, -1) = (-phi_y, phi_x, 0).
+Matrix3 InertialFilter::level_covariance_rad2() const {
+  Eigen::Matrix<double, 3, 2> A;
+  A << 0.0, 1.0, -1.0, 0.0, 0.0, 0.0;
+  return A * P_.block<2, 2>(kTilt, kTilt) * A.transpose();
+}
+
 Matrix3 InertialFilter::level() {
   const Matrix3 R =
       Eigen::Quaterniond::FromTwoVectors(state_.gravity_local_mps2(), -Vector3::UnitZ()).toRotationMatrix();
@@ -166,15 +174,15 @@ void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_
 
 InertialFilter::Vector6 InertialFilter::pose_part(const Error& d) const {
   Vector6 part;
-  part << d.segment<3>(kP), d.segment<3>(kTheta);
+  part << d.segment<3>(kP) - lag_s_ * d.segment<3>(kV), d.segment<3>(kTheta) + lag_s_ * d.segment<3>(kGyroBias);
   return part + d(kTimeOffset) * twist_;
 }
 
 Matrix6 InertialFilter::pose_covariance() const {
   const PoseColumns columns = pose_columns();
   Matrix6 out;
-  out.topRows<3>() = columns.middleRows<3>(kP);
-  out.bottomRows<3>() = columns.middleRows<3>(kTheta);
+  out.topRows<3>() = columns.middleRows<3>(kP) - lag_s_ * columns.middleRows<3>(kV);
+  out.bottomRows<3>() = columns.middleRows<3>(kTheta) + lag_s_ * columns.middleRows<3>(kGyroBias);
   return out + twist_ * columns.row(kTimeOffset);
 }
 
@@ -197,14 +205,16 @@ Matrix6 InertialFilter::pose_covariance_after(double dt_s) const {
 /// P H^T, with the derivative H of the measured pose by the state.
 InertialFilter::PoseColumns InertialFilter::pose_columns() const {
   PoseColumns columns;
-  columns.leftCols<3>() = P_.middleCols<3>(kP);
-  columns.rightCols<3>() = P_.middleCols<3>(kTheta);
+  columns.leftCols<3>() = P_.middleCols<3>(kP) - lag_s_ * P_.middleCols<3>(kV);
+  columns.rightCols<3>() = P_.middleCols<3>(kTheta) + lag_s_ * P_.middleCols<3>(kGyroBias);
   return columns + P_.col(kTimeOffset) * twist_.transpose();
 }
 
 /// Pose of the scan's points at an iterate of the update.
 Pose InertialFilter::measured_pose(const Error& at) const {
-  const Vector6 motion = at(kTimeOffset) * twist_;
+  Vector6 motion = at(kTimeOffset) * twist_;
+  motion.head<3>() -= lag_s_ * at.segment<3>(kV);
+  motion.tail<3>() += lag_s_ * at.segment<3>(kGyroBias);
   return make_pose(state_.nav.p_m + motion.head<3>(), (state_.nav.q * rotation_by(motion.tail<3>())).normalized());
 }
 
@@ -234,6 +244,30 @@ void InertialFilter::settle(const Covariance& posterior) {
   P_ = 0.5 * (posterior + posterior.transpose());
   // Keeps variances positive despite rounding.
   for (int i = 0; i < kStates; ++i) P_(i, i) = std::max(P_(i, i), 1e-18);
+}
+
+void InertialFilter::measure(const Pose& T_local_body, double sigma_m, double sigma_rad) {
+  constexpr int kIterations = 5;  // the rotation is not linear; more iterations change nothing
+  Vector6 information;
+  information << Vector3::Constant(1.0 / squared(sigma_m)), Vector3::Constant(1.0 / squared(sigma_rad));
+  const Eigen::Quaterniond q_inverse(T_local_body.linear().transpose());
+  update(
+      [&](const Pose& T) {
+        Vector6 error;
+        error << T.translation() - T_local_body.translation(),
+            rotation_vector_rad(q_inverse * Eigen::Quaterniond(T.linear()));
+        PoseEvidence evidence;
+        evidence.information = information.asDiagonal();
+        evidence.gradient = information.cwiseProduct(error);
+        return evidence;
+      },
+      kIterations);
+}
+
+void InertialFilter::move_towards(const Pose& T_local_body, double sigma_m, double sigma_rad) {
+  const Covariance P = P_;
+  measure(T_local_body, sigma_m, sigma_rad);
+  P_ = P;
 }
 
 void InertialFilter::take(const WeighedPose& pose) {

@@ -41,11 +41,16 @@ class InertialFilter : public InertialModel {
   /// the same measurements are applied again.
   void begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps);
 
+  /// Covariance of the rotation vector between the local frame and a level one.
+  Matrix3 level_covariance_rad2() const;
   /// Rotates the local frame so that gravity points down its z axis. Returns the rotation.
   Matrix3 level();
   /// Velocity (local frame) and body rate of the vehicle during the next scan: change of the measured pose per second
   /// of time offset.
   void set_scan_motion(const Eigen::Matrix<double, 6, 1>& twist) { twist_ = twist; }
+  /// Time from the middle of the next scan to its end if its points were undistorted by the predicted motion alone: its
+  /// pose is then that of its middle, carried on by this motion. 0: by the IMU.
+  void set_scan_lag(double lag_s) { lag_s_ = lag_s; }
   /// Factor of the variances of the IMU's noise. Larger values weigh scans more.
   void set_noise_factor(double factor) { noise_factor_ = factor; }
 
@@ -56,6 +61,11 @@ class InertialFilter : public InertialModel {
   /// that of the scan's points, which were undistorted with the prior's time offset. Returns the number of iterations.
   template <class EvidenceAt>
   int update(EvidenceAt&& evidence_at, int most_iterations);
+
+  /// Update by a pose whose position and attitude have independent errors of these standard deviations per axis.
+  void measure(const Pose& T_local_body, double sigma_m, double sigma_rad);
+  /// Moves the state as measure() does, without a change of the covariance.
+  void move_towards(const Pose& T_local_body, double sigma_m, double sigma_rad);
 
   /// A pose estimated outside of the filter from the scan and the prediction, with weights of its own.
   struct WeighedPose {
@@ -109,6 +119,7 @@ class InertialFilter : public InertialModel {
   bool coasting_ = false;  // without samples: the bias of the gyroscope is set aside
   Vector3 gyro_bias_aside_radps_ = Vector3::Zero();
   Matrix3 gyro_bias_aside_covariance_ = Matrix3::Zero();
+  double lag_s_ = 0.0;               // from the pose that scans measure to the state
   Vector6 twist_ = Vector6::Zero();  // motion during the scan
   double noise_factor_ = 1.0;
   double innovation_sq_ = 0.0;

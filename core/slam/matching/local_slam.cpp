@@ -4,41 +4,35 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
-#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kUnknownVelocity_mps = 0.3;  // velocity sigma above which a scan counts as smeared
 // [s] Change of the time offset above which a scan is undistorted again: 0.3 mm at 3 m/s. Larger values save time.
 constexpr double kTimeShift_s = 1e-4;
 // Least speed [m/s] and body rate [rad/s] of a sweep from which the time offset is estimated. Smaller values fit noise.
 constexpr double kClear_mps = 0.5, kClear_radps = 0.1;
 // [ns] Shortest interval over which the motion of a scan without duration is measured. Smaller values measure noise.
 constexpr TimeNs kMotionInterval = 20'000'000;
-// [samples] Most IMU samples kept for a second start, which is skipped if the first scans need more.
-constexpr std::size_t kMostStartSamples = 4096;
+// Coarse alignment. [-] Number of alignments of a scan during a pause of the IMU, with its motion corrected in between.
+// More of them cost time.
+constexpr int kAlignments = 2;
+// [m] Limits of the kernel's width, and mean range by which the uncertainty of the attitude adds to
+// it. A wider kernel finds larger displacements, and lets more points attract that have no counterpart.
+constexpr double kNarrowest_m = 0.3, kWidest_m = 2.0, kMeanRange_m = 10.0;
+// Standard deviations of the aligned pose. Larger values leave more to the prediction, smaller ones to the spacing of
+// the points.
+constexpr double kAligned_m = 0.1, kAligned_rad = 0.01;
 // [s] Longest age of a sighting of another vehicle at which its position is extrapolated. Larger values mask returns at
 // wrong places.
 constexpr double kVehicleKnown_s = 1.0;
 constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
-
-// Normalized square of an innovation per direction: 1 for exact noise models, 0.1 to 0.3 in simulated flights. Above
-// it, other time offsets are tried. Larger values miss offsets of 10 ms.
-constexpr double kExpectedInnovation = 1.0;
-// Time offsets tried at the start: multiples of a quarter of their standard deviation up to 2.5 of them. Smaller steps
-// cost time, larger ones leave the right offset outside of the range from which the filter finds it.
-constexpr int kTriedSteps = 10;
-constexpr double kTriedStep = 0.25;
-// Most repetitions of the start, which end when the time offset changes by less than its standard deviation. More of
-// them cost time.
-constexpr int kMostRepeats = 5;
 
 /// Motion without the parts that may be noise, from which no time offset can be learned.
 Eigen::Matrix<double, 6, 1> clear_part(Eigen::Matrix<double, 6, 1> motion) {
@@ -63,12 +57,13 @@ LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_sta
       admission_(matcher_->admission()),
       drift_(T_local_body_start.translation()) {
   start_.over = config.start_scans == 0;
-  if (!start_.over) start_.imu.reserve(kMostStartSamples);
+  start_.keeps_offset = !start_.over;
+  if (!start_.over) start_.imu.reserve(Start::kMaxSamples);
 }
 
 void LocalSlam::add(const ImuSample& sample) {
   const bool finite = sample.omega_body_radps.allFinite() && sample.specific_force_body_mps2.allFinite();
-  if (!start_.over && finite && start_.imu.size() < kMostStartSamples) start_.imu.push_back(sample);
+  if (!start_.over && finite && start_.imu.size() < Start::kMaxSamples) start_.imu.push_back(sample);
   filter_.predict(sample);
   const NavState& nav = filter_.state().nav;
   motion_.push(nav.t, nav.p_m, nav.q);
@@ -80,107 +75,6 @@ ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVeh
   start_.scans.push_back({start_.imu.size(), std::move(scan), std::move(others)});
   if (static_cast<int>(start_.scans.size()) >= config_.start_scans) begin_again();
   return outcome;
-}
-
-/// Repeats the start: all later scans refer to the first ones, which were undistorted by a gyroscope of unknown bias
-/// and with an unknown time offset.
-void LocalSlam::begin_again() {
-  start_.over = true;
-  if (!start_.imu.empty() && start_.imu.size() < kMostStartSamples) {
-    if (config_.imu.time_offset_sigma_s == 0.0 || start_.mean_innovation() < kExpectedInnovation)
-      repeat_start(learned_start());
-    else
-      find_time_offset();
-  }
-  start_ = {.over = true};
-}
-
-/// Repeats the start from the offset of the first pass and from the best of several, and adopts the better one.
-void LocalSlam::find_time_offset() {
-  const InertialFilter first = filter_;
-  const Pose T_local_body_first = T_local_body_start_;  // repetitions level the start pose
-  repeat_until_settled(first);
-  const double innovation = start_.mean_innovation();
-  T_local_body_start_ = T_local_body_first;
-  repeat_until_settled(best_of_time_offsets());
-  if (start_.mean_innovation() <= innovation) return;
-  T_local_body_start_ = T_local_body_first;
-  repeat_until_settled(first);
-}
-
-/// Repeats the start with what has been learned, until the time offset stays the same.
-void LocalSlam::repeat_until_settled(const InertialFilter& learned) {
-  filter_ = learned;
-  for (int i = 0; i < kMostRepeats; ++i) {
-    const double offset_before_s = filter_.state().time_offset_s;
-    repeat_start(learned_start());
-    if (std::abs(filter_.state().time_offset_s - offset_before_s) < filter_.time_offset_sigma_s()) return;
-  }
-}
-
-/// Filter whose time offset at the start explains the first scans best. From one start value a large offset is not
-/// found: biases and attitude are learned from wrong stamps before it.
-InertialFilter LocalSlam::best_of_time_offsets() {
-  InertialFilter best = filter_;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = -kTriedSteps; i <= kTriedSteps; ++i) {
-    InertialConfig tried = config_.imu;
-    tried.time_offset_s += kTriedStep * i * config_.imu.time_offset_sigma_s;
-    tried.time_offset_sigma_s *= 0.5 * kTriedStep;
-    repeat_start(InertialFilter(tried, T_local_body_start_));
-    if (start_.num_innovations < config_.start_scans / 2 || start_.mean_innovation() >= least) continue;
-    least = start_.mean_innovation();
-    best = filter_;
-  }
-  return best;
-}
-
-/// Filter at the start with what has been learned since.
-InertialFilter LocalSlam::learned_start() {
-  InertialFilter learned = filter_;
-  Vector3 v_start_local_mps = learned.state().nav.v_mps - velocity_gained(learned);
-  if (config_.imu.start_tilt_sigma_deg * kRadPerDeg > config_.imu.start_accel_bias_sigma_mps2 / kGravity_mps2) {
-    const Matrix3 R = learned.level();
-    v_start_local_mps = R * v_start_local_mps;
-    T_local_body_start_.linear() = R * T_local_body_start_.linear();
-  }
-  InertialFilter filter(config_.imu, T_local_body_start_);
-  filter.begin_with(learned, v_start_local_mps);
-  return filter;
-}
-
-void LocalSlam::repeat_start(const InertialFilter& filter) {
-  filter_ = filter;
-  motion_ = {};
-  matcher_->clear();
-  innovations_ = {};
-  drift_ = MapDrift(T_local_body_start_.translation());
-  shared_covariance_.setZero();
-  inserted_ = {};
-  num_inserted_ = 0;
-  motion_known_ = false;
-  start_.sum_of_innovations = 0.0;
-  start_.num_innovations = 0;
-  std::size_t next = 0;
-  for (const Start::Swept& swept : start_.scans) {
-    const auto is_ahead = [&] { return filter_.state().nav.t < imu_time_of_end(*swept.scan); };
-    for (; next < start_.imu.size() && (next < swept.after_sample || is_ahead()); ++next) add(start_.imu[next]);
-    match(*swept.scan, swept.others);
-  }
-}
-
-/// Velocity gained since the start, by the IMU alone.
-Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
-  InertialFilter::State state = learned.state();
-  state.nav = {};
-  state.nav.q = Eigen::Quaterniond(T_local_body_start_.linear());
-  for (std::size_t i = 1; i < start_.imu.size(); ++i) {
-    const ImuSample& sample = start_.imu[i];
-    const double dt_s = to_seconds(sample.t - start_.imu[i - 1].t);
-    state = InertialFilter::advanced(state, sample.omega_body_radps - state.gyro_bias_body_radps,
-                                     sample.specific_force_body_mps2 - state.accel_bias_body_mps2, std::max(dt_s, 0.0));
-  }
-  return state.nav.v_mps;
 }
 
 /// Propagates the state to the end of the scan.
@@ -205,13 +99,13 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
     return outcome;
   }
   const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
-  const bool smeared = sigma_mps > kUnknownVelocity_mps;
+  const bool smeared = sigma_mps > kUnknown_mps;
   const bool first = matcher_->is_empty();
   if (!first) update(scan, others, smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0, outcome);
   outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
   drift_.move_to(filter_.state().nav.p_m);
   if (outcome.num_iterations > 0 && outcome.used) learn_shared_covariance(outcome.fit);
-  if (first || due_for_map()) {
+  if (first || (due_for_map() && !is_blurred())) {
     if (smeared && !motion_known_) matcher_->clear();  // the map holds a scan of unknown motion
     const Matrix3 R_local_body = filter_.T_local_body().linear();
     if (matcher_->is_empty()) {
@@ -234,25 +128,59 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
 
 /// Corrects the state by the scan, and then the points of the scan by the corrected motion during the sweep.
 void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, double smear_m, ScanOutcome& outcome) {
+  const bool uncertain = smear_m > 0.0 || filter_.is_coasting();
   const NavState before = filter_.state().nav;
   const double offset_before_s = filter_.state().time_offset_s;
   const TimeNs end = imu_time_of_end(scan);
-  if (start_.over)  // errors of the first velocities would count as an offset
+  if (!start_.keeps_offset)
     filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
+  if (!config_.with_imu) filter_.set_scan_lag(0.5 * to_seconds(scan.duration));
+  const std::optional<Pose> coarse = uncertain ? align_coarsely(scan, others) : std::nullopt;
+  const NavState aligned = filter_.state().nav;
   const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
   outcome.fit = found.fit;
   outcome.num_iterations = found.num_iterations;
-  if (!found.fit.evidence.information.isZero(0.0)) {
+  if (!found.fit.evidence.information.isZero(0.0) && !filter_.is_coasting()) {
     innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
     start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
+  // In an aisle the points attract each other along it, too.
+  if (coarse && found.fit.num_degenerate == 0) filter_.measure(*coarse, kAligned_m, kAligned_rad);
   filter_.set_noise_factor(innovations_.noise_factor());
+  turned_rad_ = angle_between_rad(before.q, filter_.state().nav.q);
+  correct_motion(aligned, uncertain);
+  const bool shifted = std::abs(filter_.state().time_offset_s - offset_before_s) > kTimeShift_s;
+  if (uncertain || shifted) gather(scan, others);
+}
+
+/// Aligns the scan with the points of the map where the prediction is too poor for a match with its planes: without
+/// IMU, and while the velocity is unknown.
+std::optional<Pose> LocalSlam::align_coarsely(const Scan& scan, std::span<const SeenVehicle> others) {
+  const auto sigma = [&](int i) { return std::sqrt(filter_.covariance().diagonal().segment<3>(i).maxCoeff()); };
+  const double width_m = std::clamp(
+      kNarrowest_m + sigma(InertialFilter::kP) + kMeanRange_m * sigma(InertialFilter::kTheta), kNarrowest_m, kWidest_m);
+  const InertialFilter predicted = filter_;
+  const int num_alignments = filter_.is_coasting() && config_.with_imu ? kAlignments : 1;
+  std::optional<Pose> aligned;
+  for (int i = 0; i < num_alignments; ++i) {
+    const NavState before = filter_.state().nav;
+    aligned = matcher_->align(filter_.T_local_body(), width_m);
+    if (!aligned) break;
+    filter_ = predicted;
+    filter_.move_towards(*aligned, kAligned_m, kAligned_rad);
+    correct_motion(before, true);
+    gather(scan, others);
+  }
+  return aligned;
+}
+
+/// Adapts the motion during the sweep to a correction of the state.
+/// @param velocity  whether its velocity is corrected as well; otherwise it is that of the IMU
+void LocalSlam::correct_motion(const NavState& before, bool velocity) {
   const NavState& nav = filter_.state().nav;
   motion_.move(filter_.T_local_body() * make_pose(before.p_m, before.q).inverse());
-  const bool shifted = std::abs(filter_.state().time_offset_s - offset_before_s) > kTimeShift_s;
-  if (smear_m > 0.0 || filter_.is_coasting())
+  if (velocity)
     motion_.change_velocity(nav.t, nav.v_mps - before.v_mps, nav.omega_body_radps - before.omega_body_radps);
-  if (smear_m > 0.0 || filter_.is_coasting() || shifted) gather(scan, others);
 }
 
 /// Covariance shared by scans that meet the same part of the map; the filter treats scans as independent.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,11 @@ namespace swiftlet {
 /// weighted by its share in the renewal of the map.
 class MapDrift {
  public:
-  explicit MapDrift(const Vector3& p_local_m) : p_local_m_(p_local_m) {}
+  /// @param level_covariance_rad2  of the rotation vector between the local frame and a level one
+  explicit MapDrift(const Vector3& p_local_m, const Matrix3& level_covariance_rad2 = Matrix3::Zero())
+      : p_local_m_(p_local_m) {
+    C_.bottomRightCorner<3, 3>() = level_covariance_rad2;
+  }
   void move_to(const Vector3& p_local_m);
   /// Updates the covariance after an insertion. Covariances are of position (local frame) and attitude (body axes).
   void inherit(const Matrix6& covariance, const Matrix3& R_local_body);
@@ -74,8 +79,18 @@ class LocalSlam {
   Matrix6 pose_covariance(const InertialFilter& filter, double ahead_s) const;
 
  private:
+  /// [m/s] Standard deviation of the velocity above which a scan counts as smeared. Larger values align fewer scans
+  /// coarsely.
+  static constexpr double kUnknown_mps = 0.3;
+  /// [rad] Correction of the predicted attitude above which a scan without IMU counts as blurred: a rotation that the
+  /// prediction did not contain. Larger values blur the planes of the map, smaller ones leave scans of curves out of
+  /// it.
+  static constexpr double kBlur_rad = 0.06;
+
   /// Initialization: the first scans are processed again with the biases and the time offset estimated from them.
   struct Start {
+    /// Largest number of IMU samples kept. The start is not repeated if the first scans need more.
+    static constexpr std::size_t kMaxSamples = 4096;
     std::vector<ImuSample> imu;
     struct Swept {
       std::size_t after_sample = 0;
@@ -84,6 +99,7 @@ class LocalSlam {
     };
     std::vector<Swept> scans;
     bool over = false;
+    bool keeps_offset = true;  ///< the time offset is not estimated: errors of the first velocities would count as one
     double sum_of_innovations = 0.0;  // normalized squares per direction, of the last pass
     int num_innovations = 0;
 
@@ -104,16 +120,20 @@ class LocalSlam {
   ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
   void reach_end(const Scan& scan);
   void update(const Scan& scan, std::span<const SeenVehicle> others, double smear_m, ScanOutcome& outcome);
+  std::optional<Pose> align_coarsely(const Scan& scan, std::span<const SeenVehicle> others);
+  void correct_motion(const NavState& before, bool velocity);
   void gather(const Scan& scan, std::span<const SeenVehicle> others);
   void leave_out(std::span<const SeenVehicle> others);
   void learn_shared_covariance(const ScanFit& fit);
   bool due_for_map() const;
+  bool is_blurred() const { return filter_.is_coasting() && motion_known_ && turned_rad_ > kBlur_rad; }
   void insert();
 
   LocalSlamConfig config_;
   Pose T_local_body_start_;
   double own_radius_m_;
   Start start_;
+  Matrix3 level_covariance_rad2_ = Matrix3::Zero();  // level of the start pose
   InertialFilter filter_;
   MotionHistory motion_;
   std::unique_ptr<ScanMatcher> matcher_;
@@ -124,6 +144,7 @@ class LocalSlam {
 
   TimedPose inserted_;  // last insertion
   int num_inserted_ = 0;
+  double turned_rad_ = 0.0;                      // correction of the predicted attitude by the last scan
   bool motion_known_ = false;                    // the map holds scans of known motion
   std::vector<Eigen::Vector3f> returns_body_m_;  // scratch of one scan
 };

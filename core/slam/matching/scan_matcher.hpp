@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "core/slam/matching/inertial_filter.hpp"
@@ -44,6 +45,11 @@ class ScanMatcher {
   };
   /// Corrects the filter by the pose of the scan.
   virtual Match match(InertialFilter& filter, const Uncertainty& uncertainty) = 0;
+
+  /// Pose of the scan, found from a poor prediction without the filter; empty if the scan meets too little of the map,
+  /// or the matcher has no such search.
+  /// @param width_m  of the robust kernel: how far the points may be displaced by the prediction
+  virtual std::optional<Pose> align(const Pose& /*T_local_body*/, double /*width_m*/) { return std::nullopt; }
 
   virtual void insert(const Pose& T_local_body) = 0;
   virtual std::size_t bytes() const = 0;

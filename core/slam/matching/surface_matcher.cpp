@@ -9,9 +9,9 @@ namespace {
 constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
 /// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
 constexpr double kCropEvery_m = 10.0;
-/// [m] Edges of the cubes that contribute one return each to the map and to the matching. Smaller cubes keep more
-/// detail and cost time.
-constexpr float kMapVoxel_m = 0.2F, kMatchVoxel_m = 0.5F;
+/// [m] Edges of the cubes that contribute one return each to the map, to the matching and to the coarse alignment.
+/// Smaller cubes keep more detail and cost time.
+constexpr float kMapVoxel_m = 0.2F, kMatchVoxel_m = 0.5F, kCoarseVoxel_m = 1.5F;
 
 /// Keeps at most `most` points, evenly spaced in their order.
 void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
@@ -47,14 +47,25 @@ ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Uncertain
   return match;
 }
 
+std::optional<Pose> SurfaceMatcher::align(const Pose& T_local_body, double width_m) {
+  thinner_.thin_into(sparse_body_m_, kCoarseVoxel_m, coarse_body_m_);
+  return align_points(points_, coarse_body_m_, T_local_body, width_m);
+}
+
 void SurfaceMatcher::insert(const Pose& T_local_body) {
-  points_local_m_.resize(dense_body_m_.size());
-  for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
-    points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
+  const auto place = [&](std::span<const Eigen::Vector3f> points_body_m) {
+    points_local_m_.resize(points_body_m.size());
+    for (std::size_t i = 0; i < points_body_m.size(); ++i)
+      points_local_m_[i] = T_local_body * points_body_m[i].cast<double>();
+  };
+  place(sparse_body_m_);
+  points_.insert(points_local_m_);
+  place(dense_body_m_);
   map_.insert(points_local_m_, T_local_body.translation());
   if ((T_local_body.translation() - cropped_local_m_).norm() < kCropEvery_m) return;
   cropped_local_m_ = T_local_body.translation();
   map_.keep_around(cropped_local_m_);
+  points_.keep_around(cropped_local_m_, config_.map.keep_radius_m);
 }
 
 }  // namespace swiftlet
