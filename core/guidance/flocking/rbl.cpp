@@ -69,7 +69,7 @@ class Rbl : public Guidance {
     if (lidar_ && !input.observation.scans.empty())
       lidar_->mount(input.observation.scans.front()->T_body_lidar.translation());
     neighbors_.update(input);
-    if (safety_ && next_update_ == 0) safety_->start(input.estimate, now);
+    if (safety_ && next_update_ == 0) safety_->start(input.estimate);
     if (now >= next_update_) {
       next_update_ = next_update_ == 0 ? now + period_ : next_update_ + period_;
       plan(input.estimate, now);
@@ -153,8 +153,7 @@ class Rbl : public Guidance {
 
   void keep_apart(const NeighborSafety::Situation& situation) {
     NeighborSafety::Goal wanted{glide_.from_local_m, glide_.to_local_m, goal_.yaw_rad, speed_mps()};
-    wanted = lidar_ ? safety_->admit(situation, wanted, lidar_->cuts(), config_.cells.sensing_radius_m)
-                    : safety_->admit(situation, wanted);
+    wanted = lidar_ ? safety_->admit(situation, wanted, lidar_->cuts()) : safety_->admit(situation, wanted);
     glide_.to_local_m = wanted.position_local_m;
     goal_.yaw_rad = wanted.yaw_rad;
   }

@@ -13,9 +13,6 @@ namespace {
 
 /// [m] Length below which a displacement has no direction; guards a division by 0.
 constexpr double kTouching_m = 1e-6;
-/// [-] Factor on the duration of the best evasion below which the begun side is kept. At 1 each sample of a head-on
-/// neighbor may change the side; larger values keep a side that has become long.
-constexpr double kTurnsBack = 3.0;
 
 /// Limit along a unit direction, such that its horizontal and its vertical part keep their own limits.
 double along(const Vector3& direction, double level, double vertical) {
@@ -93,7 +90,7 @@ HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_see
 
 std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_other_local_m,
                                        const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                       const MotionLimits& limits, const Vector3* begun_local) {
+                                       const MotionLimits& limits) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
   const Vector3 displacement = scale.cwiseProduct(v_other_local_mps);
@@ -127,14 +124,6 @@ std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_oth
     if (level.time_s < best.time_s) best = level;
   } else if (best.time_s == std::numeric_limits<double>::infinity()) {
     best = escape(Vector3::UnitX());  // the other falls vertically onto the vehicle
-  }
-  if (begun_local != nullptr) {
-    Vector3 last = -begun_local->cwiseQuotient(scale);
-    last -= last.dot(ahead) * ahead;
-    if (last.norm() > kTouching_m) {
-      const Escape begun = escape(last.normalized());
-      if (begun.time_s < kTurnsBack * best.time_s) best = begun;
-    }
   }
   const Vector3 unscaled = scale.cwiseProduct(best.out);
   const double stretch = unscaled.norm();

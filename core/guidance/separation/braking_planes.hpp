@@ -41,14 +41,12 @@ HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_see
 /// retreats.
 ///
 /// The side is that of the vehicle, or the right side seen in flight direction of the other vehicle. The evasion is
-/// level, or vertical where that is faster. The side is kept once chosen, because each sample of a head-on neighbor
-/// suggests another one.
-/// @param begun_local  normal of the last evasion plane; nullptr: a new evasion
+/// level, or vertical where that is faster.
 /// @return relative to the position of `self`; nothing when the other does not approach, or passes the stopping point
 /// of `self` at more than the distance
 std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_other_local_m,
                                        const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                       const MotionLimits& limits, const Vector3* begun_local = nullptr);
+                                       const MotionLimits& limits);
 
 /// Speed limit with no neighbor in view: another vehicle with the same speed may approach just beyond the sensor's
 /// range. Both can still stop after detection.

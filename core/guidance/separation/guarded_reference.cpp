@@ -67,10 +67,9 @@ Vector3 GuardedReference::admit(const Vector3& last_goal_local_m, const Vector3&
       return plane.normal_local.dot(q_m - p_local_m) > std::max(plane.offset_m, least_m) + kSlack_m;
     });
   };
-  for (const double share : {1.0, 0.5, 0.25, 0.0}) {
-    const Vector3 nearer_local_m = rest_m + share * (goal_local_m - rest_m);
-    if (!crosses(rest_after_local_m(last_goal_local_m, nearer_local_m, period_s, speed_limit_mps)))
-      return nearer_local_m;
+  for (const Vector3& wanted_local_m : {goal_local_m, rest_m}) {
+    if (!crosses(rest_after_local_m(last_goal_local_m, wanted_local_m, period_s, speed_limit_mps)))
+      return wanted_local_m;
   }
   braking_ = true;
   return rest_m;

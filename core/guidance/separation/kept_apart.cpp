@@ -60,7 +60,7 @@ class KeptApart : public Guidance {
     guidance_->step(input, output, outbox);
     neighbors_.update(input);
     if (next_update_ == 0) {
-      safety_.start(input.estimate, now);
+      safety_.start(input.estimate);
       goal_.position_m = input.estimate.T_local_body.translation();
     }
     output.speed_limit_mps = std::min(output.speed_limit_mps, safety_.speed_limit_mps(neighbors_.timing()));

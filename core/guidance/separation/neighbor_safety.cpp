@@ -21,32 +21,16 @@ struct Rule {
   static constexpr double kLongUnseen_s = 5.0;
   /// [m] Smallest cell radius left by a neighbor unseen for kLongUnseen_s. At 0 the vehicle retreats indefinitely.
   static constexpr double kMinCellSize_m = 1.0;
-  /// [-] Standard deviations of the speed of a neighbor that its closing speed must exceed. Larger values evade later.
-  static constexpr double kClosing_sigmas = 0.5;
   /// [-] Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
   static constexpr double kFaster_sigmas = 0.5;
   /// [s] Time before the braking paths come too close at which the evasion begins. Larger values evade earlier.
   static constexpr double kEvade_s = 0.5;
-  /// [-] Factor on the distance of the goal of an evading vehicle. Larger values accelerate harder.
-  static constexpr double kGoalExtension = 3.0;
-  /// [s] Time after the last approach until the side of evasion is dropped and a planar vehicle returns to its plane.
+  /// [s] Time after the last approach until a planar vehicle returns to its plane.
   /// Smaller values may return below or above a neighbor.
   static constexpr double kOutOfPlane_s = 1.5;
   /// [m] Height of a neighbor above a planar vehicle from which the vehicle evades downwards instead of upwards.
   static constexpr double kSameHeight_m = 0.3;
-  /// [s] Time to a meeting at the present velocities within which the heading keeps a neighbor in view. Larger values
-  /// restrict the heading more.
-  static constexpr double kMeetingHorizon_s = 3.0;
-  /// [s] Time for which the vehicle keeps its own pledge after a sample, in addition to sample intervals. Larger values
-  /// cover more lost samples and slow the vehicle down.
-  static constexpr double kPledged_s = 1.0;
-  /// [longest sample intervals] Waiting time before the start. At 1 a single lost sample hides a neighbor.
-  static constexpr double kLookAround = 2.0;
-  /// [s] Longest sample interval that does not delay the start.
-  static constexpr double kShortInterval_s = 0.5;
 };
-/// [-] Reserved number of evasions; a track that is lost and found again takes a second entry.
-constexpr std::size_t kEvasionCapacity = 64;
 
 double range_of(const std::vector<NeighborView>& views) {
   double range_m = kFar_m;
@@ -67,14 +51,11 @@ NeighborSafety::NeighborSafety(const SeparationConfig& config, const Vehicle& ve
       sight_(vehicle.views) {
   vehicle_.limits = config.within(vehicle.limits);
   const auto num = static_cast<std::size_t>(vehicle.num_vehicles);
-  approaching_local_m_.reserve(num);
-  evasions_.reserve(std::max(kEvasionCapacity, num));
   planes_.reserve(3 * num);
   cell_planes_.reserve(3 * num);
 }
 
-void NeighborSafety::start(const StateEstimate& estimate, TimeNs now) {
-  started_ = now;
+void NeighborSafety::start(const StateEstimate& estimate) {
   Reference here;
   here.position_m = estimate.T_local_body.translation();
   here.velocity_mps = estimate.v_local_mps;
@@ -85,17 +66,14 @@ void NeighborSafety::start(const StateEstimate& estimate, TimeNs now) {
 void NeighborSafety::update(const Situation& situation, bool certain) {
   sigmas_ = certain ? 0.0 : config_.sigmas;
   self_ = {level(situation.estimate.T_local_body.translation()), level(reference_.rest_local_m())};
-  const Vector3 v_own_local_mps = level(situation.estimate.v_local_mps);
   planes_.clear();
   cell_planes_.clear();
-  approaching_local_m_.clear();
   evades_ = false;
   passing_at_m_ = kFar_m;
   for (const Neighbor& neighbor : situation.neighbors) {
     const Vector3 p_local_m = level(neighbor.position_local_m);
     const Encounter met{neighbor, p_local_m, level(neighbor.velocity_local_mps), p_local_m - self_.p_local_m};
     add_braking_plane(met, situation);
-    watch(met, v_own_local_mps);
     maybe_evade(met, situation.now);
     add_pledge_plane(met, situation);
   }
@@ -121,19 +99,11 @@ void NeighborSafety::add_braking_plane(const Encounter& met, const Situation& si
   add(plane, cell_m);
 }
 
-/// Neighbors that soon meet the vehicle stay in view.
-void NeighborSafety::watch(const Encounter& met, const Vector3& v_own_local_mps) {
-  const double d = met.distance_m;
-  const double meeting_mps = d > 0.0 ? (v_own_local_mps - met.v_local_mps).dot(met.to_local_m) / d : 0.0;
-  if (meeting_mps > Encounter::kClosing_mps && d - distance_m_ < Rule::kMeetingHorizon_s * meeting_mps)
-    approaching_local_m_.push_back(met.p_local_m);
-}
-
 /// Evades a neighbor that approaches without braking: a braking neighbor is already slow. A poorly measured neighbor is
 /// taken to be faster, because its filter starts at rest.
 void NeighborSafety::maybe_evade(const Encounter& met, TimeNs now) {
   const double speed_sigma_mps = met.speed_sigma_mps();
-  if (met.closing_mps <= std::max(Encounter::kClosing_mps, Rule::kClosing_sigmas * speed_sigma_mps)) return;
+  if (met.closing_mps <= Encounter::kClosing_mps) return;
   const double faster_mps = met.closing_mps + Rule::kFaster_sigmas * speed_sigma_mps;
   const Braking faster = braking_of(met.p_local_m, faster_mps / met.closing_mps * met.v_local_mps,
                                     reaction_s_ + met.neighbor.unpredicted_s, vehicle_.limits);
@@ -143,36 +113,20 @@ void NeighborSafety::maybe_evade(const Encounter& met, TimeNs now) {
     passing_at_m_ = met.distance_m;
     passing_ = {now, met.neighbor.position_local_m.z()};
   }
-  evade(met, now);
-}
-
-/// Plane beside the path of the neighbor, always on the same side.
-void NeighborSafety::evade(const Encounter& met, TimeNs now) {
-  std::erase_if(evasions_, [&](const Evasion& e) { return now - e.t > from_seconds(Rule::kOutOfPlane_s); });
-  const auto known =
-      std::find_if(evasions_.begin(), evasions_.end(), [&](const Evasion& e) { return e.key == met.neighbor.key; });
-  const auto beside = evasion_plane(self_, met.p_local_m, met.v_local_mps, distance_m_, vertical_m_, vehicle_.limits,
-                                    known != evasions_.end() ? &known->normal_local : nullptr);
+  const auto beside = evasion_plane(self_, met.p_local_m, met.v_local_mps, distance_m_, vertical_m_, vehicle_.limits);
   if (!beside) return;
   evades_ = evades_ || beside->offset_m < -Rule::kViolation_m;
   add(*beside, beside->offset_m);
-  const Evasion evasion{met.neighbor.key, now, beside->normal_local};
-  if (known != evasions_.end()) {
-    *known = evasion;
-  } else {
-    evasions_.push_back(evasion);
-  }
 }
 
-/// Adds the half-space of the vehicle's own pledge, widened to contain the stopping point.
+/// Adds the half-space of the vehicle's own pledge.
 void NeighborSafety::add_pledge_plane(const Encounter& met, const Situation& situation) {
   // Samples may be lost, so the vehicle keeps its pledge for longer than it relies on that of the neighbor.
-  const double kept_s = 2.0 * sample_gap_s(situation.timing) + situation.timing.longest_s + Rule::kPledged_s;
+  const double kept_s = 2.0 * sample_gap_s(situation.timing) + situation.timing.longest_s;
   if (config_.pledge_share <= 0.0 || to_seconds(situation.now - met.neighbor.seen) > kept_s) return;
-  HalfSpace pledge = pledge_plane(level(met.neighbor.own_seen_local_m), level(met.neighbor.seen_local_m),
-                                  self_.p_local_m, distance_m_, vertical_m_, seen_reserve_m(met), config_.pledge_share);
-  const double least_m = std::max(0.0, pledge.normal_local.dot(self_.stop_local_m - self_.p_local_m));
-  pledge.offset_m = std::max(pledge.offset_m, least_m);
+  const HalfSpace pledge =
+      pledge_plane(level(met.neighbor.own_seen_local_m), level(met.neighbor.seen_local_m), self_.p_local_m, distance_m_,
+                   vertical_m_, seen_reserve_m(met), config_.pledge_share);
   add(pledge, pledge.offset_m);
 }
 
@@ -182,40 +136,24 @@ void NeighborSafety::add(const HalfSpace& plane, double cell_offset_m) {
 }
 
 NeighborSafety::Goal NeighborSafety::admit(const Situation& situation, Goal wanted,
-                                           std::span<const HalfSpace> obstacles, double reach_m) {
+                                           std::span<const HalfSpace> obstacles) {
   const Pose& T_local_body = situation.estimate.T_local_body;
   if (vehicle_.turns) {
-    wanted.yaw_rad = sight_.heading(T_local_body, wanted.position_local_m, situation.neighbors, approaching_local_m_,
-                                    wanted.yaw_rad, situation.now);
+    wanted.yaw_rad =
+        sight_.heading(T_local_body, wanted.position_local_m, situation.neighbors, wanted.yaw_rad, situation.now);
     if (!evades_ && !sight_.sees_ahead(T_local_body, wanted.position_local_m))
       wanted.position_local_m = reference_.rest_local_m();
   }
-  if (!evades_ && looks_around(situation)) wanted.position_local_m = reference_.rest_local_m();
-  if (evades_) {
-    wanted.position_local_m = extended_goal_local_m(situation, wanted.position_local_m, obstacles, reach_m);
+  if (evades_) {  // within the heights of flight
+    const double z_m = T_local_body.translation().z();
+    double& goal_z_m = wanted.position_local_m.z();
+    goal_z_m = std::clamp(goal_z_m, std::min(situation.z_min_m, z_m), std::max(situation.z_max_m, z_m));
     planes_.insert(planes_.end(), obstacles.begin(), obstacles.end());
   }
   wanted.position_local_m =
       reference_.admit(wanted.last_local_m, wanted.position_local_m, planes_, T_local_body.translation(),
                        to_seconds(vehicle_.period), wanted.speed_limit_mps);
   return wanted;
-}
-
-/// A near goal is approached slowly, so the goal of an evading vehicle lies farther away. It stays within the heights
-/// of flight, the reach and the obstacle planes.
-Vector3 NeighborSafety::extended_goal_local_m(const Situation& situation, const Vector3& goal_local_m,
-                                              std::span<const HalfSpace> obstacles, double reach_m) const {
-  const Vector3 p_local_m = situation.estimate.T_local_body.translation();
-  const Vector3 aside_m = goal_local_m - p_local_m;
-  double farther = std::min(Rule::kGoalExtension, reach_m / aside_m.norm());
-  for (const HalfSpace& obstacle : obstacles) {
-    const double towards_m = obstacle.normal_local.dot(aside_m);
-    if (towards_m > 0.0) farther = std::min(farther, obstacle.offset_m / towards_m);
-  }
-  Vector3 extended_local_m = p_local_m + std::max(farther, 1.0) * aside_m;
-  extended_local_m.z() = std::clamp(extended_local_m.z(), std::min(situation.z_min_m, p_local_m.z()),
-                                    std::max(situation.z_max_m, p_local_m.z()));
-  return extended_local_m;
 }
 
 std::optional<double> NeighborSafety::evasion_height_local_m(const Situation& situation, double height_m) {
@@ -237,12 +175,6 @@ std::optional<double> NeighborSafety::evasion_height_local_m(const Situation& si
 double NeighborSafety::speed_limit_mps(const SampleTiming& timing) const {
   const double unknown_s = timing.longest_s + timing.latency_s + Rule::kReaction_s + to_seconds(vehicle_.period);
   return speed_into_unknown_mps(range_m_, unknown_s, distance_m_, vehicle_.limits.horizontal_acceleration_mps2);
-}
-
-/// With long sample intervals, a near neighbor may not have been measured yet.
-bool NeighborSafety::looks_around(const Situation& situation) const {
-  const double longest_s = situation.timing.longest_s;
-  return longest_s > Rule::kShortInterval_s && to_seconds(situation.now - started_) < Rule::kLookAround * longest_s;
 }
 
 /// Time after a sample during which the neighbor counts as keeping its pledge.

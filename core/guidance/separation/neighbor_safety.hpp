@@ -56,7 +56,7 @@ class NeighborSafety {
 
   NeighborSafety(const SeparationConfig& config, const Vehicle& vehicle);
 
-  void start(const StateEstimate& estimate, TimeNs now);
+  void start(const StateEstimate& estimate);
 
   /// Computes the planes of the next period.
   /// @param certain  ignores the uncertainty of neighbors, which may leave a vehicle no room to evade
@@ -70,9 +70,7 @@ class NeighborSafety {
   /// Goal and heading that keep the vehicle within the planes. The heading keeps neighbors in view; the goal moves
   /// toward the point of rest until it is admissible.
   /// @param obstacles  further planes, which bound an evasion; relative to the vehicle
-  /// @param reach_m    largest distance of the goal of an evasion
-  Goal admit(const Situation& situation, Goal wanted, std::span<const HalfSpace> obstacles = {},
-             double reach_m = std::numeric_limits<double>::infinity());
+  Goal admit(const Situation& situation, Goal wanted, std::span<const HalfSpace> obstacles = {});
 
   /// Height of a planar vehicle above or below a neighbor that does not brake; empty: no evasion. A crowd may leave no
   /// room to evade in the plane; the horizontal distance to all others is kept meanwhile.
@@ -88,22 +86,11 @@ class NeighborSafety {
   }
 
  private:
-  struct Evasion {
-    std::int64_t key = 0;
-    TimeNs t = 0;
-    Vector3 normal_local = Vector3::Zero();  // plane of the evasion
-  };
-
   void add_braking_plane(const Encounter& met, const Situation& situation);
-  void watch(const Encounter& met, const Vector3& v_own_local_mps);
   void maybe_evade(const Encounter& met, TimeNs now);
-  void evade(const Encounter& met, TimeNs now);
   void add_pledge_plane(const Encounter& met, const Situation& situation);
   void add(const HalfSpace& plane, double cell_offset_m);
 
-  Vector3 extended_goal_local_m(const Situation& situation, const Vector3& goal_local_m,
-                                std::span<const HalfSpace> obstacles, double reach_m) const;
-  bool looks_around(const Situation& situation) const;
   double sample_gap_s(const SampleTiming& timing) const;
   /// Uncertainty of the position at the last sample.
   double seen_reserve_m(const Encounter& met) const {
@@ -121,17 +108,14 @@ class NeighborSafety {
   double range_m_;                  // shortest of the sensors
   GuardedReference reference_;
   NeighborSight sight_;
-  TimeNs started_ = 0;
 
   // Results of the last update.
-  Braking self_;                              // horizontal for a planar vehicle
-  double sigmas_ = 0.0;                       // standard deviations by which neighbors count as nearer
-  std::vector<HalfSpace> planes_;             // the vehicle comes to rest within them
-  std::vector<HalfSpace> cell_planes_;        // for the choice of a goal
-  std::vector<Vector3> approaching_local_m_;  // stay in view
+  Braking self_;                        // horizontal for a planar vehicle
+  double sigmas_ = 0.0;                 // standard deviations by which neighbors count as nearer
+  std::vector<HalfSpace> planes_;       // the vehicle comes to rest within them
+  std::vector<HalfSpace> cell_planes_;  // for the choice of a goal
   bool evades_ = false;
 
-  std::vector<Evasion> evasions_;  // recent ones, one for each neighbor
   struct Passing {
     TimeNs t = -1;  // negative: none yet
     double height_local_m = 0.0;

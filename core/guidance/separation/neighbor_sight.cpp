@@ -23,11 +23,10 @@ constexpr double kSlow_mps = 1.0;
 /// Costs [-] of a heading; larger values favor headings that avoid the cost. For comparison, a near neighbor out of
 /// view that was seen 1 s ago costs 2.
 struct Cost {
-  static constexpr double kAheadUnseen = 2.0;        ///< flight direction not in view
-  static constexpr double kApproachingUnseen = 5.0;  ///< each approaching neighbor not in view
+  static constexpr double kAheadUnseen = 2.0;  ///< flight direction not in view
   static constexpr double kGlancePerS = 2.0;   ///< [1/s] azimuth to be viewed next not in view, per second since it was
   static constexpr double kFreshView_s = 1.0;  ///< [s] first part of that time, without cost
-  static constexpr double kGlance = 4.0;       ///< upper limit of that cost, below that of an approaching neighbor
+  static constexpr double kGlance = 4.0;       ///< upper limit of that cost
   static constexpr double kPerRad = 0.01;      ///< [1/rad] turn from the last heading; decides between equal headings
 };
 
@@ -69,7 +68,7 @@ bool NeighborSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local
 }
 
 double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                              std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now) {
+                              double last_yaw_rad, TimeNs now) {
   if (views_.empty()) return last_yaw_rad;
   look(T_local_body.linear(), now);
   const Vector3 p_local_m = T_local_body.translation();
@@ -100,9 +99,6 @@ double NeighborSight::heading(const Pose& T_local_body, const Vector3& to_local_
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
       if (!sees(R_body_local[i] * to_m))
         cost += (1.0 + to_seconds(now - neighbor.seen)) / time_to_meet_s(neighbor, to_m);
-    }
-    for (const Vector3& approaching_m : approaching_local_m) {
-      if (!sees(R_body_local[i] * (approaching_m - p_local_m))) cost += Cost::kApproachingUnseen;
     }
     if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += Cost::kAheadUnseen;
     // In flight, only headings with the flight direction in view earn this term.

@@ -19,9 +19,8 @@ class NeighborSight {
   /// Heading [rad] that keeps neighbors out of the blind sector, with priority for those unseen for longest and closest
   /// in time, and then the flight direction in view. It turns to azimuths that were not viewed for long; in flight,
   /// only as far as the flight direction stays in view.
-  /// @param approaching_local_m  positions of neighbors that may have to be evaded; they stay in view
   double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                 std::span<const Vector3> approaching_local_m, double last_yaw_rad, TimeNs now);
+                 double last_yaw_rad, TimeNs now);
 
   /// True if neighbors in the flight direction would be in view. Tolerates directions slightly outside the view.
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;

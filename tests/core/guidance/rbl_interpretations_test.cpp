@@ -446,27 +446,6 @@ TEST(RblFlight, ShrinksOnlyForUncertaintyTowardsNeighbors) {
   EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}, 4.5), sure_m - 0.03);
 }
 
-// With nine of ten samples lost, a hovering neighbor may not have been seen yet.
-TEST(RblFlight, LooksAroundFirstWithRareSightings) {
-  const auto two_meters_s = [](int every) {
-    RblConfig config;
-    config.variant = Variant::k3d;
-    config.goal_m = {20.0, 0.0, 5.0};
-    GuidanceDriver driver("rbl", config, {0.0, 0.0, 5.0});
-    for (int i = 0; i < 100; ++i) {
-      if (i % every == 0) driver.sees(1, {-7.0, 3.0, 5.0});
-      driver.put(driver.step().goal.position_m);
-      if (driver.p_m().x() > 2.0) return i * driver.dt_s;
-    }
-    return 100 * driver.dt_s;
-  };
-  const double at_once_s = two_meters_s(1);
-  EXPECT_LT(at_once_s, 2.5);
-  EXPECT_LT(two_meters_s(4), at_once_s + 0.11) << "a little seldom";
-  EXPECT_GT(two_meters_s(20), 4.0) << "twice as long as between two samples";
-  EXPECT_LT(two_meters_s(20), 7.0);
-}
-
 TEST(RblInterpretations, AlignsWorldLatticeToStepMultiples) {
   RblCellConfig config;
   config.lattice = RblCellConfig::Lattice::kWorld;
