@@ -48,8 +48,9 @@ class InertialFilter : public InertialModel {
   /// Velocity (local frame) and body rate of the vehicle during the next scan: change of the measured pose per second
   /// of time offset.
   void set_scan_motion(const Eigen::Matrix<double, 6, 1>& twist) { twist_ = twist; }
-  /// Time from the middle of the next scan to its end if its points were undistorted by the predicted motion alone: its
-  /// pose is then that of its middle, carried on by this motion. 0: by the IMU.
+  /// Time from the middle of a scan to its end, where scans are undistorted by the predicted velocity and body rate:
+  /// such a scan measures the pose of its middle, which the prediction extrapolates to its end. 0 where the IMU
+  /// undistorts.
   void set_scan_lag(double lag_s) { lag_s_ = lag_s; }
   /// Factor of the variances of the IMU's noise. Larger values weigh scans more.
   void set_noise_factor(double factor) { noise_factor_ = factor; }

@@ -133,7 +133,8 @@ class LocalSlam {
   Pose T_local_body_start_;
   double own_radius_m_;
   Start start_;
-  Matrix3 level_covariance_rad2_ = Matrix3::Zero();  // level of the start pose
+  /// Covariance of the rotation vector between the local frame and a level one; 0 unless the first scans level it.
+  Matrix3 level_covariance_rad2_ = Matrix3::Zero();
   InertialFilter filter_;
   MotionHistory motion_;
   std::unique_ptr<ScanMatcher> matcher_;
