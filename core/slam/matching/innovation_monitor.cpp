@@ -22,6 +22,12 @@ constexpr double kRecovery = 0.02;
 // [-] limits of the noise factor: of a warning, of a contradiction, and of the factor itself. The standard deviation of
 // the noise grows by its square root.
 constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMostNoise = 1e6;
+// [m/s] Change of the velocity by ten scans that contradicts the IMU: in one second, 5 % of gravity. Good IMUs leave up
+// to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
+// let wrong mounts pass, smaller ones refuse noisy IMUs.
+constexpr double kWrongVelocity_mps = 0.5;
+// [scans] Duration of such a contradiction. Larger values make the estimate invalid for longer after a collision.
+constexpr int kContradictedScans = 100;
 
 }  // namespace
 
@@ -36,8 +42,21 @@ void InnovationMonitor::add(double innovation_sq, int num_directions) {
   noise_factor_ = std::clamp(noise_factor_, 1.0, kMostNoise);
 }
 
+/// Accelerations that the IMU does not measure add up; those that noise suggests do not.
+void InnovationMonitor::add_correction(const Vector3& v_mps) {
+  corrections_mps_.col(next_correction_) = v_mps;
+  next_correction_ = (next_correction_ + 1) % kScans;
+  const bool wrong = corrections_mps_.rowwise().sum().norm() > kWrongVelocity_mps;
+  scans_contradicted_ = wrong ? kContradictedScans : std::max(scans_contradicted_ - 1, 0);
+}
+
 double InnovationMonitor::covariance_factor() const { return std::max(1.0, mean_ / kAgreement); }
 bool InnovationMonitor::disagrees() const { return noise_factor_ > kDisagreement; }
-bool InnovationMonitor::contradicts() const { return noise_factor_ > kContradiction; }
+bool InnovationMonitor::contradicts() const { return noise_factor_ > kContradiction || scans_contradicted_ > 0; }
+
+void InnovationMonitor::begin(bool contradicted) {
+  corrections_mps_.setZero();
+  scans_contradicted_ = contradicted ? kContradictedScans : 0;
+}
 
 }  // namespace swiftlet

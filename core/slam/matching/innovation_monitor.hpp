@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "swiftlet/core/base/frames.hpp"
+
 namespace swiftlet {
 
 /// Agreement of the scans with the filter's predictions [Mehra 1970]: the innovations of the last scans, normalized by
@@ -11,6 +13,8 @@ class InnovationMonitor {
  public:
   /// @param innovation_sq  normalized square of an innovation in `num_directions` directions
   void add(double innovation_sq, int num_directions);
+  /// @param v_mps  change of the velocity (local frame) by a scan
+  void add_correction(const Vector3& v_mps);
 
   /// Factor of the reported covariance, at least 1.
   double covariance_factor() const;
@@ -20,6 +24,9 @@ class InnovationMonitor {
   bool disagrees() const;
   /// The IMU does not measure the motion that the scans show.
   bool contradicts() const;
+  /// Begins after the start: the changes of the velocity by the first scans are due to the unknown start.
+  /// @param contradicted  whether the IMU counts as contradicted from here on
+  void begin(bool contradicted);
 
  private:
   /// [scans] Length of the mean. Larger values detect disagreement later and more reliably.
@@ -28,6 +35,10 @@ class InnovationMonitor {
   int next_ = 0;
   double mean_ = 0.0;
   double noise_factor_ = 1.0;
+  using Corrections = Eigen::Matrix<double, 3, kScans>;
+  Corrections corrections_mps_ = Corrections::Zero();  // changes of the velocity by the last scans
+  int next_correction_ = 0;
+  int scans_contradicted_ = 0;  // number of scans for which the contradiction still holds
 };
 
 }  // namespace swiftlet

@@ -142,6 +142,7 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   outcome.num_iterations = found.num_iterations;
   if (!found.fit.evidence.information.isZero(0.0) && !filter_.is_coasting()) {
     innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
+    if (!has_unknown_start()) innovations_.add_correction(filter_.state().nav.v_mps - before.v_mps);
     start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
   // In an aisle the points attract each other along it, too.

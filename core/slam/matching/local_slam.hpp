@@ -110,6 +110,7 @@ class LocalSlam {
     }
     double mean_innovation() const { return num_innovations > 0 ? sum_of_innovations / num_innovations : 0.0; }
   };
+  bool has_unknown_start() const { return !start_.over && config_.imu.start_velocity_sigma_mps > kUnknown_mps; }
   void begin_again();
   void find_time_offset();
   void repeat_until_settled(const InertialFilter& learned);

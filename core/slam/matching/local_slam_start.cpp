@@ -12,6 +12,9 @@ namespace {
 // Normalized square of an innovation per direction: 1 for exact noise models, 0.1 to 0.3 in simulated flights. Above
 // it, other time offsets are tried. Larger values miss offsets of 10 ms.
 constexpr double kExpectedInnovation = 1.0;
+// Normalized square above which the repeated start does not explain a contradiction: 0.2 to 0.4 after a wrong time
+// offset, 6 to 11 with a LiDAR turned by 90 or 180 degrees. Larger values let wrong mounts pass.
+constexpr double kUnexplainedInnovation = 4.0;
 // Time offsets tried at the start: multiples of a quarter of their standard deviation up to 2.5 of them. Smaller steps
 // cost time, larger ones leave the right offset outside of the range from which the filter finds it.
 constexpr int kTriedSteps = 10;
@@ -30,6 +33,7 @@ constexpr int kRepeatsInMotion = 2;
 /// and with an unknown time offset.
 void LocalSlam::begin_again() {
   start_.over = true;
+  const bool contradicted = innovations_.contradicts();
   if (!start_.imu.empty() && start_.imu.size() < Start::kMaxSamples) {
     if (config_.imu.start_velocity_sigma_mps > kUnknown_mps) {
       for (int i = 0; i < kRepeatsInMotion; ++i) repeat_start(learned_start());
@@ -41,6 +45,7 @@ void LocalSlam::begin_again() {
         find_time_offset();
     }
   }
+  innovations_.begin(contradicted && start_.mean_innovation() > kUnexplainedInnovation);
   start_ = {.over = true, .keeps_offset = false};
 }
 

@@ -191,8 +191,8 @@ TEST(SlamFaults, NamesATurnedLidar) {
       scan.T_body_lidar.linear() = rotation_by({0, 0, turn_rad}) * scan.T_body_lidar.linear();
     };
     faulty.fly();
-    EXPECT_NE((faulty.warnings + faulty.faults).find("mounts of the LiDARs"), std::string::npos)
-        << turn_rad << faulty.warnings << faulty.faults;
+    EXPECT_NE(faulty.faults.find("mounts of the LiDARs"), std::string::npos) << turn_rad << faulty.faults;
+    EXPECT_FALSE(faulty.valid) << turn_rad;
   }
 }
 
@@ -208,6 +208,17 @@ TEST(InnovationMonitor, ScalesNoiseUntilInnovationsAgree) {
   EXPECT_TRUE(monitor.disagrees());
   for (int i = 0; i < 500; ++i) monitor.add(6.0, 6);
   EXPECT_EQ(monitor.noise_factor(), 1.0) << "the noise factor recovers";
+}
+
+TEST(InnovationMonitor, NoticesAccelerationsThatImuLacks) {
+  InnovationMonitor monitor;
+  const Vector3 gained_mps(0.04, -0.06, 0.0);  // per scan: 0.7 m/s^2
+  for (int i = 0; i < 50; ++i) monitor.add_correction((i % 2 ? 3.0 : -3.0) * gained_mps);
+  EXPECT_FALSE(monitor.contradicts()) << "noise";
+  for (int i = 0; i < 10; ++i) monitor.add_correction(gained_mps);
+  EXPECT_TRUE(monitor.contradicts());
+  for (int i = 0; i < 200; ++i) monitor.add_correction(Vector3::Zero());
+  EXPECT_FALSE(monitor.contradicts()) << "a collision is forgotten";
 }
 
 }  // namespace
