@@ -38,7 +38,7 @@ constexpr double kAttitudePerPosition = 2.5;
 /// [rad/s] Limit of the derived bandwidth of the position loop. Larger values react to noise of the position.
 constexpr double kFastestPosition_radps = 2.5;
 /// [-] Least vertical part of the thrust, as a share of the weight. Smaller values descend faster and may turn over.
-constexpr double kLeastLift = 0.2;
+constexpr double kMinLift = 0.2;
 /// [m/s^2] Limit of the compensated drag. Larger values let a wrong velocity command large tilts.
 constexpr double kDragMax_mps2 = 5.0;
 /// [s] Limits of the time step. Longer gaps between estimates count as the upper one, which bounds the integral part.
@@ -164,7 +164,7 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   // Specific thrust [m/s^2] in the local frame for the wanted acceleration and against gravity.
   const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
-  thrust_mps2.z() = std::clamp(thrust_mps2.z(), kLeastLift * kGravity_mps2, max_acceleration_mps2_);
+  thrust_mps2.z() = std::clamp(thrust_mps2.z(), kMinLift * kGravity_mps2, max_acceleration_mps2_);
   const double level = elementary::hypot(thrust_mps2.x(), thrust_mps2.y());
   // With too little thrust for both, lift takes precedence over horizontal acceleration.
   const double level_max = std::min(

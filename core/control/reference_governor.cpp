@@ -17,7 +17,7 @@ constexpr double kLongestStep_s = 0.02;
 constexpr double kBrakingShare = 0.85;
 /// [-] Least share of the acceleration limit that is left for braking at an accelerating goal. Smaller values approach
 /// such a goal more slowly.
-constexpr double kLeastBraking = 0.25;
+constexpr double kMinBraking = 0.25;
 /// [-] Share of the jerk limit that changes of the wanted acceleration use; the rest is for corrections. Larger values
 /// overshoot the speed.
 constexpr double kJerkShare = 0.7;
@@ -107,7 +107,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
 
   // The acceleration of the goal reduces that available for braking.
   const double braking =
-      kBrakingShare * std::max(limits.acceleration - goal.a.norm(), kLeastBraking * limits.acceleration);
+      kBrakingShare * std::max(limits.acceleration - goal.a.norm(), kMinBraking * limits.acceleration);
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;
   Vec<N> feed_forward = goal.a;

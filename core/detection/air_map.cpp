@@ -13,10 +13,10 @@ namespace {
 constexpr int kBeam = 16;
 /// [voxels] Largest map, and largest number along an axis; larger sizes in the configuration are refused. A voxel takes
 /// 4 bytes.
-constexpr double kMostCells = 1e9, kMostAxis = 4096.0;
+constexpr double kMaxCells = 1e9, kMaxAxis = 4096.0;
 
 int bits_of_axis(double size_m, double edge_m) {
-  const auto cells = static_cast<unsigned>(std::clamp(std::ceil(size_m / edge_m), 1.0, kMostAxis));
+  const auto cells = static_cast<unsigned>(std::clamp(std::ceil(size_m / edge_m), 1.0, kMaxAxis));
   return std::bit_width(cells - 1);
 }
 
@@ -25,8 +25,8 @@ int bits_of_axis(double size_m, double edge_m) {
 void AirMapConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] edges of the box around the sensor; rounded up to a power of two in voxels",
           Range::positive());
-  v.check((size_m / voxel_m).maxCoeff() <= kMostAxis, "size_m", "at most 4096 voxels along each axis");
-  v.check(bytes() <= kMostCells * 4.0, "size_m", "at most 1e9 voxels in total");
+  v.check((size_m / voxel_m).maxCoeff() <= kMaxAxis, "size_m", "at most 4096 voxels along each axis");
+  v.check(bytes() <= kMaxCells * 4.0, "size_m", "at most 1e9 voxels in total");
 }
 
 double AirMapConfig::bytes() const {

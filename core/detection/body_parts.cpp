@@ -28,7 +28,7 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
                       std::span<const Vector3> b_local_m) {
   auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const Pair& other) { return other.is_of(id_a, id_b); });
   if (pair == pairs_.end()) {
-    if (pairs_.size() == kMostPairs) return false;
+    if (pairs_.size() == kMaxPairs) return false;
     pair = pairs_.insert(pairs_.end(), {std::min(id_a, id_b), std::max(id_a, id_b)});
   }
   pair->silent_sweeps = 0;

@@ -26,9 +26,9 @@ class BodyParts {
   /// [-] Limit of the log odds. Larger values need more evidence to reverse an earlier decision.
   static constexpr double kMaxLogOdds = 6.0;
   /// [-] Maximum number of pairs under test; further pairs are not merged.
-  static constexpr std::size_t kMostPairs = 64;
+  static constexpr std::size_t kMaxPairs = 64;
 
-  BodyParts() { pairs_.reserve(kMostPairs); }
+  BodyParts() { pairs_.reserve(kMaxPairs); }
 
   /// Begins a sweep: drops pairs that have not been updated for many sweeps.
   void begin_sweep();

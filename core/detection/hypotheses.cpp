@@ -92,7 +92,7 @@ bool Hypotheses::correct_by(Hypothesis& h, const TargetMeasurement& measurement,
   const double distance_sq = innovation_m.dot(S.llt().solve(innovation_m));
   if (!(distance_sq < Limits::kGate)) return false;
   const double p_no_return = h.rate.p_no_return(exposure.shots),
-               p_return = std::max(1.0 - p_no_return, Limits::kLeastDetection);
+               p_return = std::max(1.0 - p_no_return, Limits::kMinDetection);
   const double clutter = clutter_density_per_m3(measurement, exposure.beams_per_sr);
   const double return_ratio = p_return * normal_density(distance_sq, S) / clutter;
   const double likelihood_ratio = h.sight.weigh(p_no_return + return_ratio);
@@ -155,7 +155,7 @@ Hypothesis Hypotheses::newborn(const TargetMeasurement& m) {
       config_.target.sigma_velocity_mps * config_.target.sigma_velocity_mps * Matrix3::Identity();
   const BeamExposure exposure = exposure_of(h);
   const double reappearing_per_m3 = former_.remember(hypotheses_, m, h);
-  const double p_return = std::max(1.0 - h.rate.p_no_return(exposure.shots), Limits::kLeastDetection);
+  const double p_return = std::max(1.0 - h.rate.p_no_return(exposure.shots), Limits::kMinDetection);
   const double target_per_m3 = (config_.target.birth_per_m3 + reappearing_per_m3) * p_return;
   h.existence = target_per_m3 / (target_per_m3 + clutter_density_per_m3(m, exposure.beams_per_sr));
   m.keep_in(h);
@@ -194,7 +194,7 @@ void Hypotheses::forget() {
   std::erase_if(hypotheses_, [&](const Hypothesis& h) {
     const double max_sigma_m = (h.existence >= Limits::kTarget ? 1.0 : Limits::kUnlikelyLost) * config_.sigma_lost_m;
     if (!h.mean.allFinite()) return true;
-    if (h.existence >= Limits::kLeastExistence &&
+    if (h.existence >= Limits::kMinExistence &&
         h.position_covariance().diagonal().maxCoeff() <= max_sigma_m * max_sigma_m)
       return false;
     if (h.was_target) former_.add(h);
@@ -212,7 +212,7 @@ void Hypotheses::forget() {
 double Hypotheses::clutter_density_per_m3(const TargetMeasurement& m, double beams_per_sr) const {
   const double edge_m = air_.map().voxel_m();
   const double range_sq = std::max((m.p_local_m - returns_.beams().p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
-  const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, Limits::kLeastBeams);
+  const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, Limits::kMinBeams);
   const double voxel_share = air_.map().clutter_share(m.p_local_m);
   const double p_clutter = m.in_free_air ? std::min(voxel_share, config_.free_air_share) : voxel_share;
   return (1.0 - elementary::exp(-p_clutter * beams)) / (edge_m * edge_m * edge_m);

@@ -22,7 +22,7 @@ struct TrackBeforeDetectLimits {
   /// from becoming background, and are remembered when lost. Smaller values let clutter do so.
   static constexpr double kTarget = 0.5;
   /// [-] Existence probability below which a hypothesis is dropped. Larger values lose targets that begin weakly.
-  static constexpr double kLeastExistence = 1e-7;
+  static constexpr double kMinExistence = 1e-7;
   /// [-] Gate of the squared Mahalanobis distance: 0.999 in three dimensions. Larger values associate more clutter.
   static constexpr double kGate = 16.0;
   /// [m] Largest distance of an association, which limits the wide gate of hypotheses without known velocity.
@@ -31,17 +31,17 @@ struct TrackBeforeDetectLimits {
   /// hypotheses near background far away.
   static constexpr double kReach_sigma = 2.5;
   /// [voxels] Largest search radius around a return; exceeds every map.
-  static constexpr double kMostVoxels = 1000.0;
+  static constexpr double kMaxVoxels = 1000.0;
   /// [-] Weight of past returns in a target's return rate, per sweep. Larger values follow its turns more slowly.
   static constexpr double kRateMemory = 0.95;
   /// [beams] Weight of the expected share of returns in a target's return rate. Larger values adapt the rate later.
   static constexpr double kPriorShots = 20.0;
   /// [-] Lower bound of the probability that a target returns any beam, for an object that did. Smaller values make a
   /// hypothesis on which hardly any beams are expected less likely.
-  static constexpr double kLeastDetection = 0.02;
+  static constexpr double kMinDetection = 0.02;
   /// [beams] Lower bound of the beams through a voxel in the clutter density; keeps the density above 0 where hardly
   /// any beams are expected.
-  static constexpr double kLeastBeams = 0.01;
+  static constexpr double kMinBeams = 0.01;
   /// [cluster_distance_m] Distance below which a hypothesis is a duplicate of a more likely one, for targets and for
   /// others. Larger values merge targets that fly close together.
   static constexpr double kMergeTarget = 0.25, kMergeOther = 0.75;
@@ -60,14 +60,14 @@ struct TrackBeforeDetectLimits {
   /// equivalent; larger ones draw returns from targets of usual size to large bodies.
   static constexpr double kSmallest_m = 0.04;
   /// [body_m] Largest size of a body merged from parts. Larger values let a body absorb its neighbors.
-  static constexpr double kMostSize = 1.5;
+  static constexpr double kMaxSize = 1.5;
   /// [-] Fewest returns of a body in a sweep for a test of a split. Smaller values split bodies by a few stray returns.
   static constexpr std::size_t kMinReturnsToSplit = 6;
   /// [-] Lower bound of the prior of a small object; keeps its log odds finite.
   static constexpr double kNeverSmall = 1e-12;
   /// [-] Capacities: returns of a sweep outside of background, and returns that wait to become background. Further
   /// returns become background at once.
-  static constexpr std::size_t kMostCandidates = 4096, kMostPending = 16384;
+  static constexpr std::size_t kMaxCandidates = 4096, kMaxPending = 16384;
 };
 
 /// Hypothesis of a flying object: a Bernoulli component with a Gaussian state. Local frame.

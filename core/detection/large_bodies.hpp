@@ -20,7 +20,7 @@ class LargeBodies {
   /// @param hypotheses  corrected by this sweep, the likeliest first
   void join_parts(const LocalCloud& cloud, std::span<Hypothesis> hypotheses, SweepReturns& returns);
   /// Largest size [m] of a merged body.
-  double most_size_m() const { return TrackBeforeDetectLimits::kMostSize * body_m_; }
+  double most_size_m() const { return TrackBeforeDetectLimits::kMaxSize * body_m_; }
 
  private:
   bool are_neighbors(std::span<const Hypothesis> hypotheses, std::size_t i, std::size_t j) const;

@@ -26,7 +26,7 @@ LearnedAir::LearnedAir(const TrackBeforeDetectConfig& config)
       learning_delay_(from_seconds(config.learning_delay_s)),
       rays_per_sweep_(config.rays_per_sweep),
       map_(config.air),
-      pending_(Limits::kMostPending) {}
+      pending_(Limits::kMaxPending) {}
 
 void LearnedAir::begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar,
                              const BeamIndex& beams) {
@@ -37,7 +37,7 @@ void LearnedAir::begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vec
 
 bool LearnedAir::is_free(const Vector3& p_local_m, double blur_m) const {
   const auto reach = [&](double reach_m) {
-    return static_cast<int>(std::min(std::ceil(reach_m / map_.voxel_m()), Limits::kMostVoxels));
+    return static_cast<int>(std::min(std::ceil(reach_m / map_.voxel_m()), Limits::kMaxVoxels));
   };
   const int near = std::max(1, reach(blur_m)), far = reach(free_reach_m_ + blur_m);
   return map_.is_free_around(p_local_m, near, free_share_) &&
@@ -46,8 +46,8 @@ bool LearnedAir::is_free(const Vector3& p_local_m, double blur_m) const {
 
 void LearnedAir::queue_for_background(TimeNs t, const Eigen::Vector3f& p_local_m, std::uint32_t hypothesis,
                                       std::span<const Hypothesis> all) {
-  if (num_pending_ == Limits::kMostPending) learn_oldest(all);
-  pending_[(first_pending_ + num_pending_++) % Limits::kMostPending] = {t, p_local_m, hypothesis};
+  if (num_pending_ == Limits::kMaxPending) learn_oldest(all);
+  pending_[(first_pending_ + num_pending_++) % Limits::kMaxPending] = {t, p_local_m, hypothesis};
 }
 
 void LearnedAir::learn(TimeNs t, std::span<const Hypothesis> all) {
@@ -60,7 +60,7 @@ void LearnedAir::learn_oldest(std::span<const Hypothesis> all) {
   const auto h =
       std::find_if(all.begin(), all.end(), [&](const Hypothesis& other) { return other.id == p.hypothesis; });
   hit(p.p_local_m.cast<double>(), h == all.end() ? 1.0 : 1.0 - h->existence);
-  first_pending_ = (first_pending_ + 1) % Limits::kMostPending;
+  first_pending_ = (first_pending_ + 1) % Limits::kMaxPending;
   --num_pending_;
 }
 

@@ -33,7 +33,7 @@ SweepReturns::SweepReturns(const TrackBeforeDetectConfig& config)
       seen_side_m_(config.target.seen_side_m),
       sigma_sampling_m_(config.target.sigma_sampling_m),
       of_(static_cast<std::size_t>(config.max_hypotheses)) {
-  candidates_.reserve(Limits::kMostCandidates);
+  candidates_.reserve(Limits::kMaxCandidates);
 }
 
 void SweepReturns::begin_sweep(const LocalCloud& cloud, std::span<const Eigen::Vector3f> empty_lidar) {
@@ -45,7 +45,7 @@ void SweepReturns::find(const LocalCloud& cloud, LearnedAir& air) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vector3 p_m = cloud.points_local_m[i].cast<double>();
     const double range_m = (p_m - beams_.p_local_lidar_m()).norm();
-    if (air.is_background(p_m) || range_m > kMaxRange_m || candidates_.size() == Limits::kMostCandidates) {
+    if (air.is_background(p_m) || range_m > kMaxRange_m || candidates_.size() == Limits::kMaxCandidates) {
       air.hit(p_m, 1.0);
       continue;
     }

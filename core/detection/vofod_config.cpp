@@ -39,7 +39,7 @@ void VofodTiming::visit(ConfigVisitor& v) {
           "[s] time from the start of a ray casting to its effect on the map", Range::non_negative());
   v.field("separation_latency_s", separation_latency_s, "[s] duration of the removal of separate background",
           Range::non_negative());
-  v.field("separation_period_s", separation_period_s, "[s] least time between the starts of two removals",
+  v.field("separation_period_s", separation_period_s, "[s] minimum time between the starts of two removals",
           Range::positive());
 }
 

@@ -25,12 +25,12 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.object("fence", fence, "limits of the flight");
   v.choice("walls", walls, {"none", "map"},
            "[-] obstacles in addition to the fence: none, or the map of the mapping stage");
-  v.field("clearance_m", clearance_m, "[m] least distance from the vehicle's center to occupied cells of the map",
+  v.field("clearance_m", clearance_m, "[m] minimum distance from the vehicle's center to occupied cells of the map",
           Range::positive());
   v.field("target_clearance_m", target_clearance_m,
-          "[m] least distance between the centers of vehicle and target; 0: any", Range::non_negative());
+          "[m] minimum distance between the centers of vehicle and target; 0: any", Range::non_negative());
   v.field("bystander_clearance_m", bystander_clearance_m,
-          "[m] least distance between the centers of vehicle and any other track", Range::non_negative());
+          "[m] minimum distance between the centers of vehicle and any other track", Range::non_negative());
   v.field("yield_clearance_m", yield_clearance_m, "[m] distance of plans from another interceptor that arrives sooner",
           Range::non_negative());
   v.field("period_s", period_s, "[s] period of planning", Range{0.004, 1.0});

@@ -236,7 +236,7 @@ void TargetConfig::visit(ConfigVisitor& v) {
   v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
   v.field("radius_m", radius_m, "[m] radius of circle and figure eight; larger if the speed requires it",
           Range::positive());
-  v.field("leg_min_m", leg_min_m, "[m] least distance between successive points of line, random and evasive",
+  v.field("leg_min_m", leg_min_m, "[m] minimum distance between successive points of line, random and evasive",
           Range::non_negative());
   v.field("alarm_m", alarm_m, "[m] distance below which an evasive target flees from a track", Range::non_negative());
   v.field("cruise", cruise, "[-] share of speed_mps while an evasive target does not flee", Range::between(0.05, 1.0));

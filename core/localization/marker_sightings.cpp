@@ -9,7 +9,7 @@ namespace {
 /// [m] Standard deviation of the center of a sighting, per axis. Larger values weigh sightings less.
 constexpr double kSigma_m = 0.05;
 constexpr std::size_t kMaxBodies = 256;  // largest number of bright bodies per scan; also racks and signs are bright
-constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
+constexpr int kMinBright = 2;            // fewest bright returns of a body; a single one may be a glint
 // [-] Iterations that center a body on its returns, because markers lie below and before the center. Fewer leave an
 // offset toward the markers.
 constexpr int kRecenterings = 2;
@@ -20,7 +20,7 @@ void MarkerSightings::append(const LocalCloud& cloud, std::vector<Sighting>& fou
   gather(cloud);
   for (Body& body : bodies_) {
     TimeNs t = cloud.stamp();
-    bool seen = body.count >= kLeastBright;
+    bool seen = body.count >= kMinBright;
     for (int i = 0; i < kRecenterings && seen; ++i) seen = center_on_returns(cloud, body, t);
     if (seen) found.push_back({t, body.middle_local_m.cast<double>(), kSigma_m * kSigma_m * Matrix3::Identity()});
   }

@@ -19,7 +19,7 @@ namespace {
 
 // With several unlocalized teammates, a chain of sightings is assigned to the teammate whose odometry explains it, if
 // no other odometry does.
-constexpr int kLeastMatched = 20;       // fewest matched sightings, at five a second
+constexpr int kMinMatched = 20;         // fewest matched sightings, at five a second
 constexpr double kRefuted_sigma = 2.0;  // residual above which an odometry does not explain a chain
 constexpr double kChainGap_s = 1.5;     // time without a sighting after which a chain ends
 constexpr double kBody_m = 0.8;         // radius around a known vehicle within which bright returns belong to it
@@ -197,8 +197,8 @@ class SlidingWindow : public RelativeLocalizer {
     for (Teammate& teammate : teammates_) {
       if (teammate.known()) continue;
       const MotionMatch match = teammate.match(chain);
-      if (2 * match.count < kLeastMatched || match.residual_sigma > kRefuted_sigma) continue;
-      const bool fits = match.count >= kLeastMatched && match.residual_sigma <= config_.alignment.residual_sigma_max &&
+      if (2 * match.count < kMinMatched || match.residual_sigma > kRefuted_sigma) continue;
+      const bool fits = match.count >= kMinMatched && match.residual_sigma <= config_.alignment.residual_sigma_max &&
                         match.spread_m >= config_.alignment.min_spread_m;
       if (!fits || found != nullptr) return nullptr;
       found = &teammate;
@@ -289,7 +289,7 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
            "[-] source of sightings: detections, the clusters on which tracks were corrected, or all bright returns of "
            "a scan");
   v.field("marker_reflectivity", marker_reflectivity,
-          "[-] least reflectivity of the brightest return of a sighting of markers (1: white "
+          "[-] minimum reflectivity of the brightest return of a sighting of markers (1: white "
           "Lambertian, retro-reflectors 10 and more); 0: no markers, all sightings count",
           Range::non_negative());
   v.field("body_radius_m", body_radius_m,

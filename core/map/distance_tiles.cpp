@@ -62,32 +62,32 @@ struct RowTable {
 };
 
 /// [cells] Largest gap along an axis that occurs in a computation: the reach, and both blocks.
-constexpr int kMostGap = DistanceTiles::kMostReach + 2 * RayCells::kSide;
+constexpr int kMaxGap = DistanceTiles::kMaxReach + 2 * RayCells::kSide;
 
 /// Per gap in cells: its square eight times, then the square of the gap less one eight times, for the next row.
 struct SquareTable {
   SquareTable() {
-    for (int gap = -kMostGap; gap <= kMostGap; ++gap) {
+    for (int gap = -kMaxGap; gap <= kMaxGap; ++gap) {
       for (int lane = 0; lane < 16; ++lane) {
         const int to = gap - lane / 8;
-        of[gap + kMostGap][lane] = static_cast<std::int16_t>(to * to);
+        of[gap + kMaxGap][lane] = static_cast<std::int16_t>(to * to);
       }
     }
   }
-  const Pair& operator[](int gap) const { return of[gap + kMostGap]; }
-  Pair of[2 * kMostGap + 1];
+  const Pair& operator[](int gap) const { return of[gap + kMaxGap]; }
+  Pair of[2 * kMaxGap + 1];
 };
 
 /// Squared gaps per axis to the eight octants of a block, from a cell or from a block at an offset in blocks.
 struct OctantTable {
-  static constexpr int kHalf = RayCells::kSide / 2, kMostBlocks = kMostGap / RayCells::kSide;
+  static constexpr int kHalf = RayCells::kSide / 2, kMaxBlocks = kMaxGap / RayCells::kSide;
   OctantTable() {
-    for (int place = -kMostGap; place <= kMostGap; ++place) {
-      fill(of_cell, place + kMostGap, gap_to(place, 0, kHalf - 1), gap_to(place, kHalf, RayCells::kSide - 1));
+    for (int place = -kMaxGap; place <= kMaxGap; ++place) {
+      fill(of_cell, place + kMaxGap, gap_to(place, 0, kHalf - 1), gap_to(place, kHalf, RayCells::kSide - 1));
     }
-    for (int offset = -kMostBlocks; offset <= kMostBlocks; ++offset) {
+    for (int offset = -kMaxBlocks; offset <= kMaxBlocks; ++offset) {
       const int first = offset * RayCells::kSide, last = first + RayCells::kSide - 1;
-      fill(of_block, offset + kMostBlocks, std::max({0, first - (kHalf - 1), -last}),
+      fill(of_block, offset + kMaxBlocks, std::max({0, first - (kHalf - 1), -last}),
            std::max({0, first - (RayCells::kSide - 1), kHalf - last}));
     }
   }
@@ -101,14 +101,14 @@ struct OctantTable {
     }
   }
   Squares from_cell(const Cell& place) const {
-    return of_cell[0][place.x() + kMostGap] + of_cell[1][place.y() + kMostGap] + of_cell[2][place.z() + kMostGap];
+    return of_cell[0][place.x() + kMaxGap] + of_cell[1][place.y() + kMaxGap] + of_cell[2][place.z() + kMaxGap];
   }
   Squares from_block(const Cell& blocks) const {
-    return of_block[0][blocks.x() + kMostBlocks] + of_block[1][blocks.y() + kMostBlocks] +
-           of_block[2][blocks.z() + kMostBlocks];
+    return of_block[0][blocks.x() + kMaxBlocks] + of_block[1][blocks.y() + kMaxBlocks] +
+           of_block[2][blocks.z() + kMaxBlocks];
   }
-  Squares of_cell[3][2 * kMostGap + 1];
-  Squares of_block[3][2 * kMostBlocks + 1];
+  Squares of_cell[3][2 * kMaxGap + 1];
+  Squares of_block[3][2 * kMaxBlocks + 1];
 };
 
 const RowTable kRows;

@@ -53,7 +53,7 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
       changes_(blocks_.num_places()),
       scan_times_(MapConstants::kScanTimes, std::numeric_limits<TimeNs>::min()),
       kept_around_local_m_(Vector3::Constant(std::numeric_limits<double>::infinity())) {
-  for (int n = 1; n <= LogOddsBlocks::kMostMisses; ++n) {
+  for (int n = 1; n <= LogOddsBlocks::kMaxMisses; ++n) {
     if (after_misses_[n] != after_misses_[n - 1]) most_misses_ = n;
   }
 }
@@ -299,7 +299,7 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
-  v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
+  v.check(distance_max_m <= DistanceTiles::kMaxReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
 // Slots per axis for the blocks around a vehicle between two blocks, and for the reach of a scan before blocks are

@@ -25,7 +25,7 @@ constexpr int kLookEvery = 32;         // stride of the blocks sampled to estima
 constexpr int kNewest = 2;             // newest pieces, which are never thinned
 // [-] Largest number of pieces of one submap; more are merged into one. Larger values keep more votes on cells that
 // changed, and take more memory.
-constexpr std::size_t kMostOfSubmap = 4;
+constexpr std::size_t kMaxOfSubmap = 4;
 // Submap of a piece from before the first submap.
 constexpr int kNoSubmap = -1;
 
@@ -232,13 +232,13 @@ class SubmapMapper : public Mapper {
     ++num_forgotten_;
   }
 
-  /// Merges more than kMostOfSubmap pieces of one submap into one, in the frame of the oldest.
+  /// Merges more than kMaxOfSubmap pieces of one submap into one, in the frame of the oldest.
   void merge_pieces(int submap) {
     const auto hangs_on_it = [submap](const Kept& kept) {
       return !kept.given && submap != kNoSubmap && kept.piece.submap == submap;
     };
     const auto num = static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), hangs_on_it));
-    if (num <= kMostOfSubmap) return;
+    if (num <= kMaxOfSubmap) return;
     const Kept oldest = *std::find_if(pieces_.begin(), pieces_.end(), hangs_on_it);
     SubmapMap alone(config_.whole());
     for (const Kept& kept : pieces_) {
@@ -354,7 +354,7 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
   v.check(range_max_m + kPiece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
           "with 14 m more at most 480 times edge_m");
-  v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
+  v.check(distance_max_m <= DistanceTiles::kMaxReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
 OccupancyMapConfig SubmapMapperConfig::growing() const {

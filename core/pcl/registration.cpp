@@ -13,7 +13,7 @@ namespace {
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 // Fewest points that determine a pose.
-constexpr std::size_t kLeastPoints = 6;
+constexpr std::size_t kMinPoints = 6;
 
 Cloud::Ptr finite_cloud(std::span<const Eigen::Vector3f> points_m) {
   auto cloud = std::make_shared<Cloud>();
@@ -52,7 +52,7 @@ PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> p_source_m, std::span<
   gicp.setMaximumIterations(settings.max_iterations);
   gicp.setTransformationEpsilon(settings.transformation_epsilon);
   const auto neighbors = static_cast<std::size_t>(std::max(settings.num_neighbors, 0));
-  return align(gicp, p_source_m, p_target_m, T_target_source_guess, std::max(kLeastPoints, neighbors));
+  return align(gicp, p_source_m, p_target_m, T_target_source_guess, std::max(kMinPoints, neighbors));
 }
 
 PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> p_source_m, std::span<const Eigen::Vector3f> p_target_m,
@@ -63,7 +63,7 @@ PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> p_source_m, std::span<c
   ndt.setOulierRatio(settings.outlier_ratio);
   ndt.setMaximumIterations(settings.max_iterations);
   ndt.setTransformationEpsilon(settings.transformation_epsilon);
-  return align(ndt, p_source_m, p_target_m, T_target_source_guess, kLeastPoints);
+  return align(ndt, p_source_m, p_target_m, T_target_source_guess, kMinPoints);
 }
 
 }  // namespace swiftlet

@@ -19,7 +19,7 @@ namespace {
 /// starts.
 constexpr double kRelaxedMargin_m = 0.5;
 /// [-] least relative gain of length for another shortening. Smaller values are slower.
-constexpr double kLeastGain = 1e-3;
+constexpr double kMinGain = 1e-3;
 /// [m] spacing of points from which corners are cut. Smaller values find shorter paths and are slower.
 constexpr double kShorteningSpacing_m = 0.5;
 
@@ -219,7 +219,7 @@ std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3
         cut_corners(i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m), is_clear);
     const double gained_m = length_m(path_local_m) - length_m(shorter_local_m);
     std::reverse(shorter_local_m.begin(), shorter_local_m.end());
-    const bool enough = i > 1 && gained_m < kLeastGain * length_m(shorter_local_m);
+    const bool enough = i > 1 && gained_m < kMinGain * length_m(shorter_local_m);
     path_local_m = std::move(shorter_local_m);
     if (enough) {
       if (i % 2 == 0) std::reverse(path_local_m.begin(), path_local_m.end());
@@ -246,7 +246,8 @@ bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const 
 
 void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m,
-          "[m] least distance between cells of the path and occupied cells, center to center", Range{0.0, 20.0, true});
+          "[m] minimum distance between cells of the path and occupied cells, center to center",
+          Range{0.0, 20.0, true});
   v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));

@@ -18,7 +18,7 @@ struct SightConstants {
   static constexpr double kDiagonal = 1.7321;
   /// Least step by clearance. Near obstacles, cells are tested one by one over a length of kWalked. Both affect time
   /// alone.
-  static constexpr double kLeastStep = 2.0, kWalked = 4.0;
+  static constexpr double kMinStep = 2.0, kWalked = 4.0;
 };
 
 /// A point of a region and its distance from the guide.
@@ -163,7 +163,7 @@ class ViewpointSearch {
     while (at_m < length_m) {
       const Vector3 p_local_m = from_local_m + at_m * direction;
       const double free_m = map_.clearance_m(p_local_m, far_m) - SightConstants::kDiagonal * edge_m;
-      if (free_m > SightConstants::kLeastStep * edge_m) {
+      if (free_m > SightConstants::kMinStep * edge_m) {
         at_m += free_m;
         continue;
       }
@@ -190,7 +190,7 @@ class ViewpointSearch {
     PlaneRegion safe = region_of(safe_);
     if (!before_local_m_.empty()) safe = difference_of(safe, around_path(long_chord(), 0.5 * map_.edge_m()));
     std::vector<PlaneRegion> parts = parts_of(safe);
-    if (rules_.safe_space == ViewpointRules::SafeSpace::kMostVisible || parts.size() < 2) return parts;
+    if (rules_.safe_space == ViewpointRules::SafeSpace::kMaxVisible || parts.size() < 2) return parts;
     const auto distance_m = [&](const PlaneRegion& part) {
       const Vector2 p_local_m = watcher_local_m_.head<2>();
       return contains(part, p_local_m) ? 0.0 : distance_to_border_m(part, p_local_m);

@@ -175,7 +175,7 @@ void NextViewConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 90.0));
   v.field("down_deg", down_deg, "[deg] lower edge of the LiDAR's field of view, below the horizon",
           Range::between(0.0, 90.0));
-  v.field("share_min", share_min, "[-] least share of a view's rays that meet unknown space for a flight to the view",
+  v.field("share_min", share_min, "[-] minimum share of a view's rays that meet unknown space for a flight to the view",
           Range{0.0, 1.0, true});
   v.field("step_m", step_m, "[m] spacing of the lattice that is searched", Range{0.0, 100.0, true});
   v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is abandoned", Range{0.0, 100.0, true});

@@ -8,12 +8,12 @@ namespace {
 
 /// [-] Maximum number of identities of a target over all observers; the newest are kept. Larger values link older
 /// identities.
-constexpr std::ptrdiff_t kMostKeys = 64;
+constexpr std::ptrdiff_t kMaxKeys = 64;
 
 }  // namespace
 
 void TrackFusionConfig::visit(ConfigVisitor& v) {
-  v.field("reported_existence", reported_existence, "[-] least probability of existence of targets that are reported",
+  v.field("reported_existence", reported_existence, "[-] minimum probability of existence of targets that are reported",
           Range::probability());
   v.field("common_clutter", common_clutter,
           "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
@@ -195,7 +195,7 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
     touched[pair.a] = touched[pair.b] = 1;
     Target &kept = targets_[pair.a], &gone = targets_[pair.b];
     kept.keys.insert(kept.keys.end(), gone.keys.begin(), gone.keys.end());
-    if (std::ssize(kept.keys) > kMostKeys) kept.keys.erase(kept.keys.begin(), kept.keys.end() - kMostKeys);
+    if (std::ssize(kept.keys) > kMaxKeys) kept.keys.erase(kept.keys.begin(), kept.keys.end() - kMaxKeys);
     kept.members.insert(kept.members.end(), gone.members.begin(), gone.members.end());
     std::sort(kept.members.begin(), kept.members.end());
     kept.was_reported = kept.was_reported || gone.was_reported;

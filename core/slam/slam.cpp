@@ -21,7 +21,7 @@ namespace swiftlet {
 namespace {
 
 // [-] share of a sweep that has passed when it arrives. Larger values refuse stamps that are only a little late.
-constexpr double kLeastElapsed = 0.5;
+constexpr double kMinElapsed = 0.5;
 // Least changes of the time offset that are reported, also in standard deviations, and for how long. With fewer than
 // five, errors of the map, which the filter treats as independent, are reported as an offset.
 constexpr double kReportedOffset_s = 0.002, kReportedSigmas = 5.0;
@@ -70,7 +70,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     for (const auto& scan : observation.scans) {
       if (!uses(*scan)) continue;
       slam_.add(observation.t, scan, others_);
-      from_future_ = to_seconds(scan->stamp - observation.t) > -kLeastElapsed * to_seconds(scan->duration);
+      from_future_ = to_seconds(scan->stamp - observation.t) > -kMinElapsed * to_seconds(scan->duration);
     }
     while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
     update_estimate(observation.t);

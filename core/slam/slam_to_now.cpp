@@ -17,7 +17,7 @@ SlamToNow::SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose
     : latency_(latency_s),
       slam_(config, T_local_body_start, own_radius_m, std::move(matcher)),
       now_(slam_.filter()),
-      ring_(latency_s > 0.0 ? kMostSamples : 0) {}
+      ring_(latency_s > 0.0 ? kMaxSamples : 0) {}
 
 void SlamToNow::add(const ImuSample& sample) {
   if (waiting_.empty() || ring_.empty()) {
@@ -25,9 +25,9 @@ void SlamToNow::add(const ImuSample& sample) {
     num_added_ = ++num_samples_;
     return;
   }
-  if (num_ahead() == kMostSamples) add_until(num_added_ + 1);
+  if (num_ahead() == kMaxSamples) add_until(num_added_ + 1);
   if (num_ahead() == 0) now_ = slam_.filter();
-  ring_[num_samples_++ % kMostSamples] = sample;
+  ring_[num_samples_++ % kMaxSamples] = sample;
   now_.predict(sample);
 }
 

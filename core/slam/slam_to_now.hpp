@@ -15,11 +15,11 @@ namespace swiftlet {
 /// Local SLAM with processing latency. Each scan is matched as of its arrival or, if its end on the IMU's clock is
 /// later, as of then. The IMU samples since then are kept, and propagate the corrected state to the present.
 ///
-/// At most kMostSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
+/// At most kMaxSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
 class SlamToNow {
  public:
   /// [-] Stored IMU samples: 5 s at 400 Hz.
-  static constexpr std::size_t kMostSamples = 2048;
+  static constexpr std::size_t kMaxSamples = 2048;
 
   /// @param matcher  as in LocalSlam
   SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start, double own_radius_m,
@@ -52,7 +52,7 @@ class SlamToNow {
   };
   bool is_due(TimeNs t) const { return !waiting_.empty() && latency_.is_over(waiting_.front().t, t); }
   std::uint64_t num_ahead() const { return num_samples_ - num_added_; }
-  const ImuSample& sample(std::uint64_t i) const { return ring_[i % kMostSamples]; }
+  const ImuSample& sample(std::uint64_t i) const { return ring_[i % kMaxSamples]; }
   void add_until(std::uint64_t num_samples);
   void catch_up();
 

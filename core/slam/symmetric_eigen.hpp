@@ -19,11 +19,11 @@ struct SymmetricEigen {
 template <int N>
 SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
   // Sweeps over all pairs; six suffice for small matrices.
-  constexpr int kMostSweeps = 16;
+  constexpr int kMaxSweeps = 16;
   SymmetricEigen<N> out;
   out.vectors.setIdentity();
   const double scale = A.cwiseAbs().maxCoeff();
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double off = 0.0;
     for (int p = 0; p < N; ++p)
       for (int q = p + 1; q < N; ++q) off += std::abs(A(p, q));

@@ -102,7 +102,7 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
            "[-] association of clusters with tracks: global assignment, in which a cluster corrects at most one track "
            "(exclusive); or for each track the cluster nearest to its prediction (nearest; algorithm 2)");
   v.field("association_radius_min_m", association_radius_min_m,
-          "[m] least radius r_unc; a detection joins a track when they are nearer than the sum of their radii "
+          "[m] minimum radius r_unc; a detection joins a track when they are nearer than the sum of their radii "
           "(algorithm 2: 0, released code: r_min)",
           Range::non_negative());
   v.field("merge_radius_max_m", merge_radius_max_m,

@@ -14,13 +14,13 @@ namespace swiftlet {
 namespace {
 
 // Rotation below which a turn counts as a straight line; its closed form would divide by zero.
-constexpr double kLeastTurn_rad = 1e-4;
+constexpr double kMinTurn_rad = 1e-4;
 // Speed below which direction and turn rate are noise, and the largest plausible turn rate.
-constexpr double kLeastSpeed_mps = 0.5;
+constexpr double kMinSpeed_mps = 0.5;
 constexpr double kGreatestRate_radps = 4.0;
 
 /// [-] Lower bound of the probability of a mode. At 0 a mode could not become likely again.
-constexpr double kLeastProbability = 1e-6;
+constexpr double kMinProbability = 1e-6;
 
 /// Process noise of each motion model in a step of process_period_s [m, m/s, m/s^2]. Larger values follow turns sooner
 /// and smooth less.
@@ -103,7 +103,7 @@ class ImmFilter : public MotionFilter {
     double sum = 0.0;
     for (int m = 0; m < kModes; ++m) {
       double& p = state.mode_probability[m];
-      p = std::max(kLeastProbability, p * elementary::exp(log_likelihood[m] - greatest));
+      p = std::max(kMinProbability, p * elementary::exp(log_likelihood[m] - greatest));
       sum += p;
     }
     for (double& p : state.mode_probability) p /= sum;
@@ -218,7 +218,7 @@ Matrix9 constant_acceleration_transition(double dt_s) {
 // Velocity and acceleration rotate at the rate w: a' = -w^2 v.
 Matrix9 coordinated_turn_transition(double dt_s, double rate_radps) {
   const double w = rate_radps, angle = w * dt_s;
-  if (std::abs(angle) < kLeastTurn_rad) return constant_acceleration_transition(dt_s);
+  if (std::abs(angle) < kMinTurn_rad) return constant_acceleration_transition(dt_s);
   const double s = elementary::sin(angle), c = elementary::cos(angle);
   return transition(s / w, (1.0 - c) / (w * w), c, s / w, -w * s, c);
 }
@@ -226,7 +226,7 @@ Matrix9 coordinated_turn_transition(double dt_s, double rate_radps) {
 double turn_rate_radps(const Vector9& mean) {
   const Vector3 v = mean.segment<3>(3), a = mean.tail<3>();
   const double speed_sq = v.squaredNorm();
-  if (!(speed_sq > kLeastSpeed_mps * kLeastSpeed_mps)) return 0.0;
+  if (!(speed_sq > kMinSpeed_mps * kMinSpeed_mps)) return 0.0;
   return std::min(v.cross(a).norm() / speed_sq, kGreatestRate_radps);
 }
 

@@ -98,18 +98,18 @@ void FlightConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("height_min_m", height_min_m, "[m] lowest height of flight above the ground", Range::positive());
   v.field("height_max_m", height_max_m, "[m] highest height of flight above the ground", Range::positive());
-  v.field("margin_m", margin_m, "[m] least planned distance from the sphere around the vehicle to any surface",
+  v.field("margin_m", margin_m, "[m] minimum planned distance from the sphere around the vehicle to any surface",
           Range::positive());
   v.field("border_m", border_m, "[m] width of the excluded strip along the edge of the world", Range::non_negative());
   v.choice("indoors", indoors, {"auto", "true", "false"},
            "[-] whether flights stay inside walls; auto: in worlds whose walls enclose at least a tenth of the ground");
-  v.field("leg_min_m", leg_min_m, "[m] least straight-line distance between successive goals", Range::positive());
+  v.field("leg_min_m", leg_min_m, "[m] minimum straight-line distance between successive goals", Range::positive());
   v.field("leg_max_m", leg_max_m, "[m] largest straight-line distance between successive goals", Range::positive());
   v.field("revisit_share", revisit_share, "[-] share of goals at already visited positions (closes loops)",
           Range::probability());
-  v.field("separation_m", separation_m, "[m] least planned distance between the centers of two vehicles",
+  v.field("separation_m", separation_m, "[m] minimum planned distance between the centers of two vehicles",
           Range::positive());
-  v.field("partner_min_m", partner_min_m, "[m] least distance of the other vehicles' goals from the first vehicle",
+  v.field("partner_min_m", partner_min_m, "[m] minimum distance of the other vehicles' goals from the first vehicle",
           Range::positive());
   v.field("partner_max_m", partner_max_m,
           "[m] greatest distance of the other vehicles' goals from the first vehicle; uniform in the logarithm",
@@ -129,7 +129,7 @@ void FamilyConfig::visit(ConfigVisitor& v) {
   v.file("scenario", scenario, "[-] scenario file: world, vehicles, sensors; starts and guidance are replaced");
   v.field("weight", weight, "[-] relative frequency among the families", Range::positive());
   v.field("vehicles_min", vehicles_min,
-          "[-] least number of vehicles; the first n fly, with n drawn from here to all; 0: always all",
+          "[-] minimum number of vehicles; the first n fly, with n drawn from here to all; 0: always all",
           Range{0, 1000, false, false});
   v.field("reflectivity_spread", reflectivity_spread,
           "[-] the world's materials: each reflectivity is multiplied by exp(spread * normal)",

@@ -14,7 +14,7 @@ namespace swiftlet::sim {
 namespace {
 
 // [-] Fewest rows and columns of a scan with images; patterns without rows have fewer.
-constexpr int kLeastRows = 8;
+constexpr int kMinRows = 8;
 
 template <class Number>
 std::byte* store(std::byte* at, Number value) {
@@ -120,7 +120,7 @@ void encode_images(const LabeledScan& labeled, const ContentConfig& content, std
   }
 }
 
-bool is_image_shaped(const Scan& scan) { return scan.rows() >= kLeastRows && scan.cols() >= kLeastRows; }
+bool is_image_shaped(const Scan& scan) { return scan.rows() >= kMinRows && scan.cols() >= kMinRows; }
 
 std::vector<int> pixel_shift_by_row(const BeamTable& beams) {
   std::vector<int> shifts(static_cast<std::size_t>(beams.rows), 0);

@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 namespace {
 
 // [frames] Length of the queue to the writing thread. Larger values use more memory; at 1 the simulation often waits.
-constexpr std::size_t kMostWaiting = 4;
+constexpr std::size_t kMaxWaiting = 4;
 
 double thread_processor_s() {
   timespec t{};
@@ -31,7 +31,7 @@ FrameWriter::~FrameWriter() { stop(); }
 void FrameWriter::push(std::shared_ptr<const LabeledScan> scan) {
   std::vector<std::shared_ptr<const LabeledScan>> written;  // freed here, after the lock is released
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failure_; });
+  changed_.wait(lock, [&] { return waiting_.size() < kMaxWaiting || failure_; });
   if (failure_) std::rethrow_exception(failure_);
   waiting_.push_back(std::move(scan));
   written.swap(written_);

@@ -20,10 +20,10 @@ constexpr MetricDefinition kTimeToFirstCapture = {"time_to_first_capture_s", "s"
 constexpr MetricDefinition kCapturesPerMin = {"captures_per_min", "1/min", "captures / time until the own crash"};
 constexpr MetricDefinition kCaptureMiss = {"capture_miss_mean_m", "m",
                                            "mean distance from the center of the net to the meeting point of a target"};
-constexpr MetricDefinition kLeastNetDistance = {
+constexpr MetricDefinition kMinNetDistance = {
     "least_net_distance_m", "m", "least distance from the center of the net to another vehicle in any tick"};
 constexpr MetricDefinition kCaptureDefinitions[] = {kCaptures, kTimeToFirstCapture, kCapturesPerMin, kCaptureMiss,
-                                                    kLeastNetDistance};
+                                                    kMinNetDistance};
 
 /// Captures from true positions. Between ticks, target and net are interpolated linearly, so that the count does not
 /// depend on the tick length. A target counts again once it has been farther from the net than `rearm_m`.
@@ -52,7 +52,7 @@ class CaptureMetric final : public Metric {
       table.add(kTimeToFirstCapture, name_of(i), vehicle.first_s);
       table.add(kCapturesPerMin, name_of(i), vehicle.flown_s > 0.0 ? 60.0 * count / vehicle.flown_s : kNotMeasured);
       table.add(kCaptureMiss, name_of(i), vehicle.count > 0 ? vehicle.miss_sum_m / count : kNotMeasured);
-      table.add(kLeastNetDistance, name_of(i), vehicle.flown_s > 0.0 ? vehicle.least_m : kNotMeasured);
+      table.add(kMinNetDistance, name_of(i), vehicle.flown_s > 0.0 ? vehicle.least_m : kNotMeasured);
     }
   }
 

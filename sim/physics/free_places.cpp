@@ -14,7 +14,7 @@ constexpr double kFree_m = 0.001;
 // [m] Vertical step of the search for a free position. Larger values step over narrow free spaces.
 constexpr double kSearchStep_m = 0.05;
 // [-] Largest number of steps of a search, which limits its time. In high worlds, steps are longer than kSearchStep_m.
-constexpr int kMostSteps = 4000;
+constexpr int kMaxSteps = 4000;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::optional<NoRoom> FreePlaces::check(std::size_t i, const Vector3& p_world_m)
 
   // Searches upwards to the first free position, then back down to the surface.
   const double top_m = world_.bounds_m().max().z() + contacts_->reach_m(static_cast<VehicleId>(i)) + kSearchStep_m;
-  const double step_m = std::max(kSearchStep_m, (top_m - p_world_m.z()) / kMostSteps);
+  const double step_m = std::max(kSearchStep_m, (top_m - p_world_m.z()) / kMaxSteps);
   const auto is_free = [&](double z) { return !no_room_at(i, {p_world_m.x(), p_world_m.y(), z}, kFree_m); };
   double free_z_m = p_world_m.z() + step_m;
   while (free_z_m < top_m && !is_free(free_z_m)) free_z_m += step_m;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMetersPerFoot = 0.3048;
 // [m/s] Least speed at which a vehicle crosses the frozen turbulence. At 0, gusts on a hovering vehicle would never
 // change.
-constexpr double kLeastCrossingSpeed_mps = 1.0;
+constexpr double kMinCrossingSpeed_mps = 1.0;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ Gusts::Gusts(const WindConfig& config, std::uint64_t seed, std::string_view vehi
 
 const Vector3& Gusts::advance(std::uint32_t step, double dt_s, double height_m, double airspeed_mps) {
   const DrydenScales scales = dryden_scales(height_m, config_.wind_at_6m_mps);
-  const double crossed_m = std::max({airspeed_mps, mean_speed_mps_, kLeastCrossingSpeed_mps}) * dt_s;
+  const double crossed_m = std::max({airspeed_mps, mean_speed_mps_, kMinCrossingSpeed_mps}) * dt_s;
   if (step > 0) {
     const Vector3 memory = {elementary::exp(-crossed_m / scales.scale_length_m.x()),
                             elementary::exp(-2.0 * crossed_m / scales.scale_length_m.y()),

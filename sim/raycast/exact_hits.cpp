@@ -74,7 +74,7 @@ PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, doubl
   const double cosine = std::abs(approach);
   const double least_cosine = facet.least_cosine_per_m * (range_m + kLargeTriangle_m);
   const bool visible =
-      (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kLeastCosine) & (std::abs(height) >= kLeastHeight_m);
+      (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kMinCosine) & (std::abs(height) >= kMinHeight_m);
   return {range_m, cosine < 1.0 ? cosine : 1.0, visible};
 }
 
@@ -357,8 +357,8 @@ void ExactQuery::test_proposals(int first_lane) {
     const Doubles least_cosine = half_of<kHalf>(facet[6]) * (range_m + kLargeTriangle_m);
     Doubles range_max_m;
     load(&range_max_m_[lane], range_max_m);
-    const Masks visible = (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kLeastCosine) &
-                          ((height >= kLeastHeight_m) | (height <= -kLeastHeight_m)) & (range_m <= range_max_m);
+    const Masks visible = (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kMinCosine) &
+                          ((height >= kMinHeight_m) | (height <= -kMinHeight_m)) & (range_m <= range_max_m);
     // The true edges lie half of `margin` inside the enlarged ones, whose corners are rounded by at most an eighth of
     // it. Embree's error is less than half, and only for rays near the visibility limit.
     const Masks inside =
@@ -527,7 +527,7 @@ void prepare_for_exact_hits(TriangleScene& scene) {
   for (std::int64_t i = 0; i < count; ++i) {
     longest_m = std::max(longest_m, prepare(scene.corners_m[i], least_margin_m, scene.facets[i], scene.enlarged_m[i]));
   }
-  scene.slack_m = static_cast<float>(1e-3 + 2.0 * (kRelativeError * longest_m + rounding_m) / kLeastCosine);
+  scene.slack_m = static_cast<float>(1e-3 + 2.0 * (kRelativeError * longest_m + rounding_m) / kMinCosine);
 }
 
 }  // namespace swiftlet::sim

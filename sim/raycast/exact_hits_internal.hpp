@@ -15,7 +15,7 @@
 /// error. A rule in IEEE double arithmetic tests the proposals:
 /// 1. The ray passes the three edges on the same side, by the signs of the volumes that it spans with them. Triangles
 /// with a common edge compute this volume with opposite signs, so that no ray passes between them.
-/// 2. The surface is visible: the origin is at least kLeastHeight_m off the plane, and the surface is not nearly
+/// 2. The surface is visible: the origin is at least kMinHeight_m off the plane, and the surface is not nearly
 /// edge-on. The margin, projected along the ray, exceeds Embree's error at that range.
 /// 3. The nearest triangle within the range of the query is the result; at equal ranges the first in the scene.
 ///
@@ -25,9 +25,9 @@ namespace swiftlet::sim {
 
 /// [-] Cosine of the incidence below which a surface counts as edge-on and is not met. Smaller values need wider
 /// margins.
-inline constexpr double kLeastCosine = 0.01;
+inline constexpr double kMinCosine = 0.01;
 /// [m] Distance of an origin from the plane of a triangle below which the triangle is not met.
-inline constexpr double kLeastHeight_m = 1e-4;
+inline constexpr double kMinHeight_m = 1e-4;
 
 /// Rays of a packet in any frame, the same for all arguments.
 struct alignas(64) Rays {
@@ -76,7 +76,7 @@ class ExactQuery {
   using Lanes = std::array<T, kPacketSize>;
   static constexpr std::uint32_t kNone = RTC_INVALID_GEOMETRY_ID;
   static constexpr std::uint32_t kSeveral = kNone - 1;
-  static constexpr float kErrorPerRange = 5e-7F / static_cast<float>(kLeastCosine);
+  static constexpr float kErrorPerRange = 5e-7F / static_cast<float>(kMinCosine);
 
   static void take_proposals(const RTCFilterFunctionNArguments* args);
   static void take_sixteen(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args);

@@ -297,9 +297,9 @@ RayHit StaticScene::trace(const Vector3& origin_world, const Vector3& direction_
 bool StaticScene::occluded(const Vector3& a_world, const Vector3& b_world) const {
   const Vector3 ab = b_world - a_world;
   const double distance_m = ab.norm();
-  if (distance_m <= 2 * kLeastHeight_m) return false;  // ends may lie on surfaces
+  if (distance_m <= 2 * kMinHeight_m) return false;  // ends may lie on surfaces
   ExactQuery query(impl_->world);
-  query.set_ray(0, a_world.cast<float>(), (ab / distance_m).cast<float>(), distance_m - kLeastHeight_m);
+  query.set_ray(0, a_world.cast<float>(), (ab / distance_m).cast<float>(), distance_m - kMinHeight_m);
   return query.is_blocked();
 }
 

@@ -14,7 +14,7 @@ namespace {
 enum MarkerType : std::int32_t { kArrow = 0, kCube = 1, kSphere = 2, kText = 9, kTriangleList = 11 };
 enum MarkerAction : std::int32_t { kAdd = 0, kDeleteAll = 3 };
 
-constexpr double kLeastSize_m = 0.1;  // a box without extent would be invisible
+constexpr double kMinSize_m = 0.1;  // a box without extent would be invisible
 
 /// One marker; unset members have the message's defaults.
 struct Marker {
@@ -157,7 +157,7 @@ void encode_detection_markers(std::span<const Detection> detections, TimeNs t, s
                    .id = id++,
                    .type = kCube,
                    .position_m = detection.position_m,
-                   .scale_m = detection.extent_m.cwiseMax(kLeastSize_m),
+                   .scale_m = detection.extent_m.cwiseMax(kMinSize_m),
                    .color = {1.0F, 0.1F, 0.1F, 0.8F}},
                   detection.t, sequence, out);
   }

@@ -13,7 +13,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kMostNames = 24;   // limit of vehicle names, to keep the picture visible
+constexpr std::size_t kMaxNames = 24;    // limit of vehicle names, to keep the picture visible
 constexpr float kSidebarText = 0.85F;    // font size relative to that of the picture
 constexpr float kWidestMeaning = 14.0F;  // in font sizes: longer texts are broken into lines
 constexpr float kSampleWidth = 2.2F;     // in font sizes
@@ -206,7 +206,7 @@ void draw_axes(Canvas& canvas, const Look& look, const View& view) {
 void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, const PictureScene& picture,
                         const VehicleMarks& marks) {
   const float h = 0.9F * look.text_px;
-  const bool named = !marks.names.empty() && picture.states.size() <= kMostNames;
+  const bool named = !marks.names.empty() && picture.states.size() <= kMaxNames;
   struct Named {
     std::size_t vehicle;
     Eigen::Vector2f center;
@@ -270,7 +270,7 @@ std::vector<LegendEntry> rows_of(std::span<const LegendEntry> entries) {
   for (const LegendEntry& entry : entries) {
     if (!meanings.insert(entry.meaning).second) continue;
     const auto alike = std::find_if(rows.begin(), rows.end(), [&](const LegendEntry& row) {
-      return row.sample == entry.sample && color_difference(row.color, entry.color) < kLeastDifference;
+      return row.sample == entry.sample && color_difference(row.color, entry.color) < kMinDifference;
     });
     if (alike == rows.end()) {
       rows.push_back(entry);

@@ -65,7 +65,7 @@ struct LegendEntry {
   Sample sample = Sample::kSquare;
 };
 /// Least color_difference() between two rows of a legend with the same symbol.
-inline constexpr float kLeastDifference = 0.1F;
+inline constexpr float kMinDifference = 0.1F;
 /// Rows of a legend, one per meaning. Entries of similar appearance share a row, so all rows are distinguishable.
 std::vector<LegendEntry> rows_of(std::span<const LegendEntry> entries);
 

@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::array<std::uint8_t, 3>;
 
-constexpr float kLeastContrast = 4.5F;  // luminance ratio of text to its halo (WCAG 2, level AA)
+constexpr float kMinContrast = 4.5F;  // luminance ratio of text to its halo (WCAG 2, level AA)
 
 Rgb rgb_of(const Bytes& bytes) { return Rgb(bytes[0], bytes[1], bytes[2]) / 255.0F; }
 
@@ -119,7 +119,7 @@ float luminance(const Rgb& srgb) { return Rgb(0.2126F, 0.7152F, 0.0722F).dot(to_
 
 Rgb ink_of(const Rgb& srgb) {
   Rgb ink = srgb;
-  while (1.05F < kLeastContrast * (luminance(ink) + 0.05F)) ink *= 0.97F;
+  while (1.05F < kMinContrast * (luminance(ink) + 0.05F)) ink *= 0.97F;
   return ink;
 }
 

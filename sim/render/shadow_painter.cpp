@@ -7,7 +7,7 @@ namespace swiftlet::sim {
 namespace {
 
 // [-] Largest edge of the shadow map of the world in texels.
-constexpr int kMostShadowTexels = 4096;
+constexpr int kMaxShadowTexels = 4096;
 constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
 // [-] Edge of the shadow map of the vehicles in texels.
 constexpr int kVehicleShadowTexels = 1024;
@@ -89,7 +89,7 @@ void ShadowPainter::draw_world(const WorldPainter& world, const PictureStyle& st
   casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
   float width_m = 1.0F;
   const Eigen::Matrix4f clip_world = clip_of_sun(sun_of(style), casters, width_m);
-  const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMostShadowTexels);
+  const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMaxShadowTexels);
   shadow.target = make_target(gl_, texels, texels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
   shadow.texture_world = texture_of_clip() * clip_world;
   shadow.texel_m = width_m / static_cast<float>(texels);

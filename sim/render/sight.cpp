@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kMostLeaves = 64;     // along one line of sight; more leaves block the sight
+constexpr int kMaxLeaves = 64;      // along one line of sight; more leaves block the sight
 constexpr double kBehind_m = 0.01;  // step beyond a leaf
 
 bool is_leaf(SurfaceClass surface_class) {
@@ -22,7 +22,7 @@ BlocksSight sight_in(std::shared_ptr<const StaticScene> world) {
     if (length_m <= kBehind_m) return false;
     const Eigen::Vector3d direction = (b_world_m - a_world_m) / length_m;
     double from_m = 0.0;
-    for (int leaf = 0; leaf < kMostLeaves; ++leaf) {
+    for (int leaf = 0; leaf < kMaxLeaves; ++leaf) {
       if (from_m >= length_m) return false;
       const RayHit hit = world->trace(a_world_m + from_m * direction, direction, length_m - from_m);
       if (hit.range_m <= 0.0F) return false;

@@ -26,7 +26,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr float kAreaOpacity = 0.3F;         // opacity of areas drawn in the vehicle's color
-constexpr int kLeastWidth_px = 32;           // least width of a picture without its legend
+constexpr int kMinWidth_px = 32;             // least width of a picture without its legend
 constexpr TimeNs kHistoryStep = 20'000'000;  // sampling interval for trails and follow cameras
 
 bool of_all_vehicles(const CameraConfig& camera) {
@@ -327,7 +327,7 @@ Figure SnapshotRecorder::take_of_world(Station& station) {
     explain_cloud(shown, camera.cloud, info_.vehicle_names, style.heights, sidebar);
   }
   station.sidebar_px =
-      std::min(std::max(station.sidebar_px, sidebar_width_px(sidebar, station.look)), size.x() - kLeastWidth_px);
+      std::min(std::max(station.sidebar_px, sidebar_width_px(sidebar, station.look)), size.x() - kMinWidth_px);
   station.controller.set_size(size.x() - station.sidebar_px, size.y());
 
   const View view = station.controller.view(picture_);

@@ -40,7 +40,7 @@ constexpr auto kConnectionTimeout = std::chrono::seconds(2);
 // [ms] Interval at which the server and its starter check for the end. Larger values end later.
 constexpr int kPoll_ms = 100;
 // [bytes] Longest accepted request.
-constexpr std::size_t kMostRequest = 8192;
+constexpr std::size_t kMaxRequest = 8192;
 
 [[noreturn]] void fail(const char* what) {
   throw std::runtime_error(fmt::format("cannot serve the view: {}: {}", what, std::strerror(errno)));
@@ -76,7 +76,7 @@ std::string read_request(int connection) {
   while (request.find("\r\n\r\n") == std::string::npos) {
     if (!wait_for(connection, POLLIN, deadline)) return {};
     const ssize_t count = recv(connection, part.data(), part.size(), 0);
-    if (count <= 0 || request.size() + static_cast<std::size_t>(count) > kMostRequest) return {};
+    if (count <= 0 || request.size() + static_cast<std::size_t>(count) > kMaxRequest) return {};
     request.append(part.data(), static_cast<std::size_t>(count));
   }
   return request;

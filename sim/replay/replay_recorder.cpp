@@ -29,7 +29,7 @@ constexpr TimeNs kChunk = 2'000'000'000, kLiveChunk = 200'000'000;
 constexpr TimeNs kRadioBin = 200'000'000;   // interval for counting messages of a pair of vehicles
 constexpr std::size_t kFirstPoints = 2500;  // points per scan, before their size is measured
 // [-] Bounds of the points of a thinned scan.
-constexpr std::size_t kFewestPoints = 200, kMostPoints = 60000;
+constexpr std::size_t kFewestPoints = 200, kMaxPoints = 60000;
 
 /// Names may come from files in any encoding: invalid UTF-8 is replaced.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -92,7 +92,7 @@ class PointBudget {
       const double bytes_per_point = static_cast<double>(bytes) / static_cast<double>(points_);
       const double wanted = bytes_per_chunk_ / (bytes_per_point * static_cast<double>(scans_));
       points_per_scan_ = static_cast<std::size_t>(
-          std::clamp(wanted, static_cast<double>(kFewestPoints), static_cast<double>(kMostPoints)));
+          std::clamp(wanted, static_cast<double>(kFewestPoints), static_cast<double>(kMaxPoints)));
     }
     points_ = scans_ = 0;
   }

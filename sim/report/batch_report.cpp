@@ -26,11 +26,11 @@ namespace fs = std::filesystem;
 // [-] Worst episodes and failures that the page lists.
 constexpr std::size_t kWorst = 10;
 constexpr std::size_t kFailures = 20;
-constexpr std::size_t kMostBoxes = 12;      // points side by side in one box plot
-constexpr std::size_t kMostIntervals = 40;  // rows of a figure of intervals
+constexpr std::size_t kMaxBoxes = 12;      // points side by side in one box plot
+constexpr std::size_t kMaxIntervals = 40;  // rows of a figure of intervals
 // Values of a parameter that are averaged; with more, single episodes are plotted
-constexpr std::size_t kMostLevels = 20;
-constexpr std::size_t kMostGroupRows = 200;  // in a table of the page; the CSV contains all
+constexpr std::size_t kMaxLevels = 20;
+constexpr std::size_t kMaxGroupRows = 200;  // in a table of the page; the CSV contains all
 
 std::string plural(std::uint64_t count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
@@ -83,14 +83,14 @@ std::string heading(const BatchTable& table) {
   return text + "</p>\n";
 }
 
-/// All points together, then each point unless it is a single episode, up to kMostGroupRows.
+/// All points together, then each point unless it is a single episode, up to kMaxGroupRows.
 std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
   std::vector<const EpisodeGroup*> shown;
   for (const EpisodeGroup& group : table.totals) shown.push_back(&group);
   const bool single = std::all_of(table.groups.begin(), table.groups.end(),
                                   [](const EpisodeGroup& group) { return group.episodes.size() < 2; });
   if (single && !shown.empty()) return shown;
-  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) shown.push_back(&table.groups[i]);
+  for (std::size_t i = 0; i < std::min(table.groups.size(), kMaxGroupRows); ++i) shown.push_back(&table.groups[i]);
   return shown;
 }
 
@@ -135,7 +135,7 @@ std::string interval_plot(const std::string& label, const std::vector<IntervalRo
 /// The groups of the tables, limited to the size of a figure.
 std::vector<const EpisodeGroup*> groups_plotted(const BatchTable& table) {
   std::vector<const EpisodeGroup*> shown = groups_shown(table);
-  shown.resize(std::min(shown.size(), kMostIntervals));
+  shown.resize(std::min(shown.size(), kMaxIntervals));
   return shown;
 }
 
@@ -201,7 +201,7 @@ std::string outcome_section(const BatchTable& table) {
     rows.add(std::move(cells));
   }
   std::string text = rows.str();
-  if (table.groups.size() > kMostGroupRows) text += "<p class=\"note\">The rest is in report.csv.</p>\n";
+  if (table.groups.size() > kMaxGroupRows) text += "<p class=\"note\">The rest is in report.csv.</p>\n";
   return html::section("Outcomes", outcome_plots(table) + text);
 }
 
@@ -225,7 +225,7 @@ std::vector<std::pair<std::size_t, std::string>> points_of(const BatchTable& tab
 /// Box plots of every variant at every point, or of all points together when they are many.
 std::string box_plot(const BatchTable& table, const Quantity& quantity) {
   const auto points = points_of(table);
-  const bool by_point = points.size() > 1 && points.size() <= kMostBoxes;
+  const bool by_point = points.size() > 1 && points.size() <= kMaxBoxes;
   plot::Figure figure;
   figure.set_panel_size(
       by_point ? std::max(420.0, 70.0 * static_cast<double>(points.size() * table.info.variants.size()) / 2.0 + 240.0)
@@ -283,7 +283,7 @@ void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quan
   const std::size_t num_values =
       std::accumulate(levels.begin(), levels.end(), std::size_t{0},
                       [](std::size_t n, const auto& level) { return n + level.second.size(); });
-  if (levels.size() > kMostLevels || num_values < 2 * levels.size()) {  // continuous samples instead of levels
+  if (levels.size() > kMaxLevels || num_values < 2 * levels.size()) {  // continuous samples instead of levels
     for (const auto& [level, values] : levels) {
       for (const double value : values) {
         x.push_back(level);
@@ -366,7 +366,7 @@ std::string all_quantities(const BatchTable& table) {
   std::string text;
   const std::vector<const EpisodeGroup*> shown = groups_shown(table);
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    if (i == kMostBoxes) {
+    if (i == kMaxBoxes) {
       text += "<p class=\"note\">The other groups are in report.csv.</p>\n";
       break;
     }

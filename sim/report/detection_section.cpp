@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostObservers = 12;  // lines in one panel
+constexpr std::size_t kMaxObservers = 12;  // lines in one panel
 
 /// NaN for missing values.
 double value_at(const Json& bin, const char* key) {
@@ -40,7 +40,7 @@ void draw(plot::Panel& panel, const Json& over_distance, const std::string& stag
   panel.x.min = panel.y.min = 0.0;
   int color = 0;
   for (const auto& [vehicle, by_stage] : over_distance.items()) {
-    if (static_cast<std::size_t>(color) == kMostObservers) return;
+    if (static_cast<std::size_t>(color) == kMaxObservers) return;
     plot::Style style;
     style.color = color++;
     if (!by_stage.contains(stage)) continue;

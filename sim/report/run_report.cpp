@@ -24,10 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostVehicles = 12;  // lines in one panel
+constexpr std::size_t kMaxVehicles = 12;  // lines in one panel
 // [-] Largest numbers of events and of pictures on the page; further ones are left out. Larger values make it longer.
-constexpr std::size_t kMostEvents = 200;
-constexpr std::size_t kMostPictures = 60;
+constexpr std::size_t kMaxEvents = 200;
+constexpr std::size_t kMaxPictures = 60;
 
 Json read_json(const fs::path& file) {
   std::ifstream stream = open_to_read(file);
@@ -88,7 +88,7 @@ std::string paths_figure(const std::vector<VehicleSeries>& all) {
   panel.x.label = "east [m]";
   panel.y.label = "north [m]";
   panel.equal_axes = true;
-  for (std::size_t i = 0; i < std::min(all.size(), kMostVehicles); ++i) {
+  for (std::size_t i = 0; i < std::min(all.size(), kMaxVehicles); ++i) {
     if (all[i].t_s.empty()) continue;
     plot::Style style;
     style.color = static_cast<int>(i);
@@ -107,7 +107,7 @@ std::string series_figure(const std::vector<VehicleSeries>& all, const std::stri
   panel.x.label = "time [s]";
   panel.y.label = label;
   bool any = false;
-  for (std::size_t i = 0; i < std::min(all.size(), kMostVehicles); ++i) {
+  for (std::size_t i = 0; i < std::min(all.size(), kMaxVehicles); ++i) {
     const std::vector<double>& y = all[i].*values;
     if (y.size() != all[i].t_s.size() || std::none_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); }))
       continue;
@@ -147,8 +147,8 @@ std::string series_section(const fs::path& directory) {
   text += series_figure(all, "clearance [m]", &VehicleSeries::clearance_m);
   text += series_figure(all, "error of the estimate [m]", &VehicleSeries::estimate_error_m);
   text += series_figure(all, "error of the tracking [m]", &VehicleSeries::tracking_error_m);
-  if (all.size() > kMostVehicles)
-    text += "<p class=\"note\">Only the first " + std::to_string(kMostVehicles) + " vehicles are drawn.</p>\n";
+  if (all.size() > kMaxVehicles)
+    text += "<p class=\"note\">Only the first " + std::to_string(kMaxVehicles) + " vehicles are drawn.</p>\n";
   return html::section("Flight", text);
 }
 
@@ -160,7 +160,7 @@ std::string events_section(const fs::path& directory) {
   std::size_t count = 0;
   for (std::string line; std::getline(stream, line);) {
     Json event = parse_shallow<Json>(line);
-    if (!event.is_object() || ++count > kMostEvents) continue;
+    if (!event.is_object() || ++count > kMaxEvents) continue;
     if (event.contains("t_s") && event["t_s"].is_number()) event["t_s"] = event["t_s"].get<double>() - start_s;
     std::string where;
     for (const Json& x : event.value("position_m", Json::array())) where += (where.empty() ? "" : ", ") + text_of(x);
@@ -186,7 +186,7 @@ std::string pictures_section(const fs::path& directory) {
   std::string text;
   std::size_t count = 0;
   for (const std::string& picture : pictures) {
-    if (++count > kMostPictures) break;
+    if (++count > kMaxPictures) break;
     text += "<figure><a href=\"" + escape_markup(picture) + "\"><img width=\"540\" loading=\"lazy\" src=\"" +
             escape_markup(picture) + "\" alt=\"\"></a><figcaption>" + escape_markup(fs::path(picture).stem().string()) +
             "</figcaption></figure>\n";

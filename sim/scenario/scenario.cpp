@@ -29,7 +29,7 @@ namespace swiftlet::sim {
 namespace {
 
 /// Least ratio of the rotors' maximum thrust to the weight. Smaller values leave no thrust for climbing or tilting.
-constexpr double kLeastThrustRatio = 1.1;
+constexpr double kMinThrustRatio = 1.1;
 
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
 
@@ -239,7 +239,7 @@ void check_thrust(ConfigVisitor& v, const Scenario& scenario) {
     const Airframe& airframe = vehicle.airframe;
     if (airframe.rotors.empty() || vehicle.agent.type == "none") continue;  // without an agent it does not fly
     const std::string key = element("vehicles", i, "airframe.mass_kg");
-    const double most_kg = airframe.max_thrust_N() / (kLeastThrustRatio * gravity_mps2);
+    const double most_kg = airframe.max_thrust_N() / (kMinThrustRatio * gravity_mps2);
     const double ratio = airframe.rotor_speed_min_radps / airframe.rotor_speed_max_radps;
     const double least_kg = airframe.max_thrust_N() * ratio * ratio / gravity_mps2;
     v.check(airframe.mass_kg <= most_kg, key.c_str(),

@@ -27,7 +27,7 @@ void LidarConfig::visit(ConfigVisitor& v) {
   v.field("rolling", rolling, "[-] whether each beam fires at its own time; false: the whole sweep at one instant");
   v.field("ideal", ideal, "[-] ideal sensor: no noise, no lost returns, thin beams, true poses");
   v.field("self_mask", self_mask, "[-] whether returns of beams that can intersect the own vehicle are removed");
-  v.field("range_min_m", range_min_m, "[m] least range; returns that are measured closer are lost",
+  v.field("range_min_m", range_min_m, "[m] minimum range; returns that are measured closer are lost",
           Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] largest range; surfaces farther away return nothing", Range::positive());
   v.object("mount", mount, "mounting on the vehicle");

@@ -110,12 +110,12 @@ Record read_one(Reader& read) {
   return record;
 }
 
-constexpr std::size_t kLeastRecord = 12;  // bytes of the smallest record
-constexpr std::size_t kLeastBlock = 77;   // bytes of a block of cells: its position, a flag and its free cells
+constexpr std::size_t kMinRecord = 12;  // bytes of the smallest record
+constexpr std::size_t kMinBlock = 77;   // bytes of a block of cells: its position, a flag and its free cells
 
 template <class Factor>
 void read_factors(Reader& read, PoseGraph& graph, std::vector<Factor>& factors) {
-  factors.resize(read.count(kLeastRecord));
+  factors.resize(read.count(kMinRecord));
   for (Factor& factor : factors) factor = read_one<Factor>(read);
   const auto known = [&](int pose) { return pose >= 0 && pose < graph.num_poses(); };
   for (const Factor& f : factors) {
@@ -152,12 +152,12 @@ void write_pieces(std::span<const MapPiece> pieces, Writer& write) {
 
 void read_pieces(Reader& read, std::vector<MapPiece>& pieces) {
   constexpr int kFarthest = 1 << 19;  // blocks from the origin
-  pieces.resize(read.count(kLeastRecord));
+  pieces.resize(read.count(kMinRecord));
   for (MapPiece& piece : pieces) {
     double edge_m = 0.0;
     read(piece.submap), read(piece.T_submap_cells), read(edge_m);
     if (!(edge_m > 0.0 && std::isfinite(edge_m))) read.reject();
-    std::vector<CellBlock> blocks(read.count(kLeastBlock));
+    std::vector<CellBlock> blocks(read.count(kMinBlock));
     std::set<std::array<int, 3>> places;
     for (CellBlock& block : blocks) {
       std::uint8_t any_occupied = 0;
@@ -194,9 +194,9 @@ SavedMap read_payload(Reader& read) {
   read_factors(read, map.graph, priors);
   read_factors(read, map.graph, gravities);
   read_factors(read, map.graph, positions);
-  map.nodes.resize(read.count(kLeastRecord));
+  map.nodes.resize(read.count(kMinRecord));
   for (SavedMap::Node& node : map.nodes) node = read_one<SavedMap::Node>(read);
-  map.submaps.resize(read.count(kLeastRecord));
+  map.submaps.resize(read.count(kMinRecord));
   for (SavedMap::Submap& submap : map.submaps) {
     read(submap.pose);
     submap.points_submap_m.resize(read.count(sizeof(float) * 3));

@@ -131,7 +131,7 @@ void add_faces(Mesh& mesh, std::vector<Strip> strips, int axis, int side, double
 void CloudConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "[-] point cloud: .pcd (ascii, binary, binary_compressed) or .ply (ascii, binary)");
   v.field("leaf_m", leaf_m, "[m] edge of a voxel", Range::between(0.005, 100.0));
-  v.field("min_points", min_points, "[-] least number of points in a solid voxel", Range::between(1, 1000000));
+  v.field("min_points", min_points, "[-] minimum number of points in a solid voxel", Range::between(1, 1000000));
   v.field("scale", scale, "[-] meters per unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
   v.field("position_m", position_m, "[m] position of the file's origin in the world");

@@ -87,7 +87,7 @@ std::string likely_name(const std::string& word, const std::vector<std::string>&
 
 /// Every rule must match a part; otherwise a typing error would silently change labels and intensities.
 void require_rules_to_match(const MeshImportConfig& config, const MeshFile& source) {
-  constexpr std::size_t kMostShown = 8;
+  constexpr std::size_t kMaxShown = 8;
   for (std::size_t i = 0; i < config.surfaces.size(); ++i) {
     const SurfaceRuleConfig& rule = config.surfaces[i];
     if (std::any_of(source.parts.begin(), source.parts.end(), [&](const auto& part) { return names_part(rule, part); }))
@@ -99,8 +99,8 @@ void require_rules_to_match(const MeshImportConfig& config, const MeshFile& sour
       }
     }
     std::string known;
-    for (std::size_t k = 0; k < std::min(names.size(), kMostShown); ++k) known += (k == 0 ? "" : ", ") + names[k];
-    if (names.size() > kMostShown) known += ", ...";
+    for (std::size_t k = 0; k < std::min(names.size(), kMaxShown); ++k) known += (k == 0 ? "" : ", ") + names[k];
+    if (names.size() > kMaxShown) known += ", ...";
     const std::string similar = likely_name(rule.name, names);
     throw InputError("world.surfaces[" + std::to_string(i) + "].name: expected part of a name in " + config.file +
                      " (" + (known.empty() ? "which names nothing" : known) + "), found \"" + rule.name + "\"" +

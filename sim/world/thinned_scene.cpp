@@ -15,7 +15,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 /// [-] Largest factor of the size of kept leaves, which compensates for the area of removed ones. Larger values keep
 /// crowns dense, but with conspicuously large leaves.
-constexpr float kMostGrowth = 3.0F;
+constexpr float kMaxGrowth = 3.0F;
 
 /// Triangle indices of a mesh, grouped by connected component.
 std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
@@ -44,7 +44,7 @@ Mesh thinned(const Mesh& mesh, double share) {
   out.triangles.clear();
   const float growth = mesh.surface_class == SurfaceClass::kBranch
                            ? 1.0F
-                           : std::min(kMostGrowth, static_cast<float>(std::sqrt(1.0 / share)));
+                           : std::min(kMaxGrowth, static_cast<float>(std::sqrt(1.0 / share)));
   double due = 0.0;
   for (const auto& piece : pieces) {
     due += share;
@@ -111,14 +111,14 @@ Reduction reduction_for(const Scene& scene, std::size_t most_triangles) {
   // [-] Ratio of consecutive edges. Smaller values meet the number of triangles more closely, in more attempts.
   constexpr float kEdgeRatio = 1.5F;
   // [-] Least share of the pieces of plants, however many triangles the scene has.
-  constexpr double kLeastShare = 0.02;
+  constexpr double kMinShare = 0.02;
   // All other meshes may have half of the triangles, and the part of the other half that plants do not need.
   while (rest > std::max(half, 2.0 * half - plants)) {
     reduction.edge_m = reduction.edge_m == 0.0F ? kFirstEdge_m : kEdgeRatio * reduction.edge_m;
     if (reduction.edge_m > kLastEdge_m) break;
     rest = count_at(reduction.edge_m);
   }
-  if (plants > 0.0) reduction.piece_share = std::clamp((2.0 * half - rest) / plants, kLeastShare, 1.0);
+  if (plants > 0.0) reduction.piece_share = std::clamp((2.0 * half - rest) / plants, kMinShare, 1.0);
   return reduction;
 }
 

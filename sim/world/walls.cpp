@@ -14,7 +14,7 @@ namespace swiftlet::sim {
 namespace {
 
 // [m] Shortest wall; a shorter one has no direction.
-constexpr double kLeastLength_m = 1e-3;
+constexpr double kMinLength_m = 1e-3;
 
 /// The cells of a maze, and the walls between them.
 class Maze {
@@ -127,7 +127,7 @@ Scene make_walls(const WallsConfig& config, std::uint64_t seed) {
     Mesh mesh;
     for (std::size_t i = 1; i < wall.points_m.size(); ++i) {
       const Eigen::Vector2d from_m = wall.points_m[i - 1].head<2>(), to_m = wall.points_m[i].head<2>();
-      if ((to_m - from_m).norm() < kLeastLength_m) continue;
+      if ((to_m - from_m).norm() < kMinLength_m) continue;
       const Eigen::Vector2d over_m = 0.5 * config.thickness_m * (to_m - from_m).normalized();
       add_wall(mesh, from_m - over_m, to_m + over_m, wall.height_m, config.thickness_m);
     }

@@ -257,7 +257,7 @@ void WarehouseConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
   v.field("roof", roof, "[-] whether the building has a roof");
-  v.field("aisle_width_m", aisle_width_m, "[m] least width of the aisles between the racks", Range::positive());
+  v.field("aisle_width_m", aisle_width_m, "[m] minimum width of the aisles between the racks", Range::positive());
   v.field("rack_depth_m", rack_depth_m, "[m]", Range::between(0.5, 3.0));
   v.field("bay_width_m", bay_width_m, "[m] distance between the uprights of a rack; from 1.9 m it holds two pallets",
           Range::between(0.5, 10.0));

@@ -8,10 +8,10 @@
 
 namespace {
 
-constexpr double kMostBytes = 1e5;  // one leaf near the root stands for 2^48 cells
+constexpr double kMaxBytes = 1e5;  // one leaf near the root stands for 2^48 cells
 
 void refuse_large(double bytes) {
-  if (bytes > kMostBytes) throw swiftlet::sim::InputError("octree: too large");
+  if (bytes > kMaxBytes) throw swiftlet::sim::InputError("octree: too large");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class IcpOdometry {
     const Pose predicted = last_ * motion;
     const double sigma_m = threshold_m();
     const Pose found = map_.empty() ? predicted : aligned(sparse, predicted, 3.0 * sigma_m, sigma_m / 3.0);
-    if (found.translation().norm() > 5.0 * kLeastMotion_m) learn(predicted.inverse() * found);
+    if (found.translation().norm() > 5.0 * kMinMotion_m) learn(predicted.inverse() * found);
     insert(dense, found);
     last_before_ = last_;
     last_ = found;
@@ -46,7 +46,7 @@ class IcpOdometry {
   static constexpr double kRangeMax_m = 100.0;
   static constexpr double kRangeMin_m = 0.8;  // nearer returns are the vehicle itself
   static constexpr std::size_t kPointsPerVoxel = 20;
-  static constexpr double kFirstThreshold_m = 2.0, kLeastMotion_m = 0.1;
+  static constexpr double kFirstThreshold_m = 2.0, kMinMotion_m = 0.1;
   static constexpr int kIterationsMax = 500;
   static constexpr double kConverged = 1e-4;
 
@@ -93,7 +93,7 @@ class IcpOdometry {
   void learn(const Pose& error) {
     const double angle_rad = Eigen::AngleAxisd(error.linear()).angle();
     const double off_m = error.translation().norm() + 2.0 * kRangeMax_m * std::sin(0.5 * angle_rad);
-    if (off_m <= kLeastMotion_m) return;
+    if (off_m <= kMinMotion_m) return;
     sum_sq_m2_ += off_m * off_m;
     ++num_errors_;
   }

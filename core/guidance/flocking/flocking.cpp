@@ -35,9 +35,9 @@ constexpr double kMemory_s = 8.0, kSample_s = 0.5;
 /// [-] Pixels of the retina around the vehicle. More pixels resolve smaller angles and cost more time.
 constexpr std::size_t kRetinaPixels = 360;
 /// [cruise speeds] Speed limit of Mezey's model. Smaller values cut the acceleration toward distant neighbors.
-constexpr double kMostSpeed = 2.0;
+constexpr double kMaxSpeed = 2.0;
 /// [-] Fewest remembered points of a neighbor's path from which it can be followed. Smaller values follow noise.
-constexpr std::size_t kLeastPoints = 3;
+constexpr std::size_t kMinPoints = 3;
 
 double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -181,7 +181,7 @@ class Pacnav : public LevelFlight {
     double best = 0.0;
     const RememberedPath* leader = nullptr;
     for (const RememberedPath& path : paths_) {
-      if (path.points_local_m.size() < kLeastPoints) continue;
+      if (path.points_local_m.size() < kMinPoints) continue;
       const double persistence = path_persistence(path.points_local_m);
       const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
       if (persistence < config_.least_persistence || score <= best) continue;
@@ -230,13 +230,13 @@ class Mezey : public LevelFlight {
     }
     speed_mps_ +=
         input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
-    speed_mps_ = std::clamp(speed_mps_, 0.0, kMostSpeed * config_.cruise_speed_mps);
+    speed_mps_ = std::clamp(speed_mps_, 0.0, kMaxSpeed * config_.cruise_speed_mps);
     heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
     const double v = arrived_ ? 0.0 : speed_mps_;
     goal_.yaw_rad = heading_rad_;
     fly(p_local_m,
         v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_local_m),
-        kMostSpeed * config_.cruise_speed_mps, output);
+        kMaxSpeed * config_.cruise_speed_mps, output);
     output.mission = arrived_                          ? MissionStatus::kDone
                      : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
                                                        : MissionStatus::kEndless;
@@ -302,7 +302,7 @@ void PacnavConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] largest speed", Range::positive());
   v.field("least_persistence", least_persistence,
-          "[-] least persistence (displacement over length) of a path that is followed", Range::probability());
+          "[-] minimum persistence (displacement over length) of a path that is followed", Range::probability());
   v.object("neighbors", neighbors, "source of the neighbors");
   v.object("lidar", lidar, "avoidance of obstacles");
   v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");

@@ -36,9 +36,9 @@ int ceil_of(double value) {
 }
 
 /// [-] Least exponent of 2 of a normal number of single precision; smaller weights are raised to it.
-constexpr float kLeastPower = -126.0F;
+constexpr float kMinPower = -126.0F;
 
-/// 2^t for kLeastPower <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
+/// 2^t for kMinPower <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
 /// vectorizes.
 void raise_two(float* t, int count) {
   for (int i = 0; i < count; ++i) {
@@ -59,7 +59,7 @@ void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& 
   const auto per_beta = static_cast<float>(std::numbers::log2e / beta_m);
   weight = (x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square();
   take_roots({weight.data(), static_cast<std::size_t>(weight.size())});
-  weight = ((nearest - weight) * per_beta).max(kLeastPower);
+  weight = ((nearest - weight) * per_beta).max(kMinPower);
   raise_two(weight.data(), static_cast<int>(weight.size()));
 }
 

@@ -46,7 +46,7 @@ constexpr double kThere_m = 0.5;
 constexpr int kSides = 8;
 // Path following.
 /// [m^2] Lower bound of a squared leg length in divisions.
-constexpr double kLeastLeg_m2 = 1e-6;
+constexpr double kMinLeg_m2 = 1e-6;
 /// [-] Shares of the lookahead distance, tested from the largest on. More shares find points closer to the farthest
 /// visible one and cost a segment test each.
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
@@ -54,7 +54,7 @@ constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 /// Share of the leg before its point nearest to p.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
   const Vector3 leg_m = to_m - from_m;
-  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kLeastLeg_m2), 0.0, 1.0);
+  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kMinLeg_m2), 0.0, 1.0);
 }
 
 /// Columns around stationary neighbors. A path around moving neighbors would be outdated before it is flown.

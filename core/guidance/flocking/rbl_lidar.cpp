@@ -25,7 +25,7 @@ constexpr double kSensed_s = 0.5;
 constexpr double kHeightStep_m = 0.2;
 /// [deg] Bounds of the elevation of the edge of the field of view, for the distance from which the goal is in view. The
 /// lower bound limits that distance, the upper one keeps it from 0.
-constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;
+constexpr double kMinEdge_deg = 5.0, kMaxEdge_deg = 60.0;
 /// [lattice steps] Half the diagonal of a lattice cell, sqrt(3) / 2: a centroid this close to a sample of A' lies in
 /// A'.
 constexpr double kBetweenSamples = 0.87;
@@ -165,7 +165,7 @@ double RblLidar::clear_height_local_m(const Situation& situation, double wanted_
 
 double RblLidar::sees_goal_from_m(double up_m) const {
   const double edge_deg = up_m < 0.0 ? config_.fov_lower_deg : config_.fov_deg - config_.fov_lower_deg;
-  const double steepest = elementary::tan(std::clamp(edge_deg, kLeastEdge_deg, kMostEdge_deg) * kRadPerDeg);
+  const double steepest = elementary::tan(std::clamp(edge_deg, kMinEdge_deg, kMaxEdge_deg) * kRadPerDeg);
   return std::abs(up_m) / steepest + cells_.encumbrance_m;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// [rad] Limits of the turn of the destination: theta of (2.8), (2.11), and phi of (2.19). Larger values fly away from
 /// the goal.
-constexpr double kMostAzimuth_rad = kPi / 2.0, kMostElevation_rad = kPi / 4.0;
+constexpr double kMaxAzimuth_rad = kPi / 2.0, kMaxElevation_rad = kPi / 4.0;
 
 double length_xy(const Vector3& v) { return elementary::hypot(v.x(), v.y()); }
 
@@ -37,13 +37,13 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
   const bool near = rules.azimuth_condition == RblRules::AzimuthCondition::kNear ? reach_m < rules.azimuth_near_m
                                                                                  : reach_m > rules.azimuth_near_m;
   const bool turn = gap_m > rules.azimuth_gap_m && near;
-  const double next = turn ? std::min(kMostAzimuth_rad, theta_rad + rules.azimuth_rate_radps * dt_s)
+  const double next = turn ? std::min(kMaxAzimuth_rad, theta_rad + rules.azimuth_rate_radps * dt_s)
                            : std::max(0.0, theta_rad - rules.azimuth_return_radps * dt_s);
   const double direct_m = length_xy(now.unrotated_agent_m);
   const bool clear = rules.azimuth_reset == RblRules::AzimuthReset::kDetour
                          ? direct_m > reach_m
                          : rules.azimuth_reset == RblRules::AzimuthReset::kNear && direct_m > rules.azimuth_near_m;
-  return next >= kMostAzimuth_rad && clear ? 0.0 : next;
+  return next >= kMaxAzimuth_rad && clear ? 0.0 : next;
 }
 
 // Replaces c_S,z - p_z in (2.18). c_S lies towards the destination, so a destination turned up by (2.20) would keep
@@ -62,10 +62,10 @@ double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, 
   double next = toward_zero(phi_rad, step);
   if (wants_elevation(rules, now)) {
     const double sense = vertical_influence(rules, now, phi_rad) > 0.0 ? 1.0 : -1.0;
-    next = std::clamp(phi_rad + sense * step, -kMostElevation_rad, kMostElevation_rad);
+    next = std::clamp(phi_rad + sense * step, -kMaxElevation_rad, kMaxElevation_rad);
   }
   const bool is_counterproductive = std::abs(now.partitioned_agent_m.z()) > std::abs(now.unrotated_agent_m.z());
-  return std::abs(next) >= kMostElevation_rad && is_counterproductive ? 0.0 : next;
+  return std::abs(next) >= kMaxElevation_rad && is_counterproductive ? 0.0 : next;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ constexpr double kStep_s = 0.05;
 /// [-] Steps of the simulated period, in which the goal moves. More steps cost time and follow the goal more closely.
 constexpr int kParts = 4;
 /// [steps] Longest simulated braking: 20 s, within which every vehicle is at rest.
-constexpr int kMostSteps = 400;
+constexpr int kMaxSteps = 400;
 /// [m/s] Speed below which the vehicle counts as at rest. Smaller values simulate longer.
 constexpr double kStanding_mps = 0.02;
 /// [1/s] Deceleration per speed near rest. Larger values stop later and harder.
@@ -26,7 +26,7 @@ void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {
 }
 
 Vector3 rest_of(ReferenceGovernor governor) {
-  for (int i = 0; i < kMostSteps && governor.state().velocity_mps.norm() > kStanding_mps; ++i) {
+  for (int i = 0; i < kMaxSteps && governor.state().velocity_mps.norm() > kStanding_mps; ++i) {
     brake(governor, governor.state().yaw_rad, kStep_s);
   }
   return governor.state().position_m;

@@ -45,7 +45,7 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
           "[m/s^2] standard deviation of a neighbor's acceleration (process noise of its filter)", Range::positive());
   v.field("first_speed_sigma_mps", first_speed_sigma_mps,
-          "[m/s] standard deviation by axis of the velocity of a neighbor after its first measurement",
+          "[m/s] standard deviation per axis of the velocity of a neighbor after its first measurement",
           Range::positive());
   v.field(
       "remember_hidden", remember_hidden,

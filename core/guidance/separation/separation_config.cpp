@@ -36,7 +36,8 @@ void SeparationConfig::visit(ConfigVisitor& v) {
 
 void KeepApartConfig::visit(ConfigVisitor& v) {
   SeparationConfig::visit(v);
-  v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
+  v.field("encumbrance_m", encumbrance_m,
+          "[m] radius of the zone around each vehicle; centers keep twice this distance", Range::positive());
   v.field("z_min_m", z_min_m, "[m] lowest height of an evasion");
   v.field("z_max_m", z_max_m, "[m] highest height of an evasion");
   v.object("neighbors", neighbors, "source of the neighbors to keep apart from");

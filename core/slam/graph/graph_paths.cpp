@@ -12,7 +12,7 @@ namespace swiftlet {
 namespace {
 
 // smallest information [1/m^2, 1/rad^2] of a closure in its least certain direction
-constexpr double kLeastInformation = 1.0;
+constexpr double kMinInformation = 1.0;
 
 struct GraphEdge {
   int to = 0;
@@ -21,7 +21,7 @@ struct GraphEdge {
 
 /// True when the factor leaves some direction of the relative pose unconstrained.
 bool leaves_open(const RelativeFactor& factor) {
-  return factor.huber != kNoHuber && symmetric_eigen<6>(factor.information).values(0) < kLeastInformation;
+  return factor.huber != kNoHuber && symmetric_eigen<6>(factor.information).values(0) < kMinInformation;
 }
 
 std::vector<std::vector<GraphEdge>> edges_of(const PoseGraph& graph) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kShrinks = 0.1;  // ratio of steps below which the cost counts as nearly quadratic
 /// [-] Damping of the Levenberg-Marquardt method, relative to the diagonal: first value, lower bound, and value that
 /// ends the search without a better step.
-constexpr double kFirstDamping = 1e-9, kLeastDamping = 1e-12, kMostDamping = 1e6;
+constexpr double kFirstDamping = 1e-9, kMinDamping = 1e-12, kMaxDamping = 1e6;
 
 /// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).
 Matrix3 right_jacobian_inverse(const Vector3& r_rad) {
@@ -290,7 +290,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
   double damping = kFirstDamping;
   double last_step = 0.0;  // 0: no step yet
   bool stale = true;
-  while (report.num_iterations < config.iterations && damping <= kMostDamping) {
+  while (report.num_iterations < config.iterations && damping <= kMaxDamping) {
     if (stale) linearize(of_relatives, H, gradient);
     stale = false;
     ++report.num_iterations;
@@ -316,7 +316,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
       report.cost_after = cost;
     }
     stale = true;
-    damping = std::max(damping * 0.1, kLeastDamping);
+    damping = std::max(damping * 0.1, kMinDamping);
     // Steps shrink at least as fast as before: the next step would be smaller than this.
     const double next_step = largest < kShrinks * last_step ? largest * largest / last_step : largest;
     last_step = largest;

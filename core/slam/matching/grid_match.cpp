@@ -13,8 +13,8 @@ namespace {
 
 // Damping of the Levenberg-Marquardt method, relative to the diagonal of H: first value, and the value that ends it.
 constexpr double kGridFirstDamping = 1e-4, kGridMostDamping = 1e8;
-constexpr double kLeastEasing = 1.0 / 3.0;  // smallest factor of the damping after a step whose gain was as predicted
-constexpr double kSettledShare = 1e-6;      // share of the cost; a smaller predicted gain ends the search
+constexpr double kMinEasing = 1.0 / 3.0;  // smallest factor of the damping after a step whose gain was as predicted
+constexpr double kSettledShare = 1e-6;    // share of the cost; a smaller predicted gain ends the search
 
 Pose changed_pose(const Pose& T, const Vector6& d) {
   return make_pose(T.translation() + d.head<3>(),
@@ -137,7 +137,7 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
       continue;
     }
     const double deviation = 2.0 * gain / predicted - 1.0;
-    damping *= std::max(kLeastEasing, 1.0 - deviation * deviation * deviation);
+    damping *= std::max(kMinEasing, 1.0 - deviation * deviation * deviation);
     harder = 2.0;
     match.T_local_body = T_next;
     here = next;
@@ -151,7 +151,7 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
 }
 
 void GridMatchConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] most iterations of the least squares", Range::between(1, 100));
+  v.field("iterations", iterations, "[-] maximum number of iterations of the least squares", Range::between(1, 100));
 }
 
 }  // namespace swiftlet

@@ -41,7 +41,7 @@ double odds_of(double probability) { return probability / (1.0 - probability); }
 }  // namespace
 
 std::uint16_t grid_value::value_of(double probability) {
-  const double share = (probability - kLeastProbability) / (kMostProbability - kLeastProbability);
+  const double share = (probability - kMinProbability) / (kMaxProbability - kMinProbability);
   return static_cast<std::uint16_t>(1.0 + std::floor(std::clamp(share, 0.0, 1.0) * (kMost - 1) + 0.5));
 }
 

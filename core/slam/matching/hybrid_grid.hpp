@@ -16,11 +16,11 @@ namespace grid_value {
 /// Value of a cell that was never observed, and largest value.
 inline constexpr std::uint16_t kUnknown = 0, kMost = 32767;
 /// [-] Bounds of the probability of a surface, as in Cartographer: no number of observations makes a cell certain.
-inline constexpr double kLeastProbability = 0.1, kMostProbability = 0.9;
+inline constexpr double kMinProbability = 0.1, kMaxProbability = 0.9;
 
 inline double probability_of(std::uint16_t value) {
-  constexpr double kStep = (kMostProbability - kLeastProbability) / (kMost - 1);
-  return value == kUnknown ? kLeastProbability : kLeastProbability + kStep * (value - 1);
+  constexpr double kStep = (kMaxProbability - kMinProbability) / (kMost - 1);
+  return value == kUnknown ? kMinProbability : kMinProbability + kStep * (value - 1);
 }
 /// Value of the nearest representable probability, clamped at both ends.
 std::uint16_t value_of(double probability);
@@ -52,7 +52,7 @@ class HybridGrid {
 
   /// Interpolated probability and its gradient.
   struct Interpolated {
-    double probability = grid_value::kLeastProbability;
+    double probability = grid_value::kMinProbability;
     Vector3 slope_1_m = Vector3::Zero();
   };
   /// Cubic interpolation along each axis through the values at cell centers, with zero slope there.

@@ -229,12 +229,12 @@ InertialFilter::Error InertialFilter::most_likely(const PoseEvidence& evidence, 
 /// The innovation z, whose information is Omega, has the covariance S = Omega^-1 + H P H^T. With y = S^-1 z as above,
 /// z^T S^-1 z = y^T Omega^-1 y + y^T H P H^T y, where y lies in the range of Omega.
 void InertialFilter::settle(const PoseEvidence& evidence, const Error& at) {
-  constexpr double kLeastInformation = 1e-3;  // far below that of a scan: makes Omega regular
+  constexpr double kMinInformation = 1e-3;  // far below that of a scan: makes Omega regular
   const PoseColumns columns = pose_columns();
   const Matrix6 prior = pose_covariance();
   const auto A = Matrix6(Matrix6::Identity() + evidence.information * prior).partialPivLu();
   const Vector6 y = A.solve(evidence.information * pose_part(at) - evidence.gradient);
-  const Matrix6 regular = evidence.information + kLeastInformation * Matrix6::Identity();
+  const Matrix6 regular = evidence.information + kMinInformation * Matrix6::Identity();
   innovation_sq_ = y.dot(prior * y) + y.dot(regular.partialPivLu().solve(y));
   const Matrix6 M = A.solve(evidence.information);
   settle(P_ - columns * M * columns.transpose());

@@ -13,7 +13,7 @@ namespace {
 // the errors of the map's own model.
 constexpr double kAgreement = 4.0;
 // [-] limit of the normalized square of one scan. Larger values let a single wrong scan scale the noise.
-constexpr double kMostSquare = 100.0;
+constexpr double kMaxSquare = 100.0;
 // [-] share of the excess by which a scan scales the noise. Larger values adapt faster and overshoot.
 constexpr double kAdaptation = 0.1;
 // [-] largest share by which a scan lowers the noise again: by half in 35 scans. Larger values forget a disagreement
@@ -21,7 +21,7 @@ constexpr double kAdaptation = 0.1;
 constexpr double kRecovery = 0.02;
 // [-] limits of the noise factor: of a warning, of a contradiction, and of the factor itself. The standard deviation of
 // the noise grows by its square root.
-constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMostNoise = 1e6;
+constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMaxNoise = 1e6;
 // [m/s] Change of the velocity by ten scans that contradicts the IMU: in one second, 5 % of gravity. Good IMUs leave up
 // to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
 // let wrong mounts pass, smaller ones refuse noisy IMUs.
@@ -33,18 +33,18 @@ constexpr int kContradictedScans = 100;
 
 void InnovationMonitor::add(double innovation_sq, int num_directions) {
   if (num_directions <= 0 || !(innovation_sq >= 0.0)) return;
-  last_[next_] = std::min(innovation_sq / num_directions, kMostSquare);
+  last_[next_] = std::min(innovation_sq / num_directions, kMaxSquare);
   next_ = (next_ + 1) % kScans;
   mean_ = 0.0;
   for (const double square : last_) mean_ += square / kScans;
   const double excess = elementary::log(std::max(mean_, 1e-3) / kAgreement);
   noise_factor_ *= elementary::exp(std::max(kAdaptation * excess, -kRecovery));
-  noise_factor_ = std::clamp(noise_factor_, 1.0, kMostNoise);
+  noise_factor_ = std::clamp(noise_factor_, 1.0, kMaxNoise);
 }
 
 /// Accelerations that the IMU does not measure add up; those that noise suggests do not.
-void InnovationMonitor::add_correction(const Vector3& v_mps) {
-  corrections_mps_.col(next_correction_) = v_mps;
+void InnovationMonitor::add_correction(const Vector3& v_local_mps) {
+  corrections_mps_.col(next_correction_) = v_local_mps;
   next_correction_ = (next_correction_ + 1) % kScans;
   const bool wrong = corrections_mps_.rowwise().sum().norm() > kWrongVelocity_mps;
   scans_contradicted_ = wrong ? kContradictedScans : std::max(scans_contradicted_ - 1, 0);

@@ -13,8 +13,8 @@ class InnovationMonitor {
  public:
   /// @param innovation_sq  normalized square of an innovation in `num_directions` directions
   void add(double innovation_sq, int num_directions);
-  /// @param v_mps  change of the velocity (local frame) by a scan
-  void add_correction(const Vector3& v_mps);
+  /// @param v_local_mps  change of the velocity by a scan
+  void add_correction(const Vector3& v_local_mps);
 
   /// Factor of the reported covariance, at least 1.
   double covariance_factor() const;

@@ -30,7 +30,7 @@ constexpr double kAligned_m = 0.1, kAligned_rad = 0.01;
 // [s] Longest age of a sighting of another vehicle at which its position is extrapolated. Larger values mask returns at
 // wrong places.
 constexpr double kVehicleKnown_s = 1.0;
-constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
+constexpr int kMinReturns = 50;  // fewest points of a scan that is matched
 // Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
@@ -70,7 +70,7 @@ void LocalSlam::add(const ImuSample& sample) {
 }
 
 ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others) {
-  const ScanOutcome outcome = match(*scan, others);
+  ScanOutcome outcome = match(*scan, others);
   if (start_.over) return outcome;
   start_.scans.push_back({start_.imu.size(), std::move(scan), std::move(others)});
   if (static_cast<int>(start_.scans.size()) >= config_.start_scans) begin_again();
@@ -91,11 +91,11 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
   reach_end(scan);
   if (motion_.empty()) return outcome;
   gather(scan, others);
-  if (matcher_->num_points() < kLeastReturns) {
+  if (matcher_->num_points() < kMinReturns) {
     outcome.fit.num_points = matcher_->num_points();
     outcome.fit.num_degenerate = 6;
     const auto beyond = std::ranges::count_if(scan.range_m, [&](float r) { return r > config_.range_max_m; });
-    outcome.out_of_range = beyond >= kLeastReturns;
+    outcome.out_of_range = beyond >= kMinReturns;
     return outcome;
   }
   const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
@@ -261,9 +261,10 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
           "[-] number of first scans that are matched again with the biases and the time offset estimated from them; "
           "0: none",
           Range::between(0, 100));
-  v.field("iterations", iterations, "[-] most iterations of the update by a scan", Range::between(1, 50));
+  v.field("iterations", iterations, "[-] maximum number of iterations of the update by a scan", Range::between(1, 50));
   v.field("known_share_min", known_share_min,
-          "[-] least share of a scan's points near surfaces of the map for the scan to be used", Range::probability());
+          "[-] minimum share of a scan's points near surfaces of the map for the scan to be used",
+          Range::probability());
   v.field("vehicle_radius_m", vehicle_radius_m,
           "[m] distance to a tracked vehicle below which returns are ignored; 0: none are", Range::non_negative());
   v.object("matching", matching, "matching of a scan to the map");

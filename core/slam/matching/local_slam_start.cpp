@@ -21,7 +21,7 @@ constexpr int kTriedSteps = 10;
 constexpr double kTriedStep = 0.25;
 // Largest number of repetitions of the start, which end when the time offset changes by less than its standard
 // deviation. More of them cost time.
-constexpr int kMostRepeats = 5;
+constexpr int kMaxRepeats = 5;
 // Repetitions of a start with unknown velocity, whose first map consists of smeared scans. The time offset stays as
 // given meanwhile: in straight flight it is not observable beside the position of the first scan. More repetitions cost
 // time.
@@ -65,7 +65,7 @@ void LocalSlam::find_time_offset() {
 /// Repeats the start with what has been learned, until the time offset stays the same.
 void LocalSlam::repeat_until_settled(const InertialFilter& learned) {
   filter_ = learned;
-  for (int i = 0; i < kMostRepeats; ++i) {
+  for (int i = 0; i < kMaxRepeats; ++i) {
     const double offset_before_s = filter_.state().time_offset_s;
     repeat_start(learned_start());
     if (std::abs(filter_.state().time_offset_s - offset_before_s) < filter_.time_offset_sigma_s()) return;

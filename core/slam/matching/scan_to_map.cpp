@@ -28,12 +28,12 @@ constexpr double kNear_sq = 9.0;      // squared standard deviations within whic
 // [m] Distance tested before and behind a point: more than the thickness of a stem, less than the distance between
 // stems.
 constexpr double kStep_m = 0.7;
-constexpr double kAcross = 0.3;        // least sine of the angle between surface and direction: 17 degrees
-constexpr double kLeastMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
-constexpr double kBeside_m = 1.5;      // largest lateral distance at which a beam passes beside a point
-constexpr double kBeyond_m = 0.5;      // least distance of the end of that beam behind the continued surface
-constexpr int kLeastPassed = 3;        // fewest points with a passing beam
-constexpr double kSpread_m = 0.15;     // spread above which a cell without a plane is no single object
+constexpr double kAcross = 0.3;      // least sine of the angle between surface and direction: 17 degrees
+constexpr double kMinMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
+constexpr double kBeside_m = 1.5;    // largest lateral distance at which a beam passes beside a point
+constexpr double kBeyond_m = 0.5;    // least distance of the end of that beam behind the continued surface
+constexpr int kMinPassed = 3;        // fewest points with a passing beam
+constexpr double kSpread_m = 0.15;   // spread above which a cell without a plane is no single object
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -263,12 +263,12 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
       const double length = motion.norm();
       double across = std::abs(n[0].dot(motion));
       if (num == 2) across = std::max(across, std::abs(n[1].dot(motion)));
-      if (length < kLeastMotion || across < kAcross * length) continue;
+      if (length < kMinMotion || across < kAcross * length) continue;
       const Vector3 shift_m = kStep_m / length * motion;
       if (!is_bare(scan, at + shift_m) || !is_bare(scan, at - shift_m)) continue;
       free_along |= 1U << i;
       ++standing.num_points[i];
-      if (standing.num_passed[i] >= kLeastPassed) continue;
+      if (standing.num_passed[i] >= kMinPassed) continue;
       // The surface that may only seem to end here because scan lines are few: through the pole, or along the plane.
       const Vector3 along = motion / length;
       Vector3 aside = num == 2 ? Vector3(cell->axis.cast<double>()) : n[0].cross(along);
@@ -311,7 +311,7 @@ void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const Sums& planes,
   const Standing standing = find_standing(scan, weak);
   unsigned held = 0;
   for (int i = 0; i < weak.num; ++i) {
-    const bool holds = standing.num_points[i] >= least_standing && standing.num_passed[i] >= kLeastPassed;
+    const bool holds = standing.num_points[i] >= least_standing && standing.num_passed[i] >= kMinPassed;
     held |= static_cast<unsigned>(holds) << i;
     ++(holds ? fit.num_held : fit.num_degenerate);
   }

@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kLeastPoints = 6;        // fewest points of a fit
+constexpr int kMinPoints = 6;          // fewest points of a fit
 constexpr int kSettledPoints = 30;     // points from which a plane is final
 constexpr double kPoleSigma_m = 0.15;  // largest sigma across a pole: half of a stem 0.5 m thick
 constexpr double kPoleUpright = 0.9;   // least cosine of a pole's axis against the vertical
@@ -92,14 +92,14 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
       SurfaceCell& cell = level.cells[index];
       if (cell.count < static_cast<float>(config_.points_per_cell)) {
         add(level, key, cell, p_m);
-        if (cell.count >= kLeastPoints && cell.count >= kGrowth * cell.count_fitted) {
+        if (cell.count >= kMinPoints && cell.count >= kGrowth * cell.count_fitted) {
           // Marks the cell as due once, until it is fitted.
           cell.count_fitted = static_cast<float>(config_.points_per_cell);
           touched_.push_back({static_cast<std::uint32_t>(l), index});
         }
       }
       // A cell that is a final plane, or has too few points for a fit, needs no finer level.
-      if (cell.settled || cell.count < kLeastPoints || 0.5 * level.edge_m < least_edge_m) break;
+      if (cell.settled || cell.count < kMinPoints || 0.5 * level.edge_m < least_edge_m) break;
     }
   }
   for (const Touched& t : touched_) {
@@ -152,7 +152,7 @@ const SurfaceCell* SurfaceMap::find(const Vector3& p_m) const {
   for (const Level& level : levels_) {
     const SurfaceCell* cell = level.find(level.key_of(p_m));
     if (cell == nullptr) break;
-    if (cell->count_fitted < kLeastPoints) break;
+    if (cell->count_fitted < kMinPoints) break;
     best = cell;
     if (cell->planar) break;
   }
@@ -162,7 +162,7 @@ const SurfaceCell* SurfaceMap::find(const Vector3& p_m) const {
 const SurfaceCell* SurfaceMap::find_pole(const Vector3& p_m) const {
   for (const Level& level : levels_) {
     const SurfaceCell* cell = level.find(level.key_of(p_m));
-    if (cell == nullptr || cell->count_fitted < kLeastPoints) break;
+    if (cell == nullptr || cell->count_fitted < kMinPoints) break;
     if (cell->pole) return cell;
   }
   return nullptr;

@@ -16,8 +16,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMostTested = 64;   // largest number of closures tested: one bit each
-constexpr int kMostCliqueNodes = 200000;  // largest number of nodes of the search for the largest set
+constexpr std::size_t kMaxTested = 64;   // largest number of closures tested: one bit each
+constexpr int kMaxCliqueNodes = 200000;  // largest number of nodes of the search for the largest set
 // Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
 constexpr double kMinPathLength_m = 0.05;
 // Standard deviations [m, rad] of the newest own submap, which keeps its pose in the joint graph. Larger values let the
@@ -61,7 +61,7 @@ class LargestClique {
  private:
   void grow(std::uint64_t clique, std::uint64_t candidates) {
     if (std::popcount(clique) > std::popcount(best_)) best_ = clique;
-    while (candidates != 0 && nodes_ < kMostCliqueNodes &&
+    while (candidates != 0 && nodes_ < kMaxCliqueNodes &&
            std::popcount(clique) + std::popcount(candidates) > std::popcount(best_)) {
       ++nodes_;
       const int next = std::countr_zero(candidates);
@@ -128,7 +128,7 @@ double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const Subma
 
 std::vector<int> agreeing_closures(std::span<const MapClosure> closures, std::span<const SubmapPlace> own,
                                    std::span<const SubmapPlace> others, const MapJoinConfig& config) {
-  const std::size_t num = std::min(closures.size(), kMostTested);
+  const std::size_t num = std::min(closures.size(), kMaxTested);
   std::vector<std::uint64_t> agrees_with(num, 0);
   std::uint64_t tested = 0;
   for (std::size_t i = 0; i < num; ++i) {

@@ -29,7 +29,7 @@ TEST(BodyParts, NeedsThreeReturnsAndBoundsCertainty) {
 TEST(BodyParts, PairsThatAreRememberedAreBounded) {
   BodyParts parts;
   const Returns left = {{0.0, 0.0, 0.0}}, right = {{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
-  const auto most = static_cast<std::uint32_t>(BodyParts::kMostPairs);
+  const auto most = static_cast<std::uint32_t>(BodyParts::kMaxPairs);
   for (std::uint32_t k = 0; k <= most; ++k) parts.weigh(0, left, k + 1, right);
   EXPECT_LT(parts.log_odds(0, most), 0.0);
   EXPECT_EQ(parts.log_odds(0, most + 1), 0.0);

@@ -180,7 +180,7 @@ TEST(GuidingViewpoint, DiffersByInterpretationOfSafeSpace) {
   rules.buffer_m = 1.0;
   const Vector3 watcher(-2.75, -3, 1);
   const Found closest = find_guiding_viewpoint(map, watcher, path, rules);
-  rules.safe_space = SafeSpace::kMostVisible;
+  rules.safe_space = SafeSpace::kMaxVisible;
   const Found most = find_guiding_viewpoint(map, watcher, path, rules);
   ASSERT_TRUE(closest.p_local_m && most.p_local_m);
   EXPECT_LT(closest.p_local_m->y(), 0.0);
@@ -192,7 +192,7 @@ TEST(GuidingViewpoint, OffersEveryConnectedSpaceBestFirst) {
   // Seen through the gap from either room: a wall that no larger vehicle passes has a second space behind it.
   const CellListMap map = two_rooms(1.0);
   ViewpointRules rules = published();
-  rules.safe_space = SafeSpace::kMostVisible;
+  rules.safe_space = SafeSpace::kMaxVisible;
   rules.buffer_m = 1.0;
   const std::vector<Vector3> path = {{0.5, 0, 1}, {2, 0, 1}, {3.5, 0, 1}};
   const GuidingViewpoints all = find_guiding_viewpoints(map, {-2, 1, 1}, path, rules);

@@ -150,7 +150,7 @@ TEST(Slam, LatencyOnlyDelaysScans) {
 TEST(Slam, SkipsScansOlderThanItsSamples) {
   SyntheticFlight flight = biased_flight(loop_at);
   SlamToNow slam(LocalSlamConfig{}, 1e6, flight.at(0), 0.3);
-  constexpr auto kSamples = static_cast<TimeNs>(SlamToNow::kMostSamples);
+  constexpr auto kSamples = static_cast<TimeNs>(SlamToNow::kMaxSamples);
   slam.add(0, flight.scan(kScanPeriod));
   for (TimeNs i = 1; i <= 2 * kSamples; ++i) slam.add({i * 1'000'000, Vector3::Zero(), {0, 0, 9.80665}});
   EXPECT_EQ(slam.now().state().nav.t, 2 * kSamples * 1'000'000);

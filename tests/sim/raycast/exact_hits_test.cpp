@@ -150,8 +150,8 @@ NearestHit searched(const TriangleScene& scene, const Ray& ray) {
     const Facet& facet = scene.facets[i];
     const Vector3d n = facet.normal.cast<double>(), corner = facet.corner_m.cast<double>();
     const double cosine = n.dot(d), height_m = n.dot(corner - o), range_m = height_m / cosine;
-    if (!(range_m > 0.0) || range_m > nearest_m || std::abs(height_m) < kLeastHeight_m) continue;
-    if (std::abs(cosine) < std::max<double>(kLeastCosine, facet.least_cosine_per_m * (range_m + 1.0))) continue;
+    if (!(range_m > 0.0) || range_m > nearest_m || std::abs(height_m) < kMinHeight_m) continue;
+    if (std::abs(cosine) < std::max<double>(kMinCosine, facet.least_cosine_per_m * (range_m + 1.0))) continue;
     int left = 0, right = 0;
     for (int k = 0; k < 3; ++k) {
       const Vector3d p = scene.corners_m[i][k].cast<double>() - o,
@@ -428,8 +428,8 @@ TEST(ExactHits, MissSurfacesSeenEdgeOn) {
     const Vector3d direction(std::sqrt(1.0 - cosine * cosine), 0.0, -cosine);
     return scene.trace(Vector3d(10.0, 0.5, 0.0) - 5.0 * direction, direction, 50.0).range_m;
   };
-  EXPECT_NEAR(range_m(1.5 * kLeastCosine), 5.0, 1e-4);
-  EXPECT_EQ(range_m(0.5 * kLeastCosine), 0.0F);
+  EXPECT_NEAR(range_m(1.5 * kMinCosine), 5.0, 1e-4);
+  EXPECT_EQ(range_m(0.5 * kMinCosine), 0.0F);
   EXPECT_EQ(range_m(0.0), 0.0F);
 }
 

@@ -18,7 +18,7 @@ class LogOddsBlocks {
  public:
   static constexpr int kSide = RayCells::kSide;
   static constexpr int kCells = kSide * kSide * kSide;
-  static constexpr int kMostMisses = 7;  ///< largest number of misses that is counted in bits
+  static constexpr int kMaxMisses = 7;  ///< largest number of misses that is counted in bits
   using Bits = RayCells::Bits;
   /// Bit sets of cells: a word for each z, a byte for each y.
   struct alignas(64) Block {
@@ -65,7 +65,7 @@ class LogOddsBlocks {
   };
 
   /// Log-odds of a cell that was never hit, by number of misses.
-  using AfterMisses = std::array<float, kMostMisses + 1>;
+  using AfterMisses = std::array<float, kMaxMisses + 1>;
 
   /// @param places_across  least size of the table along an axis
   LogOddsBlocks(double places_across, const AfterMisses& after_misses);

@@ -27,9 +27,9 @@ struct ViewpointRules {
   Sight sight = Sight::kInSpace;
 
   /// Choice of the connected safe region. kClosest: the one nearest to the observer [Pritzl 2024, alg. 2, line 15].
-  /// kMostVisible: all, in order of visible waypoints; for equal counts the nearest first.
-  enum class SafeSpace { kClosest, kMostVisible };
-  SafeSpace safe_space = SafeSpace::kMostVisible;
+  /// kMaxVisible: all, in order of visible waypoints; for equal counts the nearest first.
+  enum class SafeSpace { kClosest, kMaxVisible };
+  SafeSpace safe_space = SafeSpace::kMaxVisible;
 
   void visit(ConfigVisitor& v);
 };
