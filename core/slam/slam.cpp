@@ -62,7 +62,10 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   }
 
   const StateEstimate& update(const Observation& observation, Outbox& outbox) override {
-    if (!started_) last_imu_ = last_used_ = last_sure_ = observation.t;
+    if (!started_) {
+      slam_.begin_at(observation.t);
+      last_imu_ = last_used_ = last_sure_ = observation.t;
+    }
     started_ = true;
     if (config_.imu != SlamConfig::Imu::kNone) {
       for (const ImuSample& sample : observation.imu) add(sample);

@@ -25,6 +25,8 @@ class SlamToNow {
   SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start, double own_radius_m,
             std::unique_ptr<ScanMatcher> matcher = nullptr);
 
+  /// States the time of the start pose.
+  void begin_at(TimeNs t) { slam_.begin_at(t); }
   void add(const ImuSample& sample);
   /// Adds a scan that arrived at t, after all IMU samples until then.
   void add(TimeNs t, std::shared_ptr<const Scan> scan, std::span<const SeenVehicle> others = {});

@@ -37,6 +37,7 @@ class InertialFilter : public InertialModel {
   void predict_to(TimeNs t);
   /// Starts at t without a sample.
   void begin_at(TimeNs t);
+  bool has_begun() const { return started_; }
   /// Initializes biases, gravity and start velocity from another filter, with twice its standard deviations, because
   /// the same measurements are applied again.
   void begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps);

@@ -57,6 +57,8 @@ class LocalSlam {
   LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
             std::unique_ptr<ScanMatcher> matcher = nullptr);
 
+  /// States the time of the start pose, on the IMU's clock. Otherwise it is that of the first sample.
+  void begin_at(TimeNs t) { start_time_ = t; }
   void add(const ImuSample& sample);
   /// Adds a scan. The state is propagated to its end if the last IMU sample is older.
   /// @param others  nearby flying vehicles, whose returns are removed
@@ -132,6 +134,7 @@ class LocalSlam {
 
   LocalSlamConfig config_;
   Pose T_local_body_start_;
+  std::optional<TimeNs> start_time_;
   double own_radius_m_;
   Start start_;
   /// Covariance of the rotation vector between the local frame and a level one; 0 unless the first scans level it.

@@ -22,7 +22,7 @@ class MotionHistory {
   void change_velocity(TimeNs t, const Vector3& by_local_mps, const Vector3& by_body_radps = Vector3::Zero());
   /// Mean velocity (local frame) and body rate between two instants.
   Eigen::Matrix<double, 6, 1> mean_motion(TimeNs from, TimeNs to) const;
-  /// Pose interpolated between samples; outside, the nearest one.
+  /// Pose interpolated between samples, with constant acceleration between samples far apart; outside, the nearest one.
   Pose at(TimeNs t) const;
   bool covers(TimeNs t) const { return count_ > 0 && entry(0).t <= t; }
   bool empty() const { return count_ == 0; }
@@ -35,11 +35,16 @@ class MotionHistory {
   };
   /// [-] Stored poses: 2.5 s at 400 Hz. Must cover a sweep and its latency.
   static constexpr int kCapacity = 1024;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
   const Entry& entry(int i) const { return ring_[(first_ + i) % kCapacity]; }
+  Vector6 mean_rates(int i) const;
+  Vector6 acceleration(int i) const;
 
   std::vector<Entry> ring_ = std::vector<Entry>(kCapacity);
   int first_ = 0, count_ = 0;
-  mutable int cursor_ = 0;  // index of the last lookup; times of successive beams rarely decrease
+  mutable int cursor_ = 0;                  // index of the last lookup; times of successive beams rarely decrease
+  mutable int bent_ = -1;                   // index of the interval of bend_; -1: none
+  mutable Vector6 bend_ = Vector6::Zero();  // acceleration (local frame) and angular acceleration (body) in it
 };
 
 /// Keeps the first point in every voxel, in the order of the points. Any frame, the same for all arguments.

@@ -109,6 +109,20 @@ TEST(LocalSlam, InsertsScansEverySecondAtRest) {
   EXPECT_GT(outcomes.back().num_iterations, 0);
 }
 
+TEST(LocalSlam, FirstSampleCountsFromTheStart) {
+  const ImuSample turning{20'000'000, {0.0, 0.0, 1.5}, {0.0, 0.0, 9.80665}};
+  const auto turned_rad = [&](std::optional<TimeNs> start) {
+    LocalSlam slam(LocalSlamConfig{}, Pose::Identity(), 0.3);
+    if (start) slam.begin_at(*start);
+    slam.add(turning);
+    return rotation_vector_rad(slam.filter().state().nav.q).z();
+  };
+  EXPECT_NEAR(turned_rad(0), 0.03, 1e-9);
+  EXPECT_NEAR(turned_rad(10'000'000), 0.015, 1e-9);
+  EXPECT_EQ(turned_rad(30'000'000), 0.0) << "clocks that disagree";
+  EXPECT_EQ(turned_rad(std::nullopt), 0.0);
+}
+
 TEST(LocalSlam, IgnoresScansWithoutImu) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);

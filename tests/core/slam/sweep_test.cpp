@@ -37,6 +37,21 @@ TEST(MotionHistory, AnswersKnownInstantsInAnyOrder) {
   EXPECT_LT(off_m(motion, last + kTick, last), 1e-9) << "after the last: the last";
 }
 
+TEST(MotionHistory, BendsBetweenSamplesFarApart) {
+  constexpr TimeNs kTick = 20'000'000;
+  const auto pose_at = [](TimeNs t) {  // accelerates by 10 m/s^2 and 40 rad/s^2
+    const double half_square = 0.5 * to_seconds(t) * to_seconds(t);
+    return make_pose({10.0 * half_square, 0.0, 1.0}, rotation_by({0.0, 40.0 * half_square, 0.0}));
+  };
+  MotionHistory motion;
+  for (TimeNs i = 0; i <= 5; ++i)
+    motion.push(i * kTick, pose_at(i * kTick).translation(), Eigen::Quaterniond(pose_at(i * kTick).linear()));
+  for (TimeNs t = 0; t <= 5 * kTick; t += kTick / 4) {
+    EXPECT_LT((motion.at(t).translation() - pose_at(t).translation()).norm(), 1e-9) << t;
+    EXPECT_LT((motion.at(t).linear() - pose_at(t).linear()).norm(), 1e-4) << t;
+  }
+}
+
 TEST(MotionHistory, CoversItsIntervalAndRejectsOlder) {
   MotionHistory history;
   EXPECT_TRUE(history.empty());
