@@ -7,7 +7,7 @@ import swiftlet
 
 from shared.experiment import result_of
 
-SAMPLE_S = 0.5  # between the samples of a course, for figures
+COURSE_S = 0.5  # between the samples of a course, for figures
 SAMPLE_S = 0.1  # between the instants of errors: period of the scans
 
 
@@ -108,7 +108,7 @@ def ticks(log, period_s):
 
 def course(log):
     """Two samples a second: t_s and places in the world [m]."""
-    every = slice(None, None, ticks(log, SAMPLE_S))
+    every = slice(None, None, ticks(log, COURSE_S))
     return {name: getattr(log, name)[every].tolist() for name in ("t_s", "p_true_m", "p_shown_m", "p_gnss_m")}
 
 
