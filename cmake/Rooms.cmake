@@ -43,7 +43,7 @@ endfunction()
 # well. No other header is on a target's include path: each room has two folders of links, ${PROJECT_BINARY_DIR}/rooms.
 # USES hands on, so whoever uses a room finds what that room's headers name.
 # LISTED_BY names a room further down whose tables have a row of it: that room uses it inside.
-# A room comes after those that it uses, so there are no circles. core/base and sim/base are what every room may use.
+# A room comes after those that it uses, so there are no circles. core/base and sim/errors are what every room may use.
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in a registry.
 # PARTS names folders of a room, in their order: what stands in a part may include the headers that stand directly in the room's
 # folder and those of the parts before it. The room's own files include all of them.
@@ -102,7 +102,7 @@ function(swiftlet_room room)
   string(REPLACE "/" "_" name ${room})
   set(target swiftlet_${name})
   if(room MATCHES "^sim/")
-    list(PREPEND ARG_USES sim/base)
+    list(PREPEND ARG_USES sim/errors)
   endif()
   list(PREPEND ARG_USES core/base)
   list(REMOVE_ITEM ARG_USES ${room})

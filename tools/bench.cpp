@@ -9,7 +9,7 @@
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/agent/stage_notifier.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"

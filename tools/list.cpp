@@ -19,7 +19,7 @@
 #include "swiftlet/core/stage_tables/mappers.hpp"
 #include "swiftlet/core/stage_tables/relative_localizers.hpp"
 #include "swiftlet/core/stage_tables/trackers.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"

@@ -22,7 +22,7 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "swiftlet/core/base/ensure.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
 #include "swiftlet/sim/run/processors.hpp"

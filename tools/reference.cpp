@@ -5,8 +5,8 @@
 
 #include "commands.hpp"
 #include "plugin_options.hpp"
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
 #include "swiftlet/sim/scenario/reference.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/render/snapshot_recorder.hpp"
 #include "swiftlet/sim/run/simulation.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/report/batch_report.hpp"
 #include "swiftlet/sim/report/run_report.hpp"
 

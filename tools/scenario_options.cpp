@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "plugin_options.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::tools {
 

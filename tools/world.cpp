@@ -12,7 +12,7 @@
 #include "commands.hpp"
 #include "scenario_options.hpp"
 #include "scratch_folder.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"

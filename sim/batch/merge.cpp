@@ -10,9 +10,9 @@
 #include <tuple>
 
 #include "sim/batch/writer_lock.hpp"
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/batch/result_store.hpp"
 #include "swiftlet/sim/batch/run_batch.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {

@@ -13,7 +13,7 @@
 #include <stdexcept>
 
 #include "embedded/sim_batch.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"
 

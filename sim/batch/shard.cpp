@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

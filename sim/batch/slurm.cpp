@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "embedded/sim_batch.hpp"
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {

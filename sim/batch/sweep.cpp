@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "swiftlet/core/math/random.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

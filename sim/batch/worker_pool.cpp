@@ -26,7 +26,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 

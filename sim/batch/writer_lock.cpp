@@ -8,7 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 

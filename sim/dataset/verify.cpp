@@ -14,9 +14,9 @@
 
 #include "sim/dataset/frame.hpp"
 #include "swiftlet/core/math/random.hpp"
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/world/scene.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -14,7 +14,7 @@
 #include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
 #include "sim/python/values.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/run/summary.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 

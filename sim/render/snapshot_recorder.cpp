@@ -18,7 +18,7 @@
 #include "sim/render/renderer.hpp"
 #include "sim/render/sight.hpp"
 #include "sim/render/video.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/render/colors.hpp"
 

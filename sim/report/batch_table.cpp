@@ -8,7 +8,7 @@
 #include <set>
 
 #include "sim/report/html.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::sim {

@@ -12,7 +12,7 @@
 #include "sim/report/detection_section_internal.hpp"
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {

@@ -13,7 +13,7 @@
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/slam/slam.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/physics/free_places.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"

@@ -11,7 +11,7 @@
 
 #include "sim/run/control_groups.hpp"
 #include "swiftlet/core/agent/registry.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {

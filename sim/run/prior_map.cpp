@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/octomap/octomap_file.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"

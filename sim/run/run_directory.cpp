@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {

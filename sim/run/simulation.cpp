@@ -9,7 +9,7 @@
 #include "sim/run/event_log.hpp"
 #include "sim/run/sweep_schedule.hpp"
 #include "sim/run/team.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/radio/radio.hpp"

@@ -9,7 +9,7 @@
 #include "sim/run/build.hpp"
 #include "sim/run/finite_values.hpp"
 #include "sim/run/state_hash.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/radio/radio.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/document.hpp"
 
 namespace swiftlet::sim {

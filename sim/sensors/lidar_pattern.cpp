@@ -16,7 +16,7 @@
 #include "swiftlet/core/base/registry.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/elementary_lanes.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/byte_buffer.hpp"
 #include "swiftlet/sim/io/files.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
 

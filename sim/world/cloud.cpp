@@ -8,7 +8,7 @@
 
 #include "sim/world/input_file.hpp"
 #include "sim/world/scene_builder.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"

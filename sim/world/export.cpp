@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/byte_buffer.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text.hpp"

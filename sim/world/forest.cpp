@@ -10,7 +10,7 @@
 #include "sim/world/undergrowth.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {

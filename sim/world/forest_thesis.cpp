@@ -7,7 +7,7 @@
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/scene_builder.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {

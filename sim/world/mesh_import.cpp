@@ -13,7 +13,7 @@
 #include "sim/world/input_file.hpp"
 #include "sim/world/mesh_file.hpp"
 #include "sim/world/scene_builder.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/nearest_word.hpp"
 #include "swiftlet/sim/io/text.hpp"

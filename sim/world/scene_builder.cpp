@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 

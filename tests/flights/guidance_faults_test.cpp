@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::sim {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzz target of the reader of point clouds: the first byte selects the format, the rest is the file.
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "tests/fuzz/support.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzz target of the import of meshes: the first byte selects the format, the rest is the file.
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
 #include "tests/fuzz/support.hpp"
 

@@ -2,7 +2,7 @@
 // Fuzz target of the reader of OctoMap's octrees: the first byte selects the format, the rest is the file.
 #include <cmath>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/octomap/octomap_file.hpp"
 #include "tests/fuzz/support.hpp"
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/report/run_report.hpp"
 #include "tests/fuzz/support.hpp"
 

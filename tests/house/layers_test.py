@@ -45,7 +45,7 @@ PROBES = [  # target, header, may it include that?
     ("swiftlet_core_guidance_flocking", "swiftlet/sim/world/scene.hpp", False),  # core knows no simulator
     ("swiftlet_core_slam_graph", "core/slam/matching/surface_map.hpp", True),  # a part of its room before it
     ("swiftlet_core_slam_graph", "core/slam/sharing/map_join.hpp", False),  # and one after it
-    ("swiftlet_core_agent", "swiftlet/sim/base/errors.hpp", False),
+    ("swiftlet_core_agent", "swiftlet/sim/errors/errors.hpp", False),
     ("swiftlet_sim_sensors", "swiftlet/sim/raycast/ray_scene.hpp", True),
     ("swiftlet_sim_sensors", "swiftlet/sim/scenario/scenario.hpp", False),
     ("swiftlet_sim_metrics", "swiftlet/sim/scenario/scenario.hpp", False),

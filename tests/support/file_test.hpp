@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

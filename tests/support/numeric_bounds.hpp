@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/units.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "sim/batch/change_places.hpp"
 #include "sim/batch/difference.hpp"
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/batch/slurm.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/document.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 #include "tests/support/config_checks.hpp"

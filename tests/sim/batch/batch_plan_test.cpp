@@ -6,9 +6,9 @@
 
 #include <set>
 
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/batch/slurm.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 
 namespace swiftlet::sim {

@@ -11,7 +11,7 @@
 #include <functional>
 #include <limits>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "swiftlet/sim/base/errors.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/sim/dataset/read_files.hpp"
 #include "tests/support/temporary_directory.hpp"
 

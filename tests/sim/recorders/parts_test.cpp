@@ -15,7 +15,7 @@
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/core/base/samples.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/recorders/pose_history.hpp"
 
 namespace swiftlet::sim {

@@ -10,7 +10,7 @@
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"

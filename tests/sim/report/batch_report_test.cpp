@@ -15,7 +15,7 @@
 
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/report/run_report.hpp"

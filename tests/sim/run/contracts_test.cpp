@@ -14,7 +14,7 @@
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/stage_tables/detectors.hpp"
 #include "swiftlet/core/stage_tables/mappers.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/radio/radio.hpp"
 #include "swiftlet/sim/recording/recorder.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "sim/run/control_groups.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/temporary_directory.hpp"

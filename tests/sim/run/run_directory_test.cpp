@@ -8,7 +8,7 @@
 
 #include <set>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "tests/support/temporary_directory.hpp"
 

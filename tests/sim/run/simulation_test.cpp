@@ -8,7 +8,7 @@
 
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/stage_tables/guidances.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/run/summary.hpp"

@@ -10,7 +10,7 @@
 
 #include "sim/sensors/lidar_tiles.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {

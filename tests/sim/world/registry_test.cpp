@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/world/forest.hpp"
 #include "tests/sim/world/world_support.hpp"

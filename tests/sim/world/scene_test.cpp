@@ -8,7 +8,7 @@
 
 #include "sim/world/dice.hpp"
 #include "sim/world/scene_builder.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/world/cloud.hpp"
 #include "swiftlet/sim/world/export.hpp"

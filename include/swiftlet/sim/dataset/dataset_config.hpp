@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
 
 namespace swiftlet::sim {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 
 /// A YAML text as a tree of values with their source locations, and the merging of such trees. Hides yaml-cpp, which
 /// accepts duplicate keys silently, resolves aliases without bounds and converts loosely.

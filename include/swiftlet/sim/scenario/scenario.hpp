@@ -10,7 +10,7 @@
 #include "swiftlet/core/base/agent.hpp"
 #include "swiftlet/core/base/airframe.hpp"
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/metrics/metrics_config.hpp"
 #include "swiftlet/sim/physics/physics_config.hpp"
 #include "swiftlet/sim/radio/radio_config.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/sim/base/errors.hpp"
+#include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/config_files.hpp"
 
 /// The strict reader: fills any configuration through its `visit`. Any fault in the input throws an InputError. Its
