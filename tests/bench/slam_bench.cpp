@@ -4,8 +4,6 @@
 // the reference for the error after the best alignment.
 #include <benchmark/benchmark.h>
 
-#include <Eigen/Geometry>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,6 +13,7 @@
 #include "core/slam/matching/local_slam.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/icp_odometry.hpp"
+#include "tests/support/path_error.hpp"
 
 namespace swiftlet {
 namespace {
@@ -63,15 +62,6 @@ Flown fly(const std::string& scenario_file, const std::string& lidar) {
   return flown;
 }
 
-/// Root mean square distance of two paths after their best alignment.
-double absolute_error_m(const std::vector<Vector3>& p_m, const std::vector<Vector3>& p_true_m) {
-  const Eigen::Map<const Eigen::Matrix3Xd> from(p_m[0].data(), 3, p_m.size());
-  const Eigen::Map<const Eigen::Matrix3Xd> to(p_true_m[0].data(), 3, p_true_m.size());
-  const Eigen::Matrix4d T = Eigen::umeyama(from, to, false);
-  const Eigen::Matrix3Xd off_m = (T.topLeftCorner<3, 3>() * from).colwise() + T.topRightCorner<3, 1>() - to;
-  return std::sqrt(off_m.squaredNorm() / static_cast<double>(p_true_m.size()));
-}
-
 void icp_odometry(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
   const Flown flown = fly(scenario_file, lidar);
   std::vector<Vector3> p_m, p_true_m;
@@ -86,7 +76,7 @@ void icp_odometry(benchmark::State& state, const std::string& scenario_file, con
   }
   state.counters["scan_s"] = benchmark::Counter(
       static_cast<double>(p_m.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  state.counters["error_mm"] = 1e3 * absolute_error_m(p_m, p_true_m);
+  state.counters["error_mm"] = 1e3 * support::absolute_error_m(p_m, p_true_m);
 }
 
 void local_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar,
@@ -115,7 +105,7 @@ void local_slam(benchmark::State& state, const std::string& scenario_file, const
     state.counters["scans"] = num_scans - kStartScans;
     state.ResumeTiming();
   }
-  state.counters["error_mm"] = 1e3 * absolute_error_m(p_m, p_true_m);
+  state.counters["error_mm"] = 1e3 * support::absolute_error_m(p_m, p_true_m);
   state.counters["map_MB"] = 1e-6 * static_cast<double>(bytes);
   state.counters["scan_s"] = benchmark::Counter(
       state.counters["scans"], benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -2,29 +2,21 @@
 // Scans of the simulator in an independent odometry: does it drift as on real scans?
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/icp_odometry.hpp"
+#include "tests/support/path_error.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
+using support::absolute_error_m;
 using support::IcpOdometry;
 using support::SweepTimes;
 using Overrides = std::vector<std::pair<std::string, std::string>>;
-
-/// Root mean square distance of two paths after the best alignment of them.
-double absolute_error_m(const std::vector<Vector3>& p_odometry_m, const std::vector<Vector3>& p_true_m) {
-  const Eigen::Map<const Eigen::Matrix3Xd> from(p_odometry_m[0].data(), 3, p_odometry_m.size());
-  const Eigen::Map<const Eigen::Matrix3Xd> to(p_true_m[0].data(), 3, p_true_m.size());
-  const Eigen::Matrix4d T = Eigen::umeyama(from, to, false);
-  const Eigen::Matrix3Xd off_m = (T.topLeftCorner<3, 3>() * from).colwise() + T.topRightCorner<3, 1>() - to;
-  return std::sqrt(off_m.squaredNorm() / static_cast<double>(p_true_m.size()));
-}
 
 struct Drift {
   double path_m = 0.0;

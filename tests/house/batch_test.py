@@ -15,6 +15,10 @@ import tempfile
 import time
 import unittest
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from results import rows
+
 SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
 SCENARIO = """name: hover
 duration_s: {duration}
@@ -30,15 +34,6 @@ sweep: {parameters: [{key: wind.mean_mps, name: mean, values: ["[0, 0, 0]", "[3,
 seeds: {count: 15}
 """
 SHARD_VARIABLES = ("SLURM_", "OMPI_", "PMI_", "JOB_COMPLETION_INDEX")
-
-
-def rows(database):
-    """Every row of every table, save what belongs to the machine; read by a foreign library."""
-    with contextlib.closing(sqlite3.connect(database)) as connection:
-        tables = [name for name, in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name")]
-        assert "episodes" in tables and "metrics" in tables
-        assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-        return {t: sorted(map(repr, connection.execute(f"SELECT * FROM {t}"))) for t in tables if t != "timing"}
 
 
 def count(database):

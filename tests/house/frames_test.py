@@ -12,6 +12,11 @@ import pathlib
 import re
 import sys
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from blanks import blanked, without
+from tracked import tracked
+
 FRAMES = {"world", "local", "body", "lidar", "sensor", "mesh", "tree", "start", "agent", "ecef"}
 NO_FRAME = {"sigma", "size", "scale", "extent", "datum", "rgb", "color", "rpy", "value"}
 TOPS = ("include", "core", "sim")
@@ -23,10 +28,6 @@ VECTOR = re.compile(rf"(?<![\w:<])(?:const )?(?:{LIST}|{ONE})[ &]+(\w+)\s*(?=[,)
 MORE = re.compile(r"\s*(?:=[^,;]*)?,\s*(\w+)(?=\s*[,;=])")  # Vector3 a, b;
 TRANSFORM = re.compile(r"\bT_([a-z]+)_([a-z]+)")
 SCOPE = re.compile(r"\b(?:namespace|class|struct|union)\b")
-
-
-def blanked(text):
-    return re.sub(r"[^\n]", " ", text)
 
 
 def statement_before(code, brace):
@@ -44,8 +45,8 @@ def end_of(code, brace):
 
 def declarations(code):
     """The code without comments, bodies of functions and values: what is left are declarations."""
-    code = re.sub(r"//[^\n]*|/\*.*?\*/|\"[^\"\n]*\"", lambda m: blanked(m.group(0)), code, flags=re.DOTALL)
-    code = re.sub(r"^[ ]*#[^\n]*", lambda m: blanked(m.group(0)), code, flags=re.MULTILINE)
+    code = without(r"//[^\n]*|/\*.*?\*/|\"[^\"\n]*\"", code, re.DOTALL)
+    code = without(r"^[ ]*#[^\n]*", code, re.MULTILINE)
     at = code.find("{")
     while at >= 0:
         before = statement_before(code, at)
@@ -66,14 +67,16 @@ def agnostic(text):
     for match in re.finditer(r"(?:^[ ]*//[^\n]*\n)+", text, re.MULTILINE):
         if not says_so(match.group(0)):
             continue
-        code = re.sub(r"//[^\n]*", lambda m: blanked(m.group(0)), text)
+        code = without(r"//[^\n]*", text)
         marks = [i for i in (code.find(mark, match.end()) for mark in "{;") if i >= 0]
         first = min(marks, default=len(code))
         yield match.start(), end_of(code, first) if code[first:first + 1] == "{" else first
 
 
 def violations(root):
-    for path in sorted(path for top in TOPS for path in (root / top).rglob("*.hpp")):
+    for path in tracked(root, "*.hpp"):
+        if path.relative_to(root).parts[0] not in TOPS:
+            continue
         text = path.read_text()
         free, code = list(agnostic(text)), declarations(text)
         frames = FRAMES | {frame for pair in TRANSFORM.findall(text) for frame in pair}

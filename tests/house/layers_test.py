@@ -11,6 +11,10 @@ import shlex
 import subprocess
 import sys
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from tracked import tracked
+
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],
@@ -68,21 +72,24 @@ def allowed_third_party(room, header):
 
 
 def forbidden_packages(root):
-    for folder in ("core", "sim", "include/swiftlet/core", "include/swiftlet/sim"):
-        for path in sorted((root / folder).rglob("*.[ch]pp")):
-            parts = path.relative_to(root / "include/swiftlet" if folder.startswith("include") else root).parts
-            room = "/".join(parts[:2])
-            for number, line in enumerate(path.read_text().splitlines(), 1):
-                match = INCLUDE.match(line)
-                if not match:
-                    continue
-                where = f"{path.relative_to(root)}:{number}: {match.group(1)}"
-                if ".." in match.group(1).split("/"):
-                    yield f"{where}: a path that goes up evades the law of rooms"
-                elif not allowed_third_party(room, match.group(1)):
-                    yield f"{where}: not in {room}"
-                elif path.suffix == ".hpp" and HEADER_ONLY_IN_CPP.match(match.group(1)) and "internal" not in path.name:
-                    yield f"{where}: third-party types stay in .cpp files (or a *_internal.hpp of the room)"
+    for path in tracked(root, "*.[ch]pp"):
+        parts = path.relative_to(root).parts
+        if parts[:2] == ("include", "swiftlet"):
+            parts = parts[2:]
+        if parts[0] not in ("core", "sim"):
+            continue
+        room = "/".join(parts[:2])
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            where = f"{path.relative_to(root)}:{number}: {match.group(1)}"
+            if ".." in match.group(1).split("/"):
+                yield f"{where}: a path that goes up evades the law of rooms"
+            elif not allowed_third_party(room, match.group(1)):
+                yield f"{where}: not in {room}"
+            elif path.suffix == ".hpp" and HEADER_ONLY_IN_CPP.match(match.group(1)) and "internal" not in path.name:
+                yield f"{where}: third-party types stay in .cpp files (or a *_internal.hpp of the room)"
 
 
 def compiler_lets_pass(build):

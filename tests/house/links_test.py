@@ -9,6 +9,7 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from blanks import without
 from tracked import tracked
 
 FENCE = re.compile(r"^(```|~~~).*?^\1[^\n]*$", re.MULTILINE | re.DOTALL)
@@ -20,10 +21,6 @@ HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*#*$", re.MULTILINE)
 ANCHOR = re.compile(r"""<a\s+(?:name|id)=["']([^"']+)["']""")
 
 
-def blanked(match):
-    return re.sub(r"[^\n]", " ", match.group(0))
-
-
 def slug(heading):
     """The anchor that a heading gets: as code hosts make it."""
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").replace("*", "").lower()
@@ -32,7 +29,7 @@ def slug(heading):
 
 def anchors(text):
     found, seen = set(ANCHOR.findall(text)), {}
-    for heading in HEADING.findall(FENCE.sub(blanked, text)):
+    for heading in HEADING.findall(without(FENCE, text)):
         name = slug(heading)
         found.add(name if name not in seen else f"{name}-{seen[name]}")
         seen[name] = seen.get(name, 0) + 1
@@ -42,7 +39,7 @@ def anchors(text):
 def violations(root):
     known = {}
     for path in tracked(root, "*.md"):
-        text = CODE.sub(blanked, FENCE.sub(blanked, path.read_text()))
+        text = without(CODE, without(FENCE, path.read_text()))
         for pattern in (LINK, REFERENCE, SOURCE):
             for match in pattern.finditer(text):
                 target = match.group(1)

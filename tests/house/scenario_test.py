@@ -15,14 +15,13 @@ import zlib
 import numpy
 import yaml
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from expect import expect
+
 DURATION_S = 1.5
 PICTURE_S = 1.2  # every camera takes its pictures then; by now a sweep of every LiDAR is complete
 GOOD_OUTCOMES = ("done", "timeout")  # a run that is cut off ends as timeout
-
-
-def expect(condition, what):
-    if not condition:
-        raise AssertionError(what)
 
 
 def fly(swiftlet, scenario, out):

@@ -9,11 +9,14 @@ import pathlib
 import shutil
 import signal
 import socket
-import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from results import rows
 
 SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
 SCENARIO = """name: hover
@@ -103,12 +106,6 @@ def cluster(folder):
             with contextlib.suppress(OSError, ValueError):
                 os.kill(int((folder / f"run/{name}.pid").read_text()), signal.SIGTERM)
         time.sleep(1)
-
-
-def rows(database):
-    with contextlib.closing(sqlite3.connect(database)) as connection:
-        tables = ("batch", "episodes", "parameters", "metrics")
-        return {t: sorted(map(repr, connection.execute(f"SELECT * FROM {t}"))) for t in tables}
 
 
 def states(job):

@@ -14,6 +14,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from expect import expect
+
 BLOCK = re.compile(r"^```(yaml|sh)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NAME = re.compile(r"`(\w+\.yaml)`")
 FIGURE = re.compile(r"([\d.]+) (cm|m)<!-- expect: (\w+) (\d+) % -->")
@@ -21,11 +25,6 @@ FIELD_ROW = re.compile(r"^\| (\d) \| `(\w+)` \| ([\d.]+) s \| ([\d.]+) m \|$", r
 FIELD_TOLERANCE = 0.1
 UNIT_M = {"cm": 0.01, "m": 1.0}
 METRIC = "estimate_position_rmse_m"
-
-
-def expect(condition, what):
-    if not condition:
-        raise AssertionError(what)
 
 
 def follow(page, folder, environment):

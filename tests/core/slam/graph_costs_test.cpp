@@ -10,25 +10,15 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
+#include "tests/core/slam/random_poses.hpp"
 
 namespace swiftlet {
 namespace {
 
+using testing::random_information;
+using testing::random_pose;
+
 Pose at_place(const Vector3& p_m) { return make_pose(p_m, Eigen::Quaterniond::Identity()); }
-
-Matrix6 some_information(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  Matrix6 A;
-  for (int i = 0; i < 36; ++i) A(i) = normal(random);
-  return A * A.transpose() + Matrix6::Identity();
-}
-
-Pose some_pose(std::mt19937& random, double spread_m, double spread_rad) {
-  std::normal_distribution<double> normal;
-  Vector6 x;
-  for (int i = 0; i < 6; ++i) x(i) = normal(random);
-  return make_pose(spread_m * x.head<3>(), rotation_by(spread_rad * x.tail<3>()));
-}
 
 Vector3 turn_from(const Pose& a, const Pose& b) {
   const Eigen::AngleAxisd turn(Matrix3(a.linear().transpose() * b.linear()));
@@ -104,18 +94,18 @@ TEST(GraphCosts, ConvergesQuadraticallyNearTheMinimum) {
   std::vector<Pose> truth;
   PoseGraph graph;
   for (int i = 0; i < 8; ++i) {
-    truth.push_back(some_pose(random, 4.0, 0.8));
+    truth.push_back(random_pose(random, 4.0, 0.8));
     graph.add_pose(moved(truth.back(), 1e-4 * Vector6::Random()));
   }
   const auto up_of = [&](int i) { return Vector3(truth[static_cast<std::size_t>(i)].linear().row(2).transpose()); };
   for (int i = 0; i < 8; ++i) {
     const int j = (i + 3) % 8;
-    graph.add(RelativeFactor{i, j, truth[i].inverse() * truth[j], some_information(random), kNoHuber});
-    graph.add(RelativeFactor{j, (j + 3) % 8, truth[j].inverse() * truth[(j + 3) % 8], some_information(random), 1.0});
+    graph.add(RelativeFactor{i, j, truth[i].inverse() * truth[j], random_information(random), kNoHuber});
+    graph.add(RelativeFactor{j, (j + 3) % 8, truth[j].inverse() * truth[(j + 3) % 8], random_information(random), 1.0});
     graph.add(GravityFactor{i, up_of(i), 0.5});
     const Vector3 fix_m = 0.3 * truth[i].translation() + 0.7 * truth[j].translation();
     graph.add(PositionFactor{i, j, 0.7, fix_m, Vector3(1.0, 2.0, 3.0), 1.0});
-    if (i % 3 == 0) graph.add(PriorFactor{i, truth[i], some_information(random)});
+    if (i % 3 == 0) graph.add(PriorFactor{i, truth[i], random_information(random)});
   }
   GraphSolverConfig one;
   one.iterations = 1;
@@ -133,8 +123,8 @@ TEST(GraphCosts, NeverGrowFromAnyInitialEstimate) {
     PoseGraph graph;
     std::vector<Pose> truth;
     for (int i = 0; i < 10; ++i) {
-      truth.push_back(some_pose(random, 5.0, 1.0));
-      graph.add_pose(some_pose(random, 5.0, 2.0));
+      truth.push_back(random_pose(random, 5.0, 1.0));
+      graph.add_pose(random_pose(random, 5.0, 2.0));
     }
     graph.add(PriorFactor{0, truth[0], Matrix6::Identity()});
     for (int i = 0; i < 10; ++i) {

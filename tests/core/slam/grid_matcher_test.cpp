@@ -15,6 +15,7 @@
 #include "core/slam/matching/local_slam.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
+#include "tests/core/slam/random_poses.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {
@@ -158,11 +159,8 @@ InertialFilter in_flight() {
 }
 
 Matrix6 random_spd(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  Matrix6 root;
-  for (int i = 0; i < 36; ++i) root(i) = normal(random);
   const Vector6 scale = (Vector6() << 30, 30, 30, 300, 300, 300).finished();
-  return scale.asDiagonal() * Matrix6(root * root.transpose() + Matrix6::Identity()) * scale.asDiagonal();
+  return scale.asDiagonal() * testing::random_information(random) * scale.asDiagonal();
 }
 
 // With the Kalman gain the update equals that by evidence of the same information.

@@ -11,16 +11,12 @@
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
+#include "tests/core/slam/random_poses.hpp"
 
 namespace swiftlet {
 namespace {
 
-Pose random_pose(std::mt19937& random, double spread_m = 5.0, double spread_rad = 1.0) {
-  std::normal_distribution<double> normal;
-  Vector6 x;
-  for (int i = 0; i < 6; ++i) x(i) = normal(random);
-  return make_pose(spread_m * x.head<3>(), rotation_by(spread_rad * x.tail<3>()));
-}
+using testing::random_pose;
 
 double distance(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).norm(); }
 

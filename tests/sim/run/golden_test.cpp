@@ -19,6 +19,7 @@
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/embree_settings.hpp"
+#include "tests/support/fnv.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -62,16 +63,16 @@ std::vector<GoldenRun> golden_runs() {
 /// Digest of the C library's functions, which affect the results: there are versions for processors with and without
 /// FMA.
 std::string c_library_here() {
-  std::uint64_t digest = 14695981039346656037ULL;
+  test::Fnv1a digest;
   for (int i = 1; i <= 4096; ++i) {
     volatile double x = i / 512.0;  // at run time, not by the compiler
     for (const double y : {std::sin(x), std::cos(x), std::atan2(x, 3.0), std::exp(x), std::log(x), std::pow(x, 0.37),
                            std::asin(x / 8.0), std::tan(x), std::cbrt(x), std::hypot(x, 1.7)}) {
-      digest = (digest ^ std::bit_cast<std::uint64_t>(y)) * 1099511628211ULL;
+      digest.mix(std::bit_cast<std::uint64_t>(y));
     }
   }
   std::ostringstream text;
-  text << std::hex << digest;
+  text << std::hex << digest.value();
   return text.str();
 }
 

@@ -10,6 +10,7 @@
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/fnv.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
 #include "tests/support/test_scene.hpp"
@@ -74,19 +75,16 @@ std::shared_ptr<const VehicleShape> plate(float half_width_m, float half_height_
 }
 
 std::uint64_t fingerprint(const Scans& scans) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  const auto mix = [&](const void* data, std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; ++i)
-      hash = (hash ^ static_cast<const std::uint8_t*>(data)[i]) * 1099511628211ULL;
-  };
+  test::Fnv1a hash;
   for (const auto& s : scans) {
-    mix(s->scan.range_m.data(), s->scan.range_m.size() * sizeof(float));
-    mix(s->scan.intensity.data(), s->scan.intensity.size() * sizeof(float));
-    mix(s->truth.instance.data(), s->truth.instance.size() * sizeof(std::uint16_t));
-    mix(s->truth.incidence_rad.data(), s->truth.incidence_rad.size() * sizeof(float));
-    for (const StampedPose& pose : s->scan.external_poses) mix(pose.T_world_body.matrix().data(), 16 * sizeof(double));
+    hash.add(s->scan.range_m.data(), s->scan.range_m.size() * sizeof(float));
+    hash.add(s->scan.intensity.data(), s->scan.intensity.size() * sizeof(float));
+    hash.add(s->truth.instance.data(), s->truth.instance.size() * sizeof(std::uint16_t));
+    hash.add(s->truth.incidence_rad.data(), s->truth.incidence_rad.size() * sizeof(float));
+    for (const StampedPose& pose : s->scan.external_poses)
+      hash.add(pose.T_world_body.matrix().data(), 16 * sizeof(double));
   }
-  return hash;
+  return hash.value();
 }
 
 // ---- geometry

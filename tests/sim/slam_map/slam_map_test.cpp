@@ -12,6 +12,7 @@
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
 #include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
+#include "tests/support/fnv.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -139,10 +140,10 @@ class Bytes {
   }
   const std::string& text() const { return bytes_; }
   std::string file() const {
-    std::uint64_t hash = 0xCBF29CE484222325ULL;
-    for (const char byte : bytes_) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
+    test::Fnv1a hash;
+    hash.add(bytes_.data(), bytes_.size());
     Bytes head;
-    head.put(std::uint32_t{2}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash);
+    head.put(std::uint32_t{2}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash.value());
     return "Swiftlet map of SLAM\n" + head.text() + bytes_;
   }
 

@@ -13,38 +13,35 @@
 #include <vector>
 
 #include "swiftlet/sim/world/scene.hpp"
+#include "tests/support/fnv.hpp"
 
 namespace swiftlet::sim::test {
 
 /// FNV-1a over everything that a scene holds, bit by bit.
 inline std::uint64_t hash_of(const Scene& scene) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  const auto mix = [&](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 1099511628211ULL;
-  };
+  swiftlet::test::Fnv1a hash;
   for (const Material& material : scene.materials) {
-    mix(material.name.data(), material.name.size());
-    mix(&material.reflectivity, sizeof material.reflectivity);
+    hash.add(material.name.data(), material.name.size());
+    hash.add(&material.reflectivity, sizeof material.reflectivity);
   }
   for (const Mesh& mesh : scene.meshes) {
-    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) mix(vertex.data(), 3 * sizeof(float));
-    mix(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
-    mix(&mesh.material, sizeof mesh.material);
-    mix(&mesh.surface_class, sizeof mesh.surface_class);
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) hash.add(vertex.data(), 3 * sizeof(float));
+    hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
+    hash.add(&mesh.material, sizeof mesh.material);
+    hash.add(&mesh.surface_class, sizeof mesh.surface_class);
   }
   for (const Instance& instance : scene.instances) {
-    mix(&instance.mesh, sizeof instance.mesh);
-    mix(instance.T_world_mesh.matrix().data(), 16 * sizeof(float));
-    mix(&instance.instance, sizeof instance.instance);
+    hash.add(&instance.mesh, sizeof instance.mesh);
+    hash.add(instance.T_world_mesh.matrix().data(), 16 * sizeof(float));
+    hash.add(&instance.instance, sizeof instance.instance);
   }
   for (const WorldObject& object : scene.objects) {
-    mix(&object.instance, sizeof object.instance);
-    mix(object.kind.data(), object.kind.size());
-    mix(object.position_world_m.data(), 3 * sizeof(double));
-    for (const auto& [key, value] : object.attributes) mix(&value, sizeof value);
+    hash.add(&object.instance, sizeof object.instance);
+    hash.add(object.kind.data(), object.kind.size());
+    hash.add(object.position_world_m.data(), 3 * sizeof(double));
+    for (const auto& [key, value] : object.attributes) hash.add(&value, sizeof value);
   }
-  return hash;
+  return hash.value();
 }
 
 inline double attribute(const WorldObject& object, const std::string& key) {
