@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "core/slam/graph/block_cholesky.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "tests/core/slam/random_poses.hpp"
