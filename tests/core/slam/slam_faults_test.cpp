@@ -217,7 +217,15 @@ TEST(InnovationMonitor, NoticesAccelerationsThatImuLacks) {
   EXPECT_FALSE(monitor.contradicts()) << "noise";
   for (int i = 0; i < 10; ++i) monitor.add_correction(gained_mps);
   EXPECT_TRUE(monitor.contradicts());
-  for (int i = 0; i < 200; ++i) monitor.add_correction(Vector3::Zero());
+  const auto add_scans = [&](double square) {
+    for (int i = 0; i < 200; ++i) {
+      monitor.add(6.0 * square, 6);
+      monitor.add_correction(Vector3::Zero());
+    }
+  };
+  add_scans(2.0);
+  EXPECT_TRUE(monitor.contradicts()) << "the scans still disagree";
+  add_scans(0.3);
   EXPECT_FALSE(monitor.contradicts()) << "a collision is forgotten";
 }
 
