@@ -16,8 +16,8 @@ namespace {
 constexpr double kTimeShift_s = 1e-4;
 // Least speed [m/s] and body rate [rad/s] of a sweep from which the time offset is estimated. Smaller values fit noise.
 constexpr double kClear_mps = 0.5, kClear_radps = 0.1;
-// [ns] Longest time from the start to the first IMU sample that the sample covers. Larger values turn the start pose by
-// what a late sample measures.
+// [ns] Longest time from the start to the first IMU sample that the sample covers; after it the start pose is that at
+// the sample. Larger values turn the start pose by what a late sample measures.
 constexpr TimeNs kLongestFirst = 50'000'000;
 // [ns] Shortest interval over which the motion of a scan without duration is measured. Smaller values measure noise.
 constexpr TimeNs kMotionInterval = 20'000'000;
@@ -67,9 +67,11 @@ LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_sta
 void LocalSlam::add(const ImuSample& sample) {
   const bool finite = sample.omega_body_radps.allFinite() && sample.specific_force_body_mps2.allFinite();
   if (!start_.over && finite && start_.imu.size() < Start::kMaxSamples) start_.imu.push_back(sample);
-  // A sample is the mean since the one before, and the first one since the start.
-  if (start_time_ && !filter_.has_begun())
-    filter_.begin_at(std::clamp(*start_time_, sample.t - kLongestFirst, sample.t));
+  if (start_time_ && !filter_.has_begun()) {
+    // A sample is the mean since the one before, and the first one since the start.
+    const bool covers = sample.t > *start_time_ && sample.t - *start_time_ <= kLongestFirst;
+    filter_.begin_at(covers ? *start_time_ : sample.t);
+  }
   filter_.predict(sample);
   const NavState& nav = filter_.state().nav;
   motion_.push(nav.t, nav.p_m, nav.q);

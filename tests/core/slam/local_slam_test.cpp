@@ -120,6 +120,7 @@ TEST(LocalSlam, FirstSampleCountsFromTheStart) {
   EXPECT_NEAR(turned_rad(0), 0.03, 1e-9);
   EXPECT_NEAR(turned_rad(10'000'000), 0.015, 1e-9);
   EXPECT_EQ(turned_rad(30'000'000), 0.0) << "clocks that disagree";
+  EXPECT_EQ(turned_rad(-1'000'000'000), 0.0) << "the IMU begins late";
   EXPECT_EQ(turned_rad(std::nullopt), 0.0);
 }
 
