@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import swiftlet
-from shared.slam import rotations
+from shared.rotations import rotations
 from shared.tables import short_number
 from slam_drift import WORLDS
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Common parts of the experiments: verdicts and parallel flights (experiment), tables, statistics, pages of results, and flights by subject."""
+"""Common parts of the experiments: verdicts and parallel flights (experiment), tables, statistics, rotations, pages, flights by subject."""

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import swiftlet
 
+from shared.rotations import rotations
+
 TRUE_POSITIVE_M = 3.0  # an estimate nearer than this to a target is a true positive [Vrba 2025, sec. V-A]
 SAME_M = 1.0  # a track nearer than this follows the target
 IGNORED_S = 10.0  # start of a flight that is not evaluated: rays must first clear the map
@@ -21,12 +23,8 @@ COLUMNS = ["t_s", "target", "range_m", "visible", "x_m", "y_m", "z_m", "error_m"
 
 def pose(p_m, q_xyzw):
     """(4, 4) of a position and a quaternion."""
-    x, y, z, w = q_xyzw
     T = np.eye(4)
-    T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    T[:3, 3] = p_m
+    T[:3, :3], T[:3, 3] = rotations(q_xyzw), p_m
     return T
 
 
@@ -153,8 +151,8 @@ class Sightings:
 
 def visible(flights, stage):
     """The sightings of all flights in which the target is visible."""
-    rows = np.array([row for flight in flights for row in flight[stage]], float)
-    return Sightings(rows[rows[:, COLUMNS.index("visible")] > 0]).between(0.0, FARTHEST_M)
+    sightings = Sightings([row for flight in flights for row in flight[stage]])
+    return Sightings(sightings.rows[sightings.visible > 0]).between(0.0, FARTHEST_M)
 
 
 def draw_by_distance(experiment, cases, theory=()):

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import swiftlet
 
+from shared.rotations import rotations
+
 GUIDING = "secondary moving"  # mission note of the guide while the guided vehicle flies along its path
 NEAR_M = 1.0  # distance from the passage within which errors of the relative position count
 THROUGH_M = 0.6  # least distance from the middle of the passage: jitter at the middle is no pass
@@ -17,14 +19,6 @@ def in_world(passage, along_m, across_m, height_m):
     return [x_m + c * along_m - s * across_m, y_m + s * along_m + c * across_m, height_m]
 
 
-def rotation(q_xyzw):
-    """(3, 3) matrix of a unit quaternion."""
-    x, y, z, w = q_xyzw
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
 def relative_errors_m(states, guide):
     """(n, 3) errors of the guide's estimates of other vehicles' positions relative to its own body, in world axes."""
     relatives = guide.relatives
@@ -33,7 +27,7 @@ def relative_errors_m(states, guide):
     T_world_body = guide.estimate.correction_pose @ guide.estimate.local_pose
     position_body_m = (relatives.position_m - T_world_body[:3, 3]) @ T_world_body[:3, :3]
     true_m = states.position_m[relatives.other] - states.position_m[0]
-    return position_body_m @ rotation(states.q_xyzw[0]).T - true_m
+    return position_body_m @ rotations(states.q_xyzw[0]).T - true_m
 
 
 def fly_guided(source, changes, passage=None):

@@ -6,6 +6,7 @@ import numpy as np
 import swiftlet
 
 from shared.experiment import result_of
+from shared.rotations import rotations
 
 COURSE_S = 0.5  # between the samples of a course, for figures
 SAMPLE_S = 0.1  # between the instants of errors: period of the scans
@@ -92,14 +93,6 @@ def drift_percent(log, length_m):
         drifts.append(100 * np.linalg.norm(moved_m - moved_true_m) / (way_m[j] - begin_m))
         next_m = begin_m + 0.1 * length_m
     return float(np.median(drifts)) if drifts else float("nan")
-
-
-def rotations(q_xyzw):
-    """(n, 3, 3) from unit quaternions (n, 4)."""
-    x, y, z, w = q_xyzw.T
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]).transpose(2, 0, 1)
 
 
 def ticks(log, period_s):
