@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/block_groups.hpp"
+#include "core/map/block_groups.hpp"
 
 #include "core/map/cell_hash.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/composed_blocks.hpp"
+#include "core/map/composed_blocks.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-bool any_in(const RayCells::Bits& bits) {
+bool any_in(const CellBlock::Bits& bits) {
   return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; });
 }
 
@@ -20,7 +20,7 @@ class Votes {
  public:
   explicit Votes(int outvoted_by) : outvoted_by_(outvoted_by) { open_.fill(~std::uint64_t{0}); }
 
-  void take(const RayCells::Bits& occupied, const RayCells::Bits& free) {
+  void take(const CellBlock::Bits& occupied, const CellBlock::Bits& free) {
     for (std::size_t z = 0; z < occupied.size(); ++z) {
       known_[z] |= (occupied[z] | free[z]) & open_[z];
       occupied_[z] |= occupied[z] & open_[z];
@@ -35,19 +35,19 @@ class Votes {
     }
   }
   /// Cells that are not decided yet.
-  const RayCells::Bits& open() const { return open_; }
-  void result(RayCells::Bits& occupied, RayCells::Bits& free) const {
+  const CellBlock::Bits& open() const { return open_; }
+  void result(CellBlock::Bits& occupied, CellBlock::Bits& free) const {
     occupied = occupied_;
     for (std::size_t z = 0; z < free.size(); ++z) free[z] = known_[z] & ~occupied_[z];
   }
 
  private:
   int outvoted_by_;
-  RayCells::Bits open_{}, known_{}, occupied_{}, ones_{}, twos_{};
+  CellBlock::Bits open_{}, known_{}, occupied_{}, ones_{}, twos_{};
 };
 
-const RayCells::Bits kAllCells = [] {
-  RayCells::Bits all;
+const CellBlock::Bits kAllCells = [] {
+  CellBlock::Bits all;
   all.fill(~std::uint64_t{0});
   return all;
 }();
@@ -212,14 +212,15 @@ const ComposedBlocks::Composed* ComposedBlocks::composed(BlockGroup& group, cons
   return slot.block >= 0 ? at(slot.block) : nullptr;
 }
 
-CellState ComposedBlocks::state_of(const Cell& cell) const {
+CellState ComposedBlocks::state(const Vector3& p_local_m) const {
+  const Cell cell = cell_of(p_local_m);
   const Composed* block = composed(block_of(cell));
   if (block == nullptr) return CellState::kUnknown;
   if (has(block->occupied, index_in_block(cell))) return CellState::kOccupied;
   return has(block->free, index_in_block(cell)) ? CellState::kFree : CellState::kUnknown;
 }
 
-const RayCells::Bits* ComposedBlocks::occupied_of(const Cell& block) const {
+const CellBlock::Bits* ComposedBlocks::occupied_of(const Cell& block) const {
   BlockGroup* group = groups_.find(BlockGroup::of(block));
   if (group == nullptr) return nullptr;
   const Composed* made = composed(*group, block);
@@ -240,7 +241,7 @@ void ComposedBlocks::append_changes(const Cell& low, const Cell& high, std::uint
   }
 }
 
-std::size_t ComposedBlocks::bytes() const {
+std::size_t ComposedBlocks::bytes_of_blocks() const {
   std::size_t bytes = pieces_.capacity() * sizeof(Piece) + groups_.bytes() + chunks_.size() * kChunk * sizeof(Composed);
   for (const Piece& piece : pieces_) bytes += piece.groups.capacity() * sizeof(std::uint32_t);
   return bytes;

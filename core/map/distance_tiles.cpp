@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/distance_tiles.hpp"
+#include "core/map/distance_tiles.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -33,19 +33,19 @@ template <class Vector>
 }
 
 /// Least and largest number of cells between two blocks along one axis.
-int least_gap(int offset) { return offset == 0 ? 0 : RayCells::kSide * (std::abs(offset) - 1) + 1; }
-int most_gap(int offset) { return RayCells::kSide * (std::abs(offset) + 1) - 1; }
+int least_gap(int offset) { return offset == 0 ? 0 : CellBlock::kSide * (std::abs(offset) - 1) + 1; }
+int most_gap(int offset) { return CellBlock::kSide * (std::abs(offset) + 1) - 1; }
 /// Number of cells from a place to the nearest one in [first, last].
 int gap_to(int place, int first, int last) { return std::max({0, first - place, place - last}); }
 
 int squared_norm(int x, int y, int z) { return x * x + y * y + z * z; }
 
 /// Squared distances of a row's eight cells to the nearest occupied cell in it.
-std::array<std::int16_t, RayCells::kSide> squares_within(unsigned row) {
-  std::array<std::int16_t, RayCells::kSide> squares{};
-  for (int x = 0; x < RayCells::kSide; ++x) {
-    int gap = RayCells::kSide;
-    for (int other = 0; other < RayCells::kSide; ++other) {
+std::array<std::int16_t, CellBlock::kSide> squares_within(unsigned row) {
+  std::array<std::int16_t, CellBlock::kSide> squares{};
+  for (int x = 0; x < CellBlock::kSide; ++x) {
+    int gap = CellBlock::kSide;
+    for (int other = 0; other < CellBlock::kSide; ++other) {
       if ((row >> other & 1U) != 0) gap = std::min(gap, std::abs(other - x));
     }
     squares[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(gap * gap);
@@ -58,11 +58,11 @@ struct RowTable {
   RowTable() {
     for (unsigned row = 0; row < of.size(); ++row) of[row] = squares_within(row);
   }
-  std::array<std::array<std::int16_t, RayCells::kSide>, 256> of;
+  std::array<std::array<std::int16_t, CellBlock::kSide>, 256> of;
 };
 
 /// [cells] Largest gap along an axis that occurs in a computation: the reach, and both blocks.
-constexpr int kMaxGap = DistanceTiles::kMaxReach + 2 * RayCells::kSide;
+constexpr int kMaxGap = DistanceTiles::kMaxReach + 2 * CellBlock::kSide;
 
 /// Per gap in cells: its square eight times, then the square of the gap less one eight times, for the next row.
 struct SquareTable {
@@ -80,15 +80,15 @@ struct SquareTable {
 
 /// Squared gaps per axis to the eight octants of a block, from a cell or from a block at an offset in blocks.
 struct OctantTable {
-  static constexpr int kHalf = RayCells::kSide / 2, kMaxBlocks = kMaxGap / RayCells::kSide;
+  static constexpr int kHalf = CellBlock::kSide / 2, kMaxBlocks = kMaxGap / CellBlock::kSide;
   OctantTable() {
     for (int place = -kMaxGap; place <= kMaxGap; ++place) {
-      fill(of_cell, place + kMaxGap, gap_to(place, 0, kHalf - 1), gap_to(place, kHalf, RayCells::kSide - 1));
+      fill(of_cell, place + kMaxGap, gap_to(place, 0, kHalf - 1), gap_to(place, kHalf, CellBlock::kSide - 1));
     }
     for (int offset = -kMaxBlocks; offset <= kMaxBlocks; ++offset) {
-      const int first = offset * RayCells::kSide, last = first + RayCells::kSide - 1;
+      const int first = offset * CellBlock::kSide, last = first + CellBlock::kSide - 1;
       fill(of_block, offset + kMaxBlocks, std::max({0, first - (kHalf - 1), -last}),
-           std::max({0, first - (RayCells::kSide - 1), kHalf - last}));
+           std::max({0, first - (CellBlock::kSide - 1), kHalf - last}));
     }
   }
   template <std::size_t N>
@@ -119,7 +119,7 @@ const OctantTable kOctants;
 [[gnu::always_inline]] inline Squares squares_to(unsigned row, int blocks) {
   if (blocks == 0) return lanes::load<Squares>(kRows.of[row].data());
   const int nearest =
-      RayCells::kSide * blocks + (blocks > 0 ? std::countr_zero(row) : static_cast<int>(std::bit_width(row)) - 1);
+      CellBlock::kSide * blocks + (blocks > 0 ? std::countr_zero(row) : static_cast<int>(std::bit_width(row)) - 1);
   const Squares gap = static_cast<std::int16_t>(nearest) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
   return gap * gap;
 }
@@ -130,11 +130,11 @@ template <class Fn>
 [[gnu::always_inline]] inline void for_pairs(const Cell& place, int bound_sq, Fn&& fn, std::int16_t* squared) {
   const Squares gap = static_cast<std::int16_t>(place.x()) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
   const Pair along_x = twice(gap * gap);
-  for (int z = 0; z < RayCells::kSide; ++z) {
+  for (int z = 0; z < CellBlock::kSide; ++z) {
     const int gap_z = place.z() - z;
     if (gap_z * gap_z > bound_sq) continue;
     const Pair along_xz = along_x + static_cast<std::int16_t>(gap_z * gap_z);
-    for (int pair = 0; pair < RayCells::kSide / 2; ++pair) {
+    for (int pair = 0; pair < CellBlock::kSide / 2; ++pair) {
       fn(Pair(along_xz + kSquares[place.y() - 2 * pair]), pair, z, squared + 16 * (4 * z + pair));
     }
   }
@@ -232,7 +232,7 @@ void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map, const Part& p
   for (int seen = 0;; seen += kSide) {
     near_.clear();
     for (; offset != offsets_.end() && offset->least_sq <= std::min(seen * seen, bound_sq); ++offset) {
-      const RayCells::Bits* bits = map.occupied_of(tile.at + offset->blocks);
+      const CellBlock::Bits* bits = map.occupied_of(tile.at + offset->blocks);
       if (bits == nullptr) continue;
       bound_sq = std::min(bound_sq, offset->most_sq);
       near_.push_back({bits, offset->blocks});

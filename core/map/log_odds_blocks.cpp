@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/log_odds_blocks.hpp"
+#include "core/map/log_odds_blocks.hpp"
 
 #include <bit>
 

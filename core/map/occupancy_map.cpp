@@ -4,9 +4,19 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
+#include <vector>
 
+#include "core/map/block_log.hpp"
+#include "core/map/block_occupancy.hpp"
 #include "core/map/cell_walk.hpp"
+#include "core/map/distance_tiles.hpp"
+#include "core/map/log_odds_blocks.hpp"
+#include "core/map/occupied_changes.hpp"
+#include "core/map/ray_cells.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 
@@ -23,6 +33,8 @@ struct OccupancyMapConstants {
 };
 using MapConstants = OccupancyMapConstants;
 
+static_assert(OccupancyMapConfig::kMaxDistance_cells == DistanceTiles::kMaxReach);
+
 float log_odds_of(double p) { return static_cast<float>(elementary::log(p / (1.0 - p))); }
 
 /// As OcTree::updateNodeLogOdds.
@@ -37,9 +49,54 @@ LogOddsBlocks::AfterMisses log_odds_after_misses(float miss, float min, float ma
   return after_misses;
 }
 
-}  // namespace
+class LogOddsMap final : public BlockOccupancy<OccupancyMap> {
+ public:
+  explicit LogOddsMap(const OccupancyMapConfig& config);
 
-OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
+  CellState state(const Vector3& p_local_m) const override { return state_of(cell_of(p_local_m)); }
+  void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                       std::vector<Vector3>& centers_local_m) const override;
+  bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
+  void append_voxels(MapVoxels& copy) const override;
+
+  void insert(std::span<const Ray> rays, TimeNs now) override;
+  void keep_around(const Vector3& center_local_m) override;
+  bool look_at(const Cell& block, CellBlock& states) const override;
+  std::vector<CellBlock> blocks_above(double p) const override;
+  float log_odds(const Cell& cell) const override;
+  bool known(const Cell& cell) const override { return state_of(cell) != CellState::kUnknown; }
+  std::size_t num_blocks() const override { return blocks_.num_used(); }
+
+ private:
+  using Block = LogOddsBlocks::Block;
+  using Page = LogOddsBlocks::Page;
+
+  int find_or_make(const Cell& block);
+  void forget(int block);
+  void miss(int i, const Bits& passed);
+  void miss_valued(int i, int z, std::uint64_t cells);
+  void hit(const Cell& cell);
+  CellState state_of(const Cell& cell) const;
+  const Bits* occupied_of(const Cell& block) const override;
+  void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                      std::vector<Change>& changes) const override {
+    changes_.append(blocks_, low, high, since, changes);
+  }
+
+  OccupancyMapConfig config_;
+  float hit_, miss_, occupied_, min_, max_;  // log-odds
+  LogOddsBlocks::AfterMisses after_misses_;
+  int most_misses_ = 0;  // miss count at which the log-odds are clamped or a value is needed
+  RayCells rays_;
+  LogOddsBlocks blocks_;
+  OccupiedChanges changes_;
+  std::uint32_t scan_ = 0;
+  std::vector<TimeNs> scan_times_;  // times of the last scans, in a ring buffer
+  BlockLog removed_;
+  Vector3 kept_around_local_m_;
+};
+
+LogOddsMap::LogOddsMap(const OccupancyMapConfig& config)
     : BlockOccupancy(config.edge_m, config.distance_max_m),
       config_(config),
       hit_(log_odds_of(config.p_hit)),
@@ -60,7 +117,7 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
 
 // Blocks
 
-int OccupancyMap::find_or_make(const Cell& block) {
+int LogOddsMap::find_or_make(const Cell& block) {
   const int i = blocks_.in_place_of(block);
   if (i >= 0 && blocks_.about(i).at == block) return i;
   // A block in the same slot lies beyond the kept radius.
@@ -68,14 +125,14 @@ int OccupancyMap::find_or_make(const Cell& block) {
   return blocks_.make(block);
 }
 
-void OccupancyMap::forget(int i) {
+void LogOddsMap::forget(int i) {
   removed_.note(revision_, blocks_.about(i).at);
   blocks_.block(i).occupied = {};
   changes_.note_removed(blocks_, i, revision_);
   blocks_.remove(i);
 }
 
-void OccupancyMap::keep_around(const Vector3& center_local_m) {
+void LogOddsMap::keep_around(const Vector3& center_local_m) {
   // Blocks are dropped whole: nothing changes until the vehicle has moved by a part of a block.
   const double block_m = kSide * config_.edge_m;
   if ((center_local_m - kept_around_local_m_).norm() < MapConstants::kKeepStep * block_m) return;
@@ -96,7 +153,7 @@ void OccupancyMap::keep_around(const Vector3& center_local_m) {
 
 // Updates
 
-void OccupancyMap::insert(std::span<const Ray> rays, TimeNs now) {
+void LogOddsMap::insert(std::span<const Ray> rays, TimeNs now) {
   changes_.begin_scan(blocks_, revision_);
   ++scan_;
   ++revision_;
@@ -124,7 +181,7 @@ void OccupancyMap::insert(std::span<const Ray> rays, TimeNs now) {
   for (const Cell& cell : rays_.ends()) hit(cell);
 }
 
-void OccupancyMap::miss(int i, const Bits& passed) {
+void LogOddsMap::miss(int i, const Bits& passed) {
   Block& b = blocks_.block(i);
   std::uint64_t fresh = 0;
   const bool counted_to_the_end = after_misses_.back() == min_;
@@ -146,7 +203,7 @@ void OccupancyMap::miss(int i, const Bits& passed) {
   if (fresh != 0) blocks_.about(i).changed = revision_;
 }
 
-void OccupancyMap::miss_valued(int i, int z, std::uint64_t cells) {
+void LogOddsMap::miss_valued(int i, int z, std::uint64_t cells) {
   Page& values = blocks_.page(i);
   std::uint64_t& occupied = blocks_.block(i).occupied[z];
   const std::uint64_t before = occupied;
@@ -161,7 +218,7 @@ void OccupancyMap::miss_valued(int i, int z, std::uint64_t cells) {
   changes_.note(blocks_, i, z, occupied ^ before, revision_);
 }
 
-void OccupancyMap::hit(const Cell& cell) {
+void LogOddsMap::hit(const Cell& cell) {
   const int i = find_or_make(block_of(cell)), in_block = index_in_block(cell), z = in_block >> 6;
   const std::uint64_t bit = std::uint64_t{1} << (in_block & 63);
   Block& b = blocks_.block(i);
@@ -182,18 +239,18 @@ void OccupancyMap::hit(const Cell& cell) {
 
 // Queries
 
-CellState OccupancyMap::state_of(const Cell& cell) const {
+CellState LogOddsMap::state_of(const Cell& cell) const {
   const int i = blocks_.find(block_of(cell)), in_block = index_in_block(cell);
   return i < 0 ? CellState::kUnknown : blocks_.block(i).state(in_block >> 6, in_block & 63);
 }
 
-float OccupancyMap::log_odds(const Cell& cell) const {
+float LogOddsMap::log_odds(const Cell& cell) const {
   const int i = blocks_.find(block_of(cell));
   return i < 0 ? 0.0F : blocks_.log_odds(i, index_in_block(cell));
 }
 
-void OccupancyMap::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
-                                   std::vector<Vector3>& centers_local_m) const {
+void LogOddsMap::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                                 std::vector<Vector3>& centers_local_m) const {
   centers_local_m.clear();
   // A cell hit in a scan whose time is not kept counts as hit long ago.
   const auto recent = [&](std::uint32_t scan) {
@@ -212,13 +269,13 @@ void OccupancyMap::occupied_within(const Vector3& center_local_m, double radius_
   for_occupied_blocks(center_local_m.array() - reach_m, center_local_m.array() + reach_m, add_block);
 }
 
-const RayCells::Bits* OccupancyMap::occupied_of(const Cell& at) const {
+const CellBlock::Bits* LogOddsMap::occupied_of(const Cell& at) const {
   if (!changes_.any_in(blocks_.place_of(at))) return nullptr;
   const int i = blocks_.find(at);
   return i < 0 ? nullptr : &blocks_.block(i).occupied;
 }
 
-bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
+bool LogOddsMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
   if (!removed_.covers(revision)) return false;
   const auto add = [&](const Cell& at) { boxes.push_back({edge_m_, at * kSide, Cell::Constant(kSide)}); };
@@ -229,7 +286,7 @@ bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>&
   return true;
 }
 
-bool OccupancyMap::look_at(const Cell& at, CellBlock& states) const {
+bool LogOddsMap::look_at(const Cell& at, CellBlock& states) const {
   const int i = blocks_.find(at);
   if (i < 0) return false;
   const Block& b = blocks_.block(i);
@@ -238,7 +295,7 @@ bool OccupancyMap::look_at(const Cell& at, CellBlock& states) const {
   return true;
 }
 
-std::vector<CellBlock> OccupancyMap::blocks_above(double p) const {
+std::vector<CellBlock> LogOddsMap::blocks_above(double p) const {
   const float least = log_odds_of(p);
   std::vector<CellBlock> blocks;
   for (int i = 0; i < blocks_.size(); ++i) {
@@ -253,7 +310,7 @@ std::vector<CellBlock> OccupancyMap::blocks_above(double p) const {
   return blocks;
 }
 
-void OccupancyMap::append_voxels(MapVoxels& copy) const {
+void LogOddsMap::append_voxels(MapVoxels& copy) const {
   copy.edge_m = edge_m_;
   copy.states = {"free", "occupied"};
   copy.occupied_from = 1;
@@ -273,6 +330,12 @@ void OccupancyMap::append_voxels(MapVoxels& copy) const {
       copy.add(center_local_m, has(b.occupied, in_block), blocks_.log_odds(i, in_block));
     });
   }
+}
+
+}  // namespace
+
+std::unique_ptr<OccupancyMap> make_occupancy_map(const OccupancyMapConfig& config) {
+  return std::make_unique<LogOddsMap>(config);
 }
 
 // Settings
@@ -299,12 +362,12 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
-  v.check(distance_max_m <= DistanceTiles::kMaxReach * edge_m, "distance_max_m", "at most 64 times edge_m");
+  v.check(distance_max_m <= kMaxDistance_cells * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
 // Slots per axis for the blocks around a vehicle between two blocks, and for the reach of a scan before blocks are
 // dropped.
-double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (RayCells::kSide * edge_m) + 6.0; }
+double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (CellBlock::kSide * edge_m) + 6.0; }
 
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;

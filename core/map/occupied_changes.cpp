@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/occupied_changes.hpp"
+#include "core/map/occupied_changes.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/placed_cells.hpp"
+#include "core/map/placed_cells.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kSide = RayCells::kSide;
+constexpr int kSide = CellBlock::kSide;
 
 /// Constants of placed cells.
 struct PlacedCellsConstants {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/ray_cells.hpp"
+#include "core/map/ray_cells.hpp"
 
 #if defined(__AVX__)
 #include <immintrin.h>

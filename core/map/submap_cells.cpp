@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-std::size_t count_of(const RayCells::Bits& bits) {
+std::size_t count_of(const CellBlock::Bits& bits) {
   std::size_t count = 0;
   for (const std::uint64_t word : bits) count += static_cast<std::size_t>(std::popcount(word));
   return count;

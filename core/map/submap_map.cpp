@@ -6,15 +6,36 @@
 #include <tuple>
 
 #include "core/map/cell_walk.hpp"
+#include "core/map/composed_blocks.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
+namespace {
 
-SubmapMap::SubmapMap(const SubmapMapConfig& config)
-    : ComposedBlocks(config.edge_m, config.distance_max_m, config.outvoted_by) {}
+class MapOfPieces final : public ComposedBlocks {
+ public:
+  explicit MapOfPieces(const SubmapMapConfig& config)
+      : ComposedBlocks(config.edge_m, config.distance_max_m, config.outvoted_by) {}
 
-void SubmapMap::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
-                                std::vector<Vector3>& centers_local_m) const {
+  void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                       std::vector<Vector3>& centers_local_m) const override;
+  bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
+  void append_voxels(MapVoxels& copy) const override;
+  void append_blocks(std::vector<CellBlock>& blocks) const override;
+  void append_occupied(std::vector<Vector3>& centers_local_m) const override;
+
+  double share_known_by_newer(int piece, int every) const override;
+  std::shared_ptr<const SubmapCells> needed_of(int piece) const override;
+  std::size_t bytes() const override;
+
+ private:
+  /// Calls fn(block, its cells) for every block with known cells.
+  template <class Fn>
+  void for_known_blocks(Fn&& fn) const;
+};
+
+void MapOfPieces::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                                  std::vector<Vector3>& centers_local_m) const {
   centers_local_m.clear();
   std::vector<Vector3> fresh_m;  // in the frame of the growing piece
   const Vector3 offset_m = (kSide * edge_m_) * growing_offset_blocks_.cast<double>();
@@ -45,7 +66,7 @@ void SubmapMap::occupied_within(const Vector3& center_local_m, double radius_m, 
   for_occupied_blocks(center_local_m.array() - reach_m, center_local_m.array() + reach_m, add_block);
 }
 
-bool SubmapMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
+bool MapOfPieces::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
   for (const auto& group : groups_) {
     if (group->moved > revision) {
@@ -62,7 +83,7 @@ bool SubmapMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& bo
 }
 
 template <class Fn>
-void SubmapMap::for_known_blocks(Fn&& fn) const {
+void MapOfPieces::for_known_blocks(Fn&& fn) const {
   for (const auto& group : groups_) {
     for (int i = 0; i < group->num_slots(); ++i) {
       const Cell block = group->block_of(i);
@@ -72,7 +93,7 @@ void SubmapMap::for_known_blocks(Fn&& fn) const {
   }
 }
 
-void SubmapMap::append_voxels(MapVoxels& copy) const {
+void MapOfPieces::append_voxels(MapVoxels& copy) const {
   copy.edge_m = edge_m_;
   copy.states = {"free", "occupied"};
   copy.occupied_from = 1;
@@ -85,13 +106,13 @@ void SubmapMap::append_voxels(MapVoxels& copy) const {
   });
 }
 
-void SubmapMap::append_blocks(std::vector<CellBlock>& blocks) const {
+void MapOfPieces::append_blocks(std::vector<CellBlock>& blocks) const {
   for_known_blocks([&](const Cell& block, const Composed& made) {
     blocks.push_back({block, made.occupied, made.free});
   });
 }
 
-void SubmapMap::append_occupied(std::vector<Vector3>& centers_local_m) const {
+void MapOfPieces::append_occupied(std::vector<Vector3>& centers_local_m) const {
   for (const auto& group : groups_) {
     const Vector3 low_local_m = kSide * BlockGroup::kSide * edge_m_ * group->at.cast<double>();
     const Vector3 inside_m = Vector3::Constant(0.5 * edge_m_);
@@ -101,7 +122,7 @@ void SubmapMap::append_occupied(std::vector<Vector3>& centers_local_m) const {
   }
 }
 
-double SubmapMap::share_known_by_newer(int i, int every) const {
+double MapOfPieces::share_known_by_newer(int i, int every) const {
   const auto self = static_cast<std::uint32_t>(i);
   ENSURE(every > 0, every);
   std::size_t num = 0, num_known = 0, next = 0;
@@ -127,7 +148,7 @@ double SubmapMap::share_known_by_newer(int i, int every) const {
   return num == 0 ? (cells(i).empty() ? 1.0 : 0.0) : static_cast<double>(num_known) / static_cast<double>(num);
 }
 
-std::shared_ptr<const SubmapCells> SubmapMap::needed_of(int i) const {
+std::shared_ptr<const SubmapCells> MapOfPieces::needed_of(int i) const {
   const auto self = static_cast<std::uint32_t>(i);
   const Piece& own = piece(self);
   const SubmapCells& cells = own.placed.cells();
@@ -165,8 +186,14 @@ std::shared_ptr<const SubmapCells> SubmapMap::needed_of(int i) const {
   return std::make_shared<const SubmapCells>(cells.edge_m(), kept);
 }
 
-std::size_t SubmapMap::bytes() const {
-  return sizeof *this + ComposedBlocks::bytes() + distances_.num_tiles() * DistanceTiles::kTileBytes;
+std::size_t MapOfPieces::bytes() const {
+  return sizeof *this + bytes_of_blocks() + distances_.num_tiles() * DistanceTiles::kTileBytes;
+}
+
+}  // namespace
+
+std::unique_ptr<SubmapMap> make_submap_map(const SubmapMapConfig& config) {
+  return std::make_unique<MapOfPieces>(config);
 }
 
 }  // namespace swiftlet

@@ -18,7 +18,7 @@ class OccupancyMapper : public Mapper {
  public:
   OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup)
       : config_(config),
-        map_(config.map),
+        map_(make_occupancy_map(config.map)),
         scan_rays_({config.every_column, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
@@ -36,13 +36,13 @@ class OccupancyMapper : public Mapper {
     vehicles_.update(input);
     for (const auto& cloud : input.clouds) {
       const std::span<const OccupancyMap::Ray> rays = scan_rays_.take(*cloud, vehicles_);
-      map_.keep_around(p_local_m_);
-      map_.insert(rays, cloud->end());
+      map_->keep_around(p_local_m_);
+      map_->insert(rays, cloud->end());
       if (receiver_ != kNoVehicle) send(rays, cloud->end(), FrameChange::to_world(input.estimate), outbox);
     }
   }
 
-  const OccupancyView& map() const override { return map_; }
+  const OccupancyView& map() const override { return *map_; }
 
   void append_counters(std::vector<Counter>& counters) const override { scan_rays_.append_counters(counters); }
 
@@ -54,7 +54,7 @@ class OccupancyMapper : public Mapper {
     cells.colors = {{0.95F, 0.60F, 0.25F, 1.0F}};
     cells.legend = {{"occupied cells of the map", cells.colors.front()}};
     std::vector<Vector3> centers_local_m;
-    map_.occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
+    map_->occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
     cells.positions.reserve(centers_local_m.size());
     for (const Vector3& center_local_m : centers_local_m) {
       if (center_local_m.z() > p_local_m_.z() - kShownBelow_m) cells.positions.push_back(center_local_m.cast<float>());
@@ -73,8 +73,8 @@ class OccupancyMapper : public Mapper {
       if (is_self) continue;
       rays_.push_back({to_local.point(ray.origin_world_m.cast<double>()).cast<float>(), end_local_m, ray.hit});
     }
-    map_.keep_around(p_local_m_);
-    map_.insert(rays_, message_.t);
+    map_->keep_around(p_local_m_);
+    map_->insert(rays_, message_.t);
   }
 
   void send(std::span<const OccupancyMap::Ray> rays, TimeNs t, const FrameChange& to_world, Outbox& outbox) {
@@ -88,7 +88,7 @@ class OccupancyMapper : public Mapper {
   }
 
   OccupancyMapperConfig config_;
-  OccupancyMap map_;
+  std::unique_ptr<OccupancyMap> map_;
   Vector3 p_local_m_ = Vector3::Zero();
   ScanRays scan_rays_;
   VehiclesAround vehicles_;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,7 @@ class SubmapMapper : public Mapper {
       : config_(config),
         scan_rays_({config.every_column, config.range_min_m, config.range_max_m, config.clear_range_m}),
         vehicles_(config.tracked_radius_m),
-        map_(config.whole()) {}
+        map_(make_submap_map(config.whole())) {}
 
   void step(const MapperInput& input, Outbox&) override {
     ENSURE(input.submaps != nullptr, input.observation.t);
@@ -45,7 +46,7 @@ class SubmapMapper : public Mapper {
     for (const auto& cloud : input.clouds) take(*cloud);
   }
 
-  const OccupancyView& map() const override { return map_; }
+  const OccupancyView& map() const override { return *map_; }
   bool needs_submaps() const override { return true; }
 
   void append_pieces(std::vector<MapPiece>& pieces) const override {
@@ -73,14 +74,14 @@ class SubmapMapper : public Mapper {
     near.colors = {{0.95F, 0.60F, 0.25F, 1.0F}};
     near.legend = {{"occupied cells of the map", near.colors.front()}};
     std::vector<Vector3> centers_local_m;
-    map_.occupied_within(p_local_m_, kSubmapsShown_m, kEver, centers_local_m);
+    map_->occupied_within(p_local_m_, kSubmapsShown_m, kEver, centers_local_m);
     for (const Vector3& center_local_m : centers_local_m) {
       if (center_local_m.z() > p_local_m_.z() - kSubmapsShownBelow_m) {
         near.positions.push_back(center_local_m.cast<float>());
       }
     }
     centers_local_m.clear();
-    map_.append_occupied(centers_local_m);
+    map_->append_occupied(centers_local_m);
     double low_m = std::numeric_limits<double>::infinity(), high_m = -low_m;
     for (const Vector3& center_local_m : centers_local_m) {
       low_m = std::min(low_m, center_local_m.z());
@@ -126,7 +127,7 @@ class SubmapMapper : public Mapper {
     for (const Kept& kept : pieces_) {
       const auto& its = kept.given ? poses.T_local_given : poses.T_local_own;
       if (kept.piece.submap == kNoSubmap) continue;
-      map_.move(kept.in_map, its[static_cast<std::size_t>(kept.piece.submap)] * kept.piece.T_submap_cells);
+      map_->move(kept.in_map, its[static_cast<std::size_t>(kept.piece.submap)] * kept.piece.T_submap_cells);
     }
     if (given_taken_ || poses.given.empty()) return;
     given_taken_ = true;
@@ -165,13 +166,13 @@ class SubmapMapper : public Mapper {
       if (kept.given || kept.piece.submap != newest_submap_) return false;
       kept.piece.submap = dropped.into;
       kept.piece.T_submap_cells = dropped.T_into_submap * kept.piece.T_submap_cells;
-      if (!known) map_.remove(kept.in_map);
+      if (!known) map_->remove(kept.in_map);
       return !known;
     });
   }
 
   void take(const LocalCloud& cloud) {
-    const double edge_m = RayCells::kSide * config_.edge_m;
+    const double edge_m = CellBlock::kSide * config_.edge_m;
     if (growing_ != nullptr && (p_local_m_ - edge_m * offset_.cast<double>()).norm() > kPiece_m) finish();
     if (growing_ == nullptr) begin();
     std::vector<OccupancyMap::Ray>& rays = scan_rays_.take(cloud, vehicles_);
@@ -182,21 +183,21 @@ class SubmapMapper : public Mapper {
     }
     growing_->insert(rays, cloud.end());
     grown_until_ = cloud.end();
-    map_.set_growing(growing_.get(), offset_);
+    map_->set_growing(growing_.get(), offset_);
   }
 
   /// Begins a piece whose blocks coincide with those of the map, so that they need no resampling until the graph moves
   /// it.
   void begin() {
-    growing_ = std::make_unique<OccupancyMap>(config_.growing());
-    offset_ = (p_local_m_ / (RayCells::kSide * config_.edge_m)).array().round().cast<int>();
+    growing_ = make_occupancy_map(config_.growing());
+    offset_ = (p_local_m_ / (CellBlock::kSide * config_.edge_m)).array().round().cast<int>();
     growing_submap_ = newest_submap_;
     T_submap_growing_ = newest_submap_ == kNoSubmap ? T_local_growing() : T_local_newest_.inverse() * T_local_growing();
   }
 
   Pose T_local_growing() const {
     Pose T = Pose::Identity();
-    T.translation() = RayCells::kSide * config_.edge_m * offset_.cast<double>();
+    T.translation() = CellBlock::kSide * config_.edge_m * offset_.cast<double>();
     return T;
   }
 
@@ -218,16 +219,16 @@ class SubmapMapper : public Mapper {
   }
 
   void forget_growing() {
-    map_.set_growing(nullptr, Cell::Zero());
+    map_->set_growing(nullptr, Cell::Zero());
     growing_.reset();
   }
 
   void keep(MapPiece piece, bool given, const Pose& T_local_cells, int age, TimeNs seen) {
-    const int in_map = map_.add(piece.cells, T_local_cells, age, seen);
+    const int in_map = map_->add(piece.cells, T_local_cells, age, seen);
     const auto own = std::find_if(pieces_.begin(), pieces_.end(), [](const Kept& kept) { return !kept.given; });
     pieces_.insert(given ? own : pieces_.end(), {std::move(piece), given, in_map});
     if (static_cast<int>(pieces_.size()) <= config_.pieces_max) return;
-    map_.remove(pieces_.front().in_map);
+    map_->remove(pieces_.front().in_map);
     pieces_.erase(pieces_.begin());
     ++num_forgotten_;
   }
@@ -240,18 +241,18 @@ class SubmapMapper : public Mapper {
     const auto num = static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), hangs_on_it));
     if (num <= kMaxOfSubmap) return;
     const Kept oldest = *std::find_if(pieces_.begin(), pieces_.end(), hangs_on_it);
-    SubmapMap alone(config_.whole());
+    const std::unique_ptr<SubmapMap> alone = make_submap_map(config_.whole());
     for (const Kept& kept : pieces_) {
       if (!hangs_on_it(kept)) continue;
-      alone.add(kept.piece.cells, oldest.piece.T_submap_cells.inverse() * kept.piece.T_submap_cells, kOwnAge, 0);
+      alone->add(kept.piece.cells, oldest.piece.T_submap_cells.inverse() * kept.piece.T_submap_cells, kOwnAge, 0);
     }
     std::vector<CellBlock> blocks;
-    alone.append_blocks(blocks);
-    const Pose T_local_cells = map_.T_local_cells(oldest.in_map);
+    alone->append_blocks(blocks);
+    const Pose T_local_cells = map_->T_local_cells(oldest.in_map);
     for (CellBlock& block : blocks) clear_outvoted(T_local_cells, block);
     std::erase_if(pieces_, [&](const Kept& kept) {
       if (!hangs_on_it(kept)) return false;
-      map_.remove(kept.in_map);
+      map_->remove(kept.in_map);
       return true;
     });
     keep({submap, oldest.piece.T_submap_cells, std::make_shared<const SubmapCells>(config_.edge_m, blocks)}, false,
@@ -260,13 +261,13 @@ class SubmapMapper : public Mapper {
 
   /// Removes cells that other pieces outvoted. In a merged piece they would count as the newest.
   void clear_outvoted(const Pose& T_local_cells, CellBlock& block) const {
-    constexpr int kSide = RayCells::kSide;
+    constexpr int kSide = CellBlock::kSide;
     for (int z = 0; z < kSide; ++z) {
       const auto word = static_cast<std::size_t>(z);
       for (std::uint64_t left = block.occupied[word] | block.free[word]; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
         const Vector3 cell = (kSide * block.at + Cell(bit & 7, bit >> 3, z)).cast<double>();
-        const CellState state = map_.state(T_local_cells * (config_.edge_m * (cell.array() + 0.5)).matrix());
+        const CellState state = map_->state(T_local_cells * (config_.edge_m * (cell.array() + 0.5)).matrix());
         const std::uint64_t others = ~(std::uint64_t{1} << bit);
         if (state != CellState::kOccupied) block.occupied[word] &= others;
         if (state != CellState::kFree) block.free[word] &= others;
@@ -280,13 +281,13 @@ class SubmapMapper : public Mapper {
     const auto num = static_cast<int>(pieces_.size()) - kNewest;
     for (int i = 0; i < num; ++i) {
       Kept& kept = pieces_[static_cast<std::size_t>(i)];
-      if (map_.share_known_by_newer(kept.in_map, kLookEvery) < config_.covered_share) continue;
-      kept.piece.cells = map_.needed_of(kept.in_map);
-      map_.replace(kept.in_map, kept.piece.cells);
+      if (map_->share_known_by_newer(kept.in_map, kLookEvery) < config_.covered_share) continue;
+      kept.piece.cells = map_->needed_of(kept.in_map);
+      map_->replace(kept.in_map, kept.piece.cells);
     }
     std::erase_if(pieces_, [this](const Kept& kept) {
       if (!kept.piece.cells->empty()) return false;
-      map_.remove(kept.in_map);
+      map_->remove(kept.in_map);
       return true;
     });
   }
@@ -297,7 +298,7 @@ class SubmapMapper : public Mapper {
   SubmapMapperConfig config_;
   ScanRays scan_rays_;
   VehiclesAround vehicles_;
-  SubmapMap map_;
+  std::unique_ptr<SubmapMap> map_;
   Vector3 p_local_m_ = Vector3::Zero();
   std::uint64_t seen_ = 0;         // revision of the poses at the last step
   std::uint64_t num_dropped_ = 0;  // dropped submaps at the last step
@@ -354,7 +355,8 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
   v.check(range_max_m + kPiece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
           "with 14 m more at most 480 times edge_m");
-  v.check(distance_max_m <= DistanceTiles::kMaxReach * edge_m, "distance_max_m", "at most 64 times edge_m");
+  v.check(distance_max_m <= OccupancyMapConfig::kMaxDistance_cells * edge_m, "distance_max_m",
+          "at most 64 times edge_m");
 }
 
 OccupancyMapConfig SubmapMapperConfig::growing() const {

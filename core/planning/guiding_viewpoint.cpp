@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/planning/guiding_viewpoint.hpp"
+#include "core/planning/guiding_viewpoint.hpp"
 
 #include <algorithm>
 #include <array>

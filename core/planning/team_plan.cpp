@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/planning/guiding_viewpoint.hpp"
 #include "core/planning/polyline.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 

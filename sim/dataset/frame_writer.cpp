@@ -6,7 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "swiftlet/sim/dataset/hash.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {

@@ -12,7 +12,7 @@
 
 #include "sim/dataset/frame.hpp"
 #include "swiftlet/sim/dataset/dataset_config.hpp"
-#include "swiftlet/sim/dataset/sequence_recorder.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
 #include "swiftlet/sim/recorders/gray_png.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 

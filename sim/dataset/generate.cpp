@@ -16,8 +16,8 @@
 #include <stdexcept>
 
 #include "sim/dataset/data_card.hpp"
+#include "sim/dataset/hash.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
-#include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/run/processors.hpp"

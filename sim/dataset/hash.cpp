@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/dataset/hash.hpp"
+#include "sim/dataset/hash.hpp"
 
 #define XXH_INLINE_ALL
 #include <fcntl.h>

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "swiftlet/sim/dataset/hash.hpp"
+#include "sim/dataset/hash.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/dataset/sequence_recorder.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
 
 #include <fmt/core.h>
 

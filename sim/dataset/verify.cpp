@@ -13,9 +13,10 @@
 #include <sstream>
 
 #include "sim/dataset/frame.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
-#include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"

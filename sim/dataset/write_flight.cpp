@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
-#include "swiftlet/sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"

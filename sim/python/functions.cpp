@@ -8,8 +8,7 @@
 
 #include "sim/python/bindings.hpp"
 #include "sim/python/values.hpp"
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_agent.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
@@ -124,7 +123,7 @@ double probability_of_box(const py::object& mean, const py::object& Sigma, const
 class Rbl {
  public:
   Rbl(const std::string& cell, const std::string& rules, bool planar)
-      : config_(read<RblCellConfig>(cell, "cell")), planner_(config_, read<RblRules>(rules, "rules"), planar) {}
+      : agent_(read<RblCellConfig>(cell, "cell"), read<RblRules>(rules, "rules"), planar) {}
 
   py::dict step(const py::object& position, const py::object& neighbors, const py::object& goal, double dt_s,
                 double z_min_m, double z_max_m, const py::object& obstacles, double obstacle_edge_m) {
@@ -135,19 +134,22 @@ class Rbl {
     (void)positive(obstacle_edge_m, "obstacle_edge_m");
     if (!(z_min_m <= z_max_m))
       throw py::value_error("z_max_m: expected no less than z_min_m, found " + shown(py::cast(z_max_m)));
-    planner_.partition(p_local_m, others, z_min_m, z_max_m);
-    if (!voxels.empty())
-      cutter_.cut(planner_.cell(), p_local_m, voxels, obstacle_edge_m, config_.encumbrance_m, config_.eta,
-                  planner_.cuts());
-    const RblPlanner::Step step = planner_.update(goal_local_m, dt_s);
+    const RblAgent::Step step = agent_.step({.p_local_m = p_local_m,
+                                             .neighbors_local_m = others,
+                                             .goal_local_m = goal_local_m,
+                                             .z_min_m = z_min_m,
+                                             .z_max_m = z_max_m,
+                                             .voxels_local_m = voxels,
+                                             .voxel_edge_m = obstacle_edge_m},
+                                            dt_s);
     py::dict out;
     out["centroid_m"] = py::array_t<double>(3, step.centroid_local_m.data());
     out["sensing_centroid_m"] = py::array_t<double>(3, step.sensing_local_m.data());
     out["destination_m"] = py::array_t<double>(3, step.destination_local_m.data());
     out["empty_cell"] = step.empty_cell;
-    out["beta_m"] = planner_.state().beta_m;
-    out["theta_rad"] = planner_.state().theta_rad;
-    out["phi_rad"] = planner_.state().phi_rad;
+    out["beta_m"] = step.beta_m;
+    out["theta_rad"] = step.theta_rad;
+    out["phi_rad"] = step.phi_rad;
     return out;
   }
 
@@ -159,9 +161,7 @@ class Rbl {
     return config;
   }
 
-  RblCellConfig config_;
-  RblPlanner planner_;
-  ObstacleCutter cutter_;
+  RblAgent agent_;
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/render/image.hpp"
 #include "swiftlet/sim/plot/svg_writer.hpp"
-#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/render/image.hpp"
+#include "sim/render/image.hpp"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "swiftlet/sim/render/image.hpp"
+#include "sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "sim/render/cameras.hpp"
+#include "sim/render/image.hpp"
 #include "sim/render/picture_scene.hpp"
 #include "sim/render/picture_style.hpp"
-#include "swiftlet/sim/render/image.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 

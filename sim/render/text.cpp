@@ -11,7 +11,7 @@
 #include <string>
 
 #include "embedded/sim_render.hpp"
-#include "swiftlet/sim/render/image.hpp"
+#include "sim/render/image.hpp"
 
 namespace swiftlet::sim {
 namespace {

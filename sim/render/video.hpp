@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "sim/render/image.hpp"
 #include "swiftlet/sim/io/files.hpp"
-#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

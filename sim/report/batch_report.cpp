@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "sim/report/group_samples.hpp"
 #include "sim/report/html.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
+#include "sim/report/group_samples.hpp"
 #include "sim/report/html.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"

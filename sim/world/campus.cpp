@@ -8,6 +8,7 @@
 #include "sim/world/clutter.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
+#include "sim/world/placement.hpp"
 #include "sim/world/tree.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"

@@ -6,6 +6,8 @@
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
+#include "sim/world/placement.hpp"
+#include "sim/world/relief.hpp"
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
 #include "swiftlet/core/base/elementary.hpp"

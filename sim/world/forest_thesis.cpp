@@ -6,6 +6,7 @@
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
+#include "sim/world/placement.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/world/placement.hpp"
+#include "sim/world/placement.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "swiftlet/sim/world/keep_clear_config.hpp"
 
 namespace swiftlet::sim {
 

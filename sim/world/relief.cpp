@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/world/relief.hpp"
+#include "sim/world/relief.hpp"
 
 #include <algorithm>
 #include <cmath>

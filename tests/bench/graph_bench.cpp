@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/slam/graph/block_cholesky.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 

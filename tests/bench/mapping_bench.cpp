@@ -9,10 +9,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/planning/guiding_viewpoint.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
-#include "swiftlet/core/planning/guiding_viewpoint.hpp"
 #include "tests/bench/processor_time.hpp"
 #include "tests/support/flown_scans.hpp"
 
@@ -74,10 +74,10 @@ void insertion(benchmark::State& state, const std::vector<Rays>& scans) {
   double first_s = 0.0, sum_s = 0.0, most_s = 0.0;
   std::size_t cells = 0;
   for (auto _ : state) {
-    OccupancyMap map({});
+    const auto map = make_occupancy_map({});
     sum_s = most_s = 0.0;
     for (int i = 0; i < kScans; ++i) {
-      const double took_s = time_of_s([&] { map.insert(scans[static_cast<std::size_t>(i)], i); });
+      const double took_s = time_of_s([&] { map->insert(scans[static_cast<std::size_t>(i)], i); });
       if (i == 0) {
         first_s = took_s;
         continue;
@@ -86,7 +86,7 @@ void insertion(benchmark::State& state, const std::vector<Rays>& scans) {
       most_s = std::max(most_s, took_s);
     }
     state.SetIterationTime(sum_s / (kScans - 1));
-    cells = map.num_blocks();
+    cells = map->num_blocks();
   }
   state.counters["rays"] = static_cast<double>(scans.front().size());
   state.counters["first_ms"] = 1e3 * first_s;
@@ -115,18 +115,18 @@ void octomap_insertion(benchmark::State& state, const std::vector<Rays>& scans) 
 void distances(benchmark::State& state, const Cell& half_blocks) {
   const std::vector<Rays>& scans = forest_scans();
   for (auto _ : state) {
-    OccupancyMap map({});
+    const auto map = make_occupancy_map({});
     double sum_s = 0.0, sum_m = 0.0;
     for (int i = 0; i < kScans; ++i) {
       const Rays& rays = scans[static_cast<std::size_t>(i)];
-      map.insert(rays, i);
+      map->insert(rays, i);
       const Vector3 p_m = rays.front().origin_local_m.cast<double>();
       const double took_s = time_of_s([&] {
         // A query of one cell computes its whole block.
         for (int z = -half_blocks.z(); z < half_blocks.z(); ++z) {
           for (int y = -half_blocks.y(); y < half_blocks.y(); ++y) {
             for (int x = -half_blocks.x(); x < half_blocks.x(); ++x) {
-              sum_m += map.clearance_m(p_m + 0.8 * Vector3(x, y, z), 1.5);
+              sum_m += map->clearance_m(p_m + 0.8 * Vector3(x, y, z), 1.5);
             }
           }
         }
@@ -144,15 +144,15 @@ void path(benchmark::State& state, bool distances_are_known) {
   ClearPathConfig config;
   config.unknown_is_free = true;
   std::size_t expansions = 0, found = 0;
-  OccupancyMap map({});
-  for (int i = 0; i < kScans; ++i) map.insert(scans[static_cast<std::size_t>(i)], i);
+  const auto map = make_occupancy_map({});
+  for (int i = 0; i < kScans; ++i) map->insert(scans[static_cast<std::size_t>(i)], i);
   const Vector3 start_m = scans.back().front().origin_local_m.cast<double>();
   int scan = kScans;
   for (auto _ : state) {
-    if (!distances_are_known) map.insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
+    if (!distances_are_known) map->insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
     ++scan;
     const double took_s = time_of_s([&] {
-      const ClearPath path = find_clear_path(map, config, start_m, start_m + Vector3(10.0, -6.0, -1.0));
+      const ClearPath path = find_clear_path(*map, config, start_m, start_m + Vector3(10.0, -6.0, -1.0));
       expansions = path.expansions;
       found = path.corners_local_m.size();
     });
@@ -168,18 +168,18 @@ void viewpoint(benchmark::State& state, ViewpointRules::Sight sight) {
   ViewpointRules rules;
   rules.sight = sight;
   rules.unknown_is_free = true;
-  OccupancyMap map({});
-  for (int i = 0; i < kScans; ++i) map.insert(scans[static_cast<std::size_t>(i)], i);
+  const auto map = make_occupancy_map({});
+  for (int i = 0; i < kScans; ++i) map->insert(scans[static_cast<std::size_t>(i)], i);
   const Vector3 watcher_m = scans.back().front().origin_local_m.cast<double>();
   std::vector<Vector3> path_m;
   for (int i = 0; i < 9; ++i) path_m.push_back(watcher_m + Vector3(2.0 + 0.5 * i, 2.0, 0.0));
   int scan = kScans;
   std::size_t found = 0;
   for (auto _ : state) {
-    map.insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
+    map->insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
     ++scan;
     state.SetIterationTime(
-        time_of_s([&] { found = find_guiding_viewpoints(map, watcher_m, path_m, rules).best_first.size(); }));
+        time_of_s([&] { found = find_guiding_viewpoints(*map, watcher_m, path_m, rules).best_first.size(); }));
   }
   state.counters["places"] = static_cast<double>(found);
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -43,7 +43,7 @@ const std::vector<Seen>& lap() {
         if (growing != nullptr) {
           made.push_back({std::make_shared<const SubmapCells>(config.edge_m, growing->blocks_above(0.7)), begun_m});
         }
-        growing = std::make_unique<OccupancyMap>(config.growing());
+        growing = make_occupancy_map(config.growing());
         begun_m = p_m;
         path_m = 0.0;
       }
@@ -71,7 +71,7 @@ const std::vector<Seen>& lap() {
 enum class Layout { kLaps, kStreet };
 
 struct Whole {
-  SubmapMap map{SubmapMapperConfig().whole()};
+  std::unique_ptr<SubmapMap> map = make_submap_map(SubmapMapperConfig().whole());
   std::vector<int> pieces;
   std::vector<Pose> poses;
 };
@@ -86,7 +86,7 @@ void lay_out(Layout layout, Whole& whole) {
     const Vector3 p_m = layout == Layout::kLaps ? Vector3(piece.p_world_m + Vector3(off_m, -off_m, 0.0))
                                                 : Vector3(kSubmap_m * i, off_m, 3.0);
     whole.poses.push_back(make_pose(p_m, rotation_by({0, 0, 0.01 * (i / per_lap)})));
-    whole.pieces.push_back(whole.map.add(piece.cells, whole.poses.back(), 0, 0));
+    whole.pieces.push_back(whole.map->add(piece.cells, whole.poses.back(), 0, 0));
   }
 }
 
@@ -97,7 +97,7 @@ void close_loop(Whole& whole, int round) {
     const double share = sign * (1.0 - static_cast<double>(i) / (kSubmaps - 1));
     Pose& T = whole.poses[static_cast<std::size_t>(i)];
     T = make_pose(share * Vector3(0.8, -0.6, 0.1), rotation_by({0, 0, 0.017 * share})) * T;
-    whole.map.move(whole.pieces[static_cast<std::size_t>(i)], T);
+    whole.map->move(whole.pieces[static_cast<std::size_t>(i)], T);
   }
 }
 
@@ -118,24 +118,24 @@ void reanchor(benchmark::State& state, Layout layout) {
   Whole whole;
   lay_out(layout, whole);
   std::vector<Vector3> occupied_m;
-  whole.map.append_occupied(occupied_m);
-  ask_along(whole.map, layout);
+  whole.map->append_occupied(occupied_m);
+  ask_along(*whole.map, layout);
   double path_s = 0.0, all_s = 0.0;
   std::uint64_t composed = 0;
   int round = 0;
-  const std::uint64_t moved = whole.map.num_moved();
+  const std::uint64_t moved = whole.map->num_moved();
   for (auto _ : state) {
     state.SetIterationTime(time_of_s([&] { close_loop(whole, round++); }));
-    path_s += time_of_s([&] { ask_along(whole.map, layout); });
-    composed = whole.map.num_composed();
+    path_s += time_of_s([&] { ask_along(*whole.map, layout); });
+    composed = whole.map->num_composed();
     occupied_m.clear();
-    all_s += time_of_s([&] { whole.map.append_occupied(occupied_m); });
-    composed = whole.map.num_composed() - composed;
+    all_s += time_of_s([&] { whole.map->append_occupied(occupied_m); });
+    composed = whole.map->num_composed() - composed;
   }
   state.counters["path_ms"] = 1e3 * path_s / round;
   state.counters["all_ms"] = 1e3 * all_s / round;
   state.counters["blocks"] = static_cast<double>(composed);
-  state.counters["moved"] = static_cast<double>(whole.map.num_moved() - moved) / round;
+  state.counters["moved"] = static_cast<double>(whole.map->num_moved() - moved) / round;
 }
 
 /// Memory of the pieces, and of the composed map after every cell was queried.
@@ -144,14 +144,14 @@ void memory(benchmark::State& state, Layout layout) {
     Whole whole;
     state.SetIterationTime(time_of_s([&] { lay_out(layout, whole); }));
     std::vector<Vector3> occupied_m;
-    whole.map.append_occupied(occupied_m);
+    whole.map->append_occupied(occupied_m);
     double pieces = 0.0;
     for (int i = 0; i < kSubmaps; ++i) {
       pieces += static_cast<double>(lap()[static_cast<std::size_t>(i) % lap().size()].cells->bytes());
     }
     const double km = 1e-3 * kSubmap_m * kSubmaps;
     state.counters["pieces_MB_km"] = 1e-6 * pieces / km;
-    state.counters["map_MB_km"] = 1e-6 * static_cast<double>(whole.map.bytes()) / km;
+    state.counters["map_MB_km"] = 1e-6 * static_cast<double>(whole.map->bytes()) / km;
   }
 }
 
@@ -163,13 +163,13 @@ void thin_out(benchmark::State& state) {
     double before = 0.0, after = 0.0;
     const double took_s = time_of_s([&] {
       for (const int piece : whole.pieces) {
-        if (whole.map.share_known_by_newer(piece, 32) < 0.9) continue;
-        whole.map.replace(piece, whole.map.needed_of(piece));
+        if (whole.map->share_known_by_newer(piece, 32) < 0.9) continue;
+        whole.map->replace(piece, whole.map->needed_of(piece));
       }
     });
     for (int i = 0; i < kSubmaps; ++i) {
       before += static_cast<double>(lap()[static_cast<std::size_t>(i) % lap().size()].cells->bytes());
-      after += static_cast<double>(whole.map.cells(whole.pieces[static_cast<std::size_t>(i)]).bytes());
+      after += static_cast<double>(whole.map->cells(whole.pieces[static_cast<std::size_t>(i)]).bytes());
     }
     state.SetIterationTime(took_s);
     state.counters["left"] = after / before;

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/guidance/flocking/flock_response.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -10,6 +10,7 @@
 #include "core/guidance/flocking/rbl_detour.hpp"
 #include "core/guidance/flocking/rbl_lidar.hpp"
 #include "core/guidance/flocking/rbl_overlays.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
 #include "core/guidance/flocking/rbl_settling.hpp"
 #include "core/guidance/gliding_goal.hpp"
 #include "core/guidance/path_overlay.hpp"

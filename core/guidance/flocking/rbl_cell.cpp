@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_cell.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "core/guidance/flocking/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
 #include "core/guidance/flocking/rbl_viewed.hpp"
+#include "core/guidance/half_space.hpp"
 #include "swiftlet/core/guidance/rbl_config.hpp"
 
 namespace swiftlet {

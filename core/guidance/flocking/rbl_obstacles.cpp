@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
+#include "core/guidance/flocking/rbl_planner.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
@@ -64,21 +65,6 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_l
   const Vector3 n1 = R_local_body * turn_y(fov_lower_deg * kRadPerDeg) * Vector3::UnitZ();
   const Vector3 n2 = R_local_body * turn_y((fov_lower_deg - fov_deg) * kRadPerDeg) * Vector3::UnitZ();
   return {HalfSpace{-n1, -n1.dot(lidar_agent_m)}, HalfSpace{n2, n2.dot(lidar_agent_m)}};
-}
-
-void RblLidarConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] whether the vehicle avoids obstacles in its map (mapping) [Kamler 2025, chapter 3]");
-  v.choice("legal", legal, {"sensed", "cell"},
-           "[-] cell A' of admissible goals in the field of view: cut by the voxels sensed now, or the whole cell A "
-           "(authors' "
-           "experiment files)");
-  v.field("fov_lower_deg", fov_lower_deg,
-          "[deg] gamma of (3.2): angle of the lower edge of the field of view below the sensor's horizontal plane",
-          Range::between(-90.0, 90.0));
-  v.field("fov_deg", fov_deg, "[deg] alpha of (3.3): vertical field of view", Range::between(1.0, 180.0));
-  v.field("facing_deg", facing_deg,
-          "[deg] largest angle between heading and direction to the centroid at which the vehicle flies",
-          Range::between(1.0, 180.0));
 }
 
 }  // namespace swiftlet

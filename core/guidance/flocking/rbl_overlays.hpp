@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/guidance/flocking/rbl_planner.hpp"
 #include "swiftlet/core/base/overlay.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,23 +84,6 @@ RblPlanner::Step RblPlanner::update(const Vector3& goal_local_m, double dt_s) {
   step.unrotated_local_m = p_local_m_ + now.unrotated_agent_m;
   step.destination_local_m = p_local_m_ + rbl_destination(rules_, to_goal_local_m, state_);
   return step;
-}
-
-void RblCellConfig::visit(ConfigVisitor& v) {
-  v.field("sensing_radius_m", sensing_radius_m, "[m] r_s: sensing radius, radius of the uncut cell S",
-          Range::positive());
-  v.field("step_m", step_m, "[m] spacing of the samples of a cell; not in the document", Range::positive());
-  v.choice("lattice", lattice, {"agent", "world"},
-           "[-] samples centered at the agent (symmetric), or on multiples of the step in the local frame");
-  v.field("encumbrance_m", encumbrance_m, "[m] delta: radius of the sphere that a vehicle occupies", Range::positive());
-  v.field("eta", eta, "[-] scale of the cells: share of the distance to a neighbor that belongs to the agent",
-          Range{0.0, 1.0, true, false});
-  v.choice("cut", cut, {"program", "buffered", "continued"},
-           "[-] interpretation of (2.3): distance from the agent to the plane that cuts its cell, for a neighbor at "
-           "distance d and Delta = 2 delta: Delta + eta (d - 2 Delta), but d - Delta for d < 2 Delta (program); half "
-           "of d - Delta (buffered); Delta + eta (d - 2 Delta) at any d (continued)");
-  v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
-  v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }
 
 }  // namespace swiftlet

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_rules.hpp"
+#include "core/guidance/flocking/rbl_rules.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -115,65 +115,6 @@ Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, cons
   const double azimuth = elementary::atan2(goal_agent_m.y(), goal_agent_m.x()) - state.theta_rad;
   return distance_m * Vector3(elementary::sin(polar) * elementary::cos(azimuth),
                               elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar));
-}
-
-void RblRules::visit(ConfigVisitor& v) {
-  const Range positive = Range::positive();
-  const Range non_negative = Range::non_negative();
-  v.field("weight_near_m", weight_near_m,
-          "[m] d_1 of (2.7): beta falls if c_A is nearer than this to the agent, and farther than d_2 from c_S",
-          non_negative);
-  v.field("weight_gap_m", weight_gap_m, "[m] d_2 of (2.7): least distance of c_A from c_S at which beta falls",
-          non_negative);
-  v.field("weight_goal_m", weight_goal_m,
-          "[m] beta falls too if c_A is nearer than d_1 and the goal nearer than this; at r_s, the goal lies in S; 0: "
-          "as in "
-          "the document",
-          non_negative);
-  v.field("azimuth_near_m", azimuth_near_m,
-          "[m] d_3 of (2.8), (2.11): horizontal distance of c_A below which theta grows, with d_4", non_negative);
-  v.field("azimuth_gap_m", azimuth_gap_m,
-          "[m] d_4 of (2.8), (2.11): horizontal distance of c_A from c_S above which theta grows, with d_3",
-          non_negative);
-  v.field("elevation_near_m", elevation_near_m,
-          "[m] d_5 of (2.15): vertical distance of c_A below which phi changes, with d_6", non_negative);
-  v.field("elevation_gap_m", elevation_gap_m,
-          "[m] d_6 of (2.15): vertical distance of c_A from c_S above which phi changes, with d_5", non_negative);
-  v.field("elevation_shrink_m", elevation_shrink_m,
-          "[m] d_7 of (2.15): horizontal distance by which c_A is nearer than c_S, above which phi changes",
-          non_negative);
-  v.field("beta_desired_m", beta_desired_m,
-          "[m] beta^D of (2.7): weighting length without conflict; smaller values fly more directly to the goal",
-          positive);
-  v.field("beta_min_m", beta_min_m,
-          "[m] beta_min of (2.7): least weighting length; not in the document, 0.1 in the authors' later program",
-          positive);
-  v.field("weight_rate_mps", weight_rate_mps, "[m/s] k of (2.7): rate at which beta falls", non_negative);
-  v.field("azimuth_rate_radps", azimuth_rate_radps, "[rad/s] k of (2.8), (2.11): rate at which theta grows",
-          non_negative);
-  v.field("azimuth_return_radps", azimuth_return_radps,
-          "[rad/s] rate at which theta returns to 0; k in print, 2 in the authors' 2D program", non_negative);
-  v.field("elevation_rate_radps", elevation_rate_radps, "[rad/s] k of (2.19): rate of phi", non_negative);
-  v.field("centering_weight", centering_weight, "[-] w_1 of (2.18): weight of the height of c_S in the sign of phi",
-          non_negative);
-  v.field("direction_weight", direction_weight,
-          "[-] w_2 of (2.18): weight of the direction to the goal in the sign of phi", non_negative);
-  v.choice("azimuth_condition", azimuth_condition, {"near", "printed"},
-           "[-] turn when c_A is nearer than d_3 (stuck; the authors' program), or farther (as printed)");
-  v.choice(
-      "azimuth_reset", azimuth_reset, {"detour", "near", "none"},
-      "[-] the condition missing in (2.9), (2.12): the direct centroid is farther than the turned one (the authors' "
-      "program), or farther than d_3");
-  v.choice("elevation_condition", elevation_condition, {"gap", "printed"},
-           "[-] first part of (2.15): vertical gap above d_6 and c_A nearer than d_5, or below d_6 as printed");
-  v.choice("direction_influence", direction_influence, {"north", "printed", "program"},
-           "[-] (2.17): +1 to the north, -1 to the south (the text), the printed formula, or the authors' program");
-  v.choice("elevation_sense", elevation_sense, {"level", "up", "printed"},
-           "[-] positive phi turns the destination up, and its own turn counts backwards in (2.18); up, and counts as "
-           "printed; or down, as (2.20) is printed");
-  v.field("azimuth_rule", azimuth_rule, "[-] whether the right-hand rule (2.8) to (2.12) is applied");
-  v.check(centering_weight + direction_weight > 0.0, "direction_weight", "a weight above 0 beside centering_weight");
-  v.check(beta_min_m <= beta_desired_m, "beta_min_m", "at most beta_desired_m");
 }
 
 }  // namespace swiftlet

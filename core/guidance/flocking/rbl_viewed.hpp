@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "core/guidance/half_space.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 
 namespace swiftlet {

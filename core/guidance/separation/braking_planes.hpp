@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "core/guidance/half_space.hpp"
 #include "swiftlet/core/control/motion_limits.hpp"
-#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
 

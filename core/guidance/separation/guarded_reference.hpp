@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "core/guidance/half_space.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
-#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
 

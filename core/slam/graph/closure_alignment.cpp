@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/slam/graph/closure_search.hpp"
+#include "core/slam/graph/graph_residuals.hpp"
 #include "core/slam/symmetric_eigen.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/localization/rotation.hpp"

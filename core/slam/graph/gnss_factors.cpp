@@ -5,6 +5,8 @@
 #include <iterator>
 
 #include "core/slam/level_pose.hpp"
+#include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 
 namespace swiftlet {
@@ -18,6 +20,37 @@ constexpr std::size_t kMaxMatched = 2000;
 constexpr std::size_t kMinMatched = 5;  // fewest pairs to fit an unknown start
 
 }  // namespace
+
+Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m) {
+  constexpr double kLeast_m = 0.003;  // released code: lower bound of the reported sigmas
+  Vector3 sigma_m = sigma_world_m.cwiseMax(kLeast_m);
+  if (config.weighting == GnssWeighting::kIsotropic) sigma_m.setConstant(sigma_m.maxCoeff());
+  const Vector3 inverse_1_m = config.weighting == GnssWeighting::kReleased ? Vector3(sigma_m.cwiseAbs2().cwiseInverse())
+                                                                           : Vector3(sigma_m.cwiseInverse());
+  return config.a * inverse_1_m + Vector3::Constant(config.b_1_m);
+}
+
+Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, double least_spread_m) {
+  double weight = 0.0;
+  Vector3 mean_local_m = Vector3::Zero(), mean_world_m = Vector3::Zero();
+  for (const MatchedPosition& m : points) {
+    weight += m.weight;
+    mean_local_m += m.weight * m.p_local_m;
+    mean_world_m += m.weight * m.p_world_m;
+  }
+  ENSURE(weight > 0.0, points.size());
+  mean_local_m /= weight;
+  mean_world_m /= weight;
+  double along = 0.0, across = 0.0, spread_m2 = 0.0;
+  for (const MatchedPosition& m : points) {
+    const Vector3 l = m.p_local_m - mean_local_m, w = m.p_world_m - mean_world_m;
+    along += m.weight * (l.x() * w.x() + l.y() * w.y());
+    across += m.weight * (l.x() * w.y() - l.y() * w.x());
+    spread_m2 += m.weight * l.head<2>().squaredNorm();
+  }
+  const bool is_significant = spread_m2 >= weight * least_spread_m * least_spread_m;
+  return level_alignment(is_significant ? elementary::atan2(across, along) : yaw_rad, mean_world_m, mean_local_m);
+}
 
 void GnssFactors::add(const GnssSample& sample, const TrajectoryGraph& trajectory) {
   if (!config_.use_gnss || !sample.p_world_m.allFinite() || !sample.sigma_p_m.allFinite()) return;

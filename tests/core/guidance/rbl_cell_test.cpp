@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_cell.hpp"
 #include "tests/support/draws.hpp"
 
 namespace swiftlet {

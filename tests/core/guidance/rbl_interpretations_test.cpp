@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "core/guidance/flocking/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
+#include "core/guidance/flocking/rbl_rules.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
-#include "swiftlet/core/guidance/rbl_cell.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
-#include "swiftlet/core/guidance/rbl_rules.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/guidance/flocking/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_agent.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
 #include "swiftlet/core/math/random.hpp"
 
@@ -106,7 +108,7 @@ double progress_after_leaves(double p_miss) {
   OccupancyMapConfig config;
   config.edge_m = kEdge;
   config.p_miss = p_miss;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   const Vector3 p(0.1, 0.1, 2.1);
   const auto shell = [&](double radius, bool hit) {
     std::vector<OccupancyMap::Ray> rays;
@@ -119,10 +121,10 @@ double progress_after_leaves(double p_miss) {
     }
     return rays;
   };
-  map.insert(shell(0.9, true), 1);                                                     // leaves
-  for (int i = 2; i <= 12; ++i) map.insert(shell(8.0, false), i * kNsPerSecond / 10);  // nothing there any more
+  map->insert(shell(0.9, true), 1);                                                     // leaves
+  for (int i = 2; i <= 12; ++i) map->insert(shell(8.0, false), i * kNsPerSecond / 10);  // nothing there any more
   std::vector<Vector3> voxels;
-  map.occupied_within(p, 4.5, kEver, voxels);
+  map->occupied_within(p, 4.5, kEver, voxels);
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;
@@ -145,6 +147,39 @@ TEST(ObstacleCutter, WithoutVoxelsCutsNothing) {
   EXPECT_TRUE(cuts.empty());
   cutter.cut(cell, {0, 0, 0}, std::vector<Vector3>{{50.1, 0.1, 0.1}}, kEdge, kEncumbrance, kEta, cuts);
   EXPECT_EQ(cell.num_partitioned(), all) << "out of reach";
+}
+
+TEST(RblAgent, StepsLikeItsParts) {
+  const RblCellConfig config;
+  RblRules rules;
+  rules.beta_desired_m = 0.6;
+  RblAgent agent(config, rules, false);
+  RblPlanner planner(config, rules, false);
+  ObstacleCutter cutter;
+  const std::vector<Vector3> neighbors_m = {{1.4, 0.3, 3.0}, {-0.5, 1.6, 3.2}};
+  const std::vector<Vector3> voxels_m = {{2.1, -0.5, 3.1}, {2.1, -0.7, 3.1}};
+  Vector3 p_m(0.0, 0.0, 3.0);
+  for (int i = 0; i < 20; ++i) {
+    const RblAgent::Step step = agent.step({.p_local_m = p_m,
+                                            .neighbors_local_m = neighbors_m,
+                                            .goal_local_m = {9.0, 1.0, 3.0},
+                                            .z_min_m = 1.0,
+                                            .z_max_m = 5.0,
+                                            .voxels_local_m = voxels_m,
+                                            .voxel_edge_m = kEdge},
+                                           0.1);
+    planner.partition(p_m, neighbors_m, 1.0, 5.0);
+    cutter.cut(planner.cell(), p_m, voxels_m, kEdge, config.encumbrance_m, config.eta, planner.cuts());
+    const RblPlanner::Step expected = planner.update({9.0, 1.0, 3.0}, 0.1);
+    ASSERT_EQ(step.centroid_local_m, expected.centroid_local_m) << i;
+    ASSERT_EQ(step.sensing_local_m, expected.sensing_local_m) << i;
+    ASSERT_EQ(step.destination_local_m, expected.destination_local_m) << i;
+    ASSERT_EQ(step.empty_cell, expected.empty_cell) << i;
+    ASSERT_EQ(step.beta_m, planner.state().beta_m) << i;
+    ASSERT_EQ(step.theta_rad, planner.state().theta_rad) << i;
+    ASSERT_EQ(step.phi_rad, planner.state().phi_rad) << i;
+    p_m += 0.2 * (step.centroid_local_m - p_m);
+  }
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/guidance/flocking/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_planner.hpp"
+#include "core/guidance/flocking/rbl_rules.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
-#include "swiftlet/core/guidance/rbl_cell.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
-#include "swiftlet/core/guidance/rbl_rules.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "core/guidance/flocking/rbl_obstacles.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 

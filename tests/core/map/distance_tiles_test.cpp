@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/map/distance_tiles.hpp"
+#include "core/map/distance_tiles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,10 +36,10 @@ class ChangingBlocks : public OccupiedBlocks {
     touched_after_ = revision;
     for (auto& [at, block] : blocks_) block.touched = {};
   }
-  const RayCells::Bits* occupied_of(const Cell& block) const override {
+  const CellBlock::Bits* occupied_of(const Cell& block) const override {
     const auto found = blocks_.find(place(block));
     if (found == blocks_.end()) return nullptr;
-    const RayCells::Bits& bits = found->second.bits;
+    const CellBlock::Bits& bits = found->second.bits;
     return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; }) ? &bits : nullptr;
   }
   void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
@@ -64,7 +64,7 @@ class ChangingBlocks : public OccupiedBlocks {
   static Place place(const Cell& cell) { return {cell.x(), cell.y(), cell.z()}; }
   static Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
   struct Block {
-    RayCells::Bits bits{}, touched{};
+    CellBlock::Bits bits{}, touched{};
     std::uint64_t changed = 0;
   };
   std::map<Place, Block> blocks_;
@@ -188,7 +188,7 @@ TEST(DistanceTiles, FollowOccupiedCellsOfAMap) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 8.0;
   config.distance_max_m = 1.5;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   const Random random(4, "flight");
   for (std::uint32_t scan = 0; scan < 30; ++scan) {
     const Eigen::Vector3f origin_m(0.4F * static_cast<float>(scan) - 6.0F, 0.05F, 0.03F);
@@ -199,22 +199,22 @@ TEST(DistanceTiles, FollowOccupiedCellsOfAMap) {
       const auto range_m = static_cast<float>(random.uniform(1.0, 4.0, scan, 5000 + i));
       rays.push_back({origin_m, origin_m + range_m * direction.cast<float>(), true});
     }
-    map.keep_around(origin_m.cast<double>());
-    map.insert(rays, scan);
+    map->keep_around(origin_m.cast<double>());
+    map->insert(rays, scan);
     std::vector<Vector3> occupied;
-    map.occupied_in(Vector3::Constant(-30.0), Vector3::Constant(30.0), occupied);
+    map->occupied_in(Vector3::Constant(-30.0), Vector3::Constant(30.0), occupied);
     for (std::uint32_t i = 0; i < 200; ++i) {
       const auto n = random.normal3(1000 + scan, i);
       const Vector3 p_m = origin_m.cast<double>() + 3.0 * Vector3(n[0], n[1], n[2]);
       const Vector3 center_m = ((p_m.array() * 10.0).floor() + 0.5) * 0.1;
       double expected = 1.5;
       for (const Vector3& cell_m : occupied) expected = std::min(expected, (cell_m - center_m).norm());
-      ASSERT_NEAR(map.clearance_m(p_m, 1.5), expected, 1e-9);
-      ASSERT_NEAR(map.OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9)
+      ASSERT_NEAR(map->clearance_m(p_m, 1.5), expected, 1e-9);
+      ASSERT_NEAR(map->OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9)
           << "clearance by the generic implementation";
       double farther = 4.0;
       for (const Vector3& cell_m : occupied) farther = std::min(farther, (cell_m - center_m).norm());
-      ASSERT_NEAR(map.clearance_m(p_m, 4.0), farther, 1e-9) << "farther than distances are kept";
+      ASSERT_NEAR(map->clearance_m(p_m, 4.0), farther, 1e-9) << "farther than distances are kept";
     }
   }
 }

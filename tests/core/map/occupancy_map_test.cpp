@@ -77,7 +77,7 @@ void expect_equal(const OccupancyMap& map, octomap::OcTree& tree) {
 
 // Some rays lie exactly in the planes between cells, some along an axis: there ties and rounding decide.
 TEST(OccupancyMap, MatchesTheLibraryInEveryCell) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   octomap::OcTree tree(0.1);
   for (std::uint32_t scan = 0; scan < 8; ++scan) {
     const auto s = static_cast<float>(scan);
@@ -91,14 +91,14 @@ TEST(OccupancyMap, MatchesTheLibraryInEveryCell) {
       rays.push_back({origin_m, origin_m + Eigen::Vector3f(length, length, 0.0F), true});
     }
     rays.push_back({origin_m, origin_m, true});
-    map.insert(rays, scan * kScan);
+    map->insert(rays, scan * kScan);
     insert(rays, 20.0, tree);
   }
-  expect_equal(map, tree);
+  expect_equal(*map, tree);
 }
 
 TEST(OccupancyMap, ResolvesRayTiesLikeTheLibrary) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   octomap::OcTree tree(0.1);
   std::vector<Beam> rays;
   for (int i = 0; i < 24; ++i) {
@@ -107,9 +107,9 @@ TEST(OccupancyMap, ResolvesRayTiesLikeTheLibrary) {
     rays.push_back(beam_to(0.05F + far_m, 0.05F + far_m, 0.05F + other_m));
     rays.push_back(beam_to(0.05F + other_m, 0.05F + far_m, 0.05F - far_m));
   }
-  map.insert(rays, kScan);
+  map->insert(rays, kScan);
   insert(rays, 20.0, tree);
-  expect_equal(map, tree);
+  expect_equal(*map, tree);
 }
 
 // A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates soon.
@@ -120,18 +120,18 @@ TEST(OccupancyMap, MatchesTheLibraryWithOtherProbabilities) {
     config.p_hit = 0.6;
     config.p_miss = p_miss;
     config.p_occupied = 0.7;
-    OccupancyMap map(config);
+    const auto map = make_occupancy_map(config);
     octomap::OcTree tree(config.edge_m);
     tree.setProbHit(config.p_hit);
     tree.setProbMiss(config.p_miss);
     tree.setOccupancyThres(config.p_occupied);
     for (std::uint32_t scan = 0; scan < 40; ++scan) {
       const std::vector<Beam> rays = random_scan(scan, kOrigin, 400, 8.0);
-      map.insert(rays, scan * kScan);
+      map->insert(rays, scan * kScan);
       insert(rays, 20.0, tree);
     }
     SCOPED_TRACE(p_miss);
-    expect_equal(map, tree);
+    expect_equal(*map, tree);
   }
 }
 
@@ -139,17 +139,17 @@ TEST(OccupancyMap, MatchesTheLibraryWithOtherProbabilities) {
 TEST(OccupancyMap, InsertsNothingBeyondTheLibrarysBounds) {
   for (const float x_m : {3276.0F, 3290.0F, -3276.0F, -3290.0F}) {
     for (int axis = 0; axis < 3; ++axis) {
-      OccupancyMap map({});
+      const auto map = make_occupancy_map({});
       octomap::OcTree tree(0.1);
       const Eigen::Vector3f origin_m = x_m * Eigen::Vector3f::Unit(axis);
       for (const float length_m : {0.55F, -0.55F, 2.0F, -2.0F}) {
         const std::vector<Beam> rays = {{origin_m, origin_m + length_m * Eigen::Vector3f::Unit(axis), true}};
-        map.insert(rays, kScan);
+        map->insert(rays, kScan);
         insert(rays, 20.0, tree);
       }
       tree.expand();
       MapVoxels copy;
-      map.append_voxels(copy);
+      map->append_voxels(copy);
       EXPECT_EQ(copy.size(), tree.getNumLeafNodes()) << x_m << ", " << axis;
     }
   }
@@ -158,57 +158,57 @@ TEST(OccupancyMap, InsertsNothingBeyondTheLibrarysBounds) {
 TEST(OccupancyMap, RayBeyondRangeOnlyClears) {
   OccupancyMapConfig config;
   config.range_max_m = 5.0;
-  OccupancyMap map(config);
-  map.insert(std::vector{beam_to(30.0F, 0.05F, 0.05F), Beam{kOrigin, {0.05F, 3.0F, 0.05F}, false}}, kScan);
-  EXPECT_EQ(map.state({4.9, 0.05, 0.05}), CellState::kFree);
-  EXPECT_EQ(map.state({5.2, 0.05, 0.05}), CellState::kUnknown);
-  EXPECT_EQ(map.state({0.05, 2.9, 0.05}), CellState::kFree);
-  EXPECT_EQ(map.state({0.05, 3.1, 0.05}), CellState::kUnknown);
+  const auto map = make_occupancy_map(config);
+  map->insert(std::vector{beam_to(30.0F, 0.05F, 0.05F), Beam{kOrigin, {0.05F, 3.0F, 0.05F}, false}}, kScan);
+  EXPECT_EQ(map->state({4.9, 0.05, 0.05}), CellState::kFree);
+  EXPECT_EQ(map->state({5.2, 0.05, 0.05}), CellState::kUnknown);
+  EXPECT_EQ(map->state({0.05, 2.9, 0.05}), CellState::kFree);
+  EXPECT_EQ(map->state({0.05, 3.1, 0.05}), CellState::kUnknown);
   std::vector<Vector3> occupied;
-  map.occupied_in(Vector3::Constant(-40.0), Vector3::Constant(40.0), occupied);
+  map->occupied_in(Vector3::Constant(-40.0), Vector3::Constant(40.0), occupied);
   EXPECT_TRUE(occupied.empty());
 }
 
 TEST(OccupancyMap, RaysStartAtTheirOwnOrigins) {
-  OccupancyMap map({});
-  map.insert(std::vector<Beam>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
-                               {{0.05F, 1.05F, 0.05F}, {3.05F, 1.05F, 0.05F}, true}},
-             kScan);
+  const auto map = make_occupancy_map({});
+  map->insert(std::vector<Beam>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
+                                {{0.05F, 1.05F, 0.05F}, {3.05F, 1.05F, 0.05F}, true}},
+              kScan);
   for (int x = 0; x < 30; ++x) {
-    EXPECT_LT(map.log_odds({x, 0, 0}), 0.0F);
-    EXPECT_LT(map.log_odds({x, 10, 0}), 0.0F);
-    EXPECT_FALSE(map.known({x, 5, 0}));
+    EXPECT_LT(map->log_odds({x, 0, 0}), 0.0F);
+    EXPECT_LT(map->log_odds({x, 10, 0}), 0.0F);
+    EXPECT_FALSE(map->known({x, 5, 0}));
   }
 }
 
 TEST(OccupancyMap, IgnoresNonFiniteRays) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  map.insert(std::vector<Beam>{beam_to(nan, 0.0F, 0.0F),
-                               beam_to(inf, 0.0F, 0.0F),
-                               {{nan, 0.0F, 0.0F}, kOrigin, true},
-                               beam_to(3.05F, 0.05F, 0.05F)},
-             kScan);
+  map->insert(std::vector<Beam>{beam_to(nan, 0.0F, 0.0F),
+                                beam_to(inf, 0.0F, 0.0F),
+                                {{nan, 0.0F, 0.0F}, kOrigin, true},
+                                beam_to(3.05F, 0.05F, 0.05F)},
+              kScan);
   MapVoxels copy;
-  map.append_voxels(copy);
+  map->append_voxels(copy);
   EXPECT_EQ(copy.size(), 31U) << "the cells of the finite ray";
 }
 
 TEST(OccupancyMap, RemembersWhenACellWasHit) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   std::vector<Vector3> cells;
   const auto hit_since = [&](TimeNs since) {
-    map.occupied_within(Vector3::Zero(), 10.0, since, cells);
+    map->occupied_within(Vector3::Zero(), 10.0, since, cells);
     return cells.size();
   };
-  map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, 1 * kScan);
-  map.insert(std::vector{beam_to(0.05F, 3.05F, 0.05F)}, 2 * kScan);
-  map.insert(std::vector{beam_to(0.05F, 0.05F, 3.05F)}, 3 * kScan);
+  map->insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, 1 * kScan);
+  map->insert(std::vector{beam_to(0.05F, 3.05F, 0.05F)}, 2 * kScan);
+  map->insert(std::vector{beam_to(0.05F, 0.05F, 3.05F)}, 3 * kScan);
   EXPECT_EQ(hit_since(kEver), 3U);
   EXPECT_EQ(hit_since(2 * kScan), 2U);
   EXPECT_EQ(hit_since(2 * kScan + 1), 1U);
   EXPECT_EQ(hit_since(4 * kScan), 0U);
-  for (int i = 4; i < 6000; ++i) map.insert({}, i * kScan);
+  for (int i = 4; i < 6000; ++i) map->insert({}, i * kScan);
   EXPECT_EQ(hit_since(kEver), 3U);
   EXPECT_EQ(hit_since(5000 * kScan), 0U) << "too long ago for a time stamp";
 }
@@ -216,46 +216,46 @@ TEST(OccupancyMap, RemembersWhenACellWasHit) {
 TEST(OccupancyMap, ReportsChangesSinceARevision) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 5.0;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   std::vector<VoxelGrid> boxes;
   const auto covers = [&](const Vector3& p_m) {
     return std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(p_m); });
   };
-  const std::uint64_t before = map.revision();
-  map.insert(near_wall(), kScan);
-  EXPECT_GT(map.revision(), before);
-  ASSERT_TRUE(map.changed_since(before, boxes));
+  const std::uint64_t before = map->revision();
+  map->insert(near_wall(), kScan);
+  EXPECT_GT(map->revision(), before);
+  ASSERT_TRUE(map->changed_since(before, boxes));
   EXPECT_TRUE(covers({3.05, 0.05, 0.05}) && covers({1.55, 0.05, 0.05}));
   EXPECT_FALSE(covers({-3.05, 0.05, 0.05}));
 
-  const std::uint64_t seen = map.revision();
-  map.insert(near_wall(), 2 * kScan);
-  ASSERT_TRUE(map.changed_since(seen, boxes));
+  const std::uint64_t seen = map->revision();
+  map->insert(near_wall(), 2 * kScan);
+  ASSERT_TRUE(map->changed_since(seen, boxes));
   EXPECT_TRUE(boxes.empty()) << "more certain, but the same state";
 
-  for (int i = 3; i < 9; ++i) map.insert(std::vector{beam_to(4.55F, 0.05F, 0.05F)}, i * kScan);
-  ASSERT_TRUE(map.changed_since(seen, boxes));
+  for (int i = 3; i < 9; ++i) map->insert(std::vector{beam_to(4.55F, 0.05F, 0.05F)}, i * kScan);
+  ASSERT_TRUE(map->changed_since(seen, boxes));
   EXPECT_TRUE(covers({3.05, 0.05, 0.05})) << "cleared by rays that pass";
-  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kFree);
+  EXPECT_EQ(map->state({3.05, 0.05, 0.05}), CellState::kFree);
 
-  map.keep_around({50.0, 0.0, 0.0});
-  ASSERT_TRUE(map.changed_since(seen, boxes));
+  map->keep_around({50.0, 0.0, 0.0});
+  ASSERT_TRUE(map->changed_since(seen, boxes));
   EXPECT_TRUE(covers({3.05, 0.05, 0.05})) << "forgotten";
-  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kUnknown);
+  EXPECT_EQ(map->state({3.05, 0.05, 0.05}), CellState::kUnknown);
 }
 
 TEST(OccupancyMap, HitBelowThresholdMakesCellKnown) {
   OccupancyMapConfig config;
   config.p_hit = 0.55;
   config.p_occupied = 0.7;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   const Vector3 end_m(3.25, 0.05, 0.05);  // the first cell of its block: no ray passes through another one
-  ASSERT_EQ(map.state(end_m), CellState::kUnknown);
-  const std::uint64_t before = map.revision();
-  map.insert(std::vector{beam_to(3.25F, 0.05F, 0.05F)}, kScan);
-  ASSERT_EQ(map.state(end_m), CellState::kFree);
+  ASSERT_EQ(map->state(end_m), CellState::kUnknown);
+  const std::uint64_t before = map->revision();
+  map->insert(std::vector{beam_to(3.25F, 0.05F, 0.05F)}, kScan);
+  ASSERT_EQ(map->state(end_m), CellState::kFree);
   std::vector<VoxelGrid> boxes;
-  ASSERT_TRUE(map.changed_since(before, boxes));
+  ASSERT_TRUE(map->changed_since(before, boxes));
   EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(end_m); }));
 }
 
@@ -263,25 +263,25 @@ TEST(OccupancyMap, HitBelowThresholdMakesCellKnown) {
 TEST(OccupancyMap, EvenMissProbabilityClearsNothing) {
   OccupancyMapConfig config;
   config.p_miss = 0.5;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   const Eigen::Vector3f origin(0.05F, 0.05F, 0.05F), wall(4.05F, 0.05F, 0.05F), behind(8.05F, 0.05F, 0.05F);
-  map.insert(std::vector<OccupancyMap::Ray>{{origin, wall, true}}, 1);
-  for (TimeNs t = 2; t < 30; ++t) map.insert(std::vector<OccupancyMap::Ray>{{origin, behind, false}}, t);
-  EXPECT_EQ(map.state(wall.cast<double>()), CellState::kOccupied);
-  EXPECT_EQ(map.state({2.05, 0.05, 0.05}), CellState::kUnknown);
+  map->insert(std::vector<OccupancyMap::Ray>{{origin, wall, true}}, 1);
+  for (TimeNs t = 2; t < 30; ++t) map->insert(std::vector<OccupancyMap::Ray>{{origin, behind, false}}, t);
+  EXPECT_EQ(map->state(wall.cast<double>()), CellState::kOccupied);
+  EXPECT_EQ(map->state({2.05, 0.05, 0.05}), CellState::kUnknown);
 }
 
 TEST(OccupancyMap, ConfidenceThresholdFiltersOnlyOccupiedCells) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   for (int i = 1; i <= 6; ++i) {
     std::vector<Beam> rays = {beam_to(3.05F, 0.05F, 0.05F)};
     if (i <= 2) rays.push_back(beam_to(0.05F, 3.05F, 0.05F));
     if (i <= 2) rays.push_back(beam_to(0.05F, 0.05F, 3.25F));  // the first of its block
-    map.insert(rays, i * kScan);
+    map->insert(rays, i * kScan);
   }
   const auto counted = [&](double p) {
     std::pair<int, int> cells;  // occupied, free
-    for (const CellBlock& block : map.blocks_above(p)) {
+    for (const CellBlock& block : map->blocks_above(p)) {
       for (int z = 0; z < 8; ++z) {
         cells.first += std::popcount(block.occupied[static_cast<std::size_t>(z)]);
         cells.second += std::popcount(block.free[static_cast<std::size_t>(z)]);
@@ -289,7 +289,7 @@ TEST(OccupancyMap, ConfidenceThresholdFiltersOnlyOccupiedCells) {
     }
     return cells;
   };
-  const float twice = map.log_odds({0, 30, 0});
+  const float twice = map->log_odds({0, 30, 0});
   const double p_twice = 1.0 / (1.0 + std::exp(-static_cast<double>(twice)));
   EXPECT_EQ(counted(0.5).first, 3);
   EXPECT_EQ(counted(p_twice - 0.001).first, 3);
@@ -302,25 +302,25 @@ TEST(OccupancyMap, ConfidenceThresholdFiltersOnlyOccupiedCells) {
 TEST(OccupancyMap, ForgetsDistantCellsAndReusesMemory) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 5.0;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   for (int i = 1; i <= 400; ++i) {
     const auto x = static_cast<float>(0.5 * i);
-    map.keep_around({x, 0.0, 0.0});
-    map.insert(std::vector<Beam>{{{x, 0.0F, 0.0F}, {x + 2.0F, 0.15F, 0.15F}, true}}, i * kScan);
+    map->keep_around({x, 0.0, 0.0});
+    map->insert(std::vector<Beam>{{{x, 0.0F, 0.0F}, {x + 2.0F, 0.15F, 0.15F}, true}}, i * kScan);
   }
-  EXPECT_LE(map.num_blocks(), 60U);
-  EXPECT_EQ(map.state({202.0, 0.15, 0.15}), CellState::kOccupied);
-  EXPECT_EQ(map.state({40.0, 0.15, 0.15}), CellState::kUnknown);
+  EXPECT_LE(map->num_blocks(), 60U);
+  EXPECT_EQ(map->state({202.0, 0.15, 0.15}), CellState::kOccupied);
+  EXPECT_EQ(map->state({40.0, 0.15, 0.15}), CellState::kUnknown);
 }
 
 TEST(OccupancyMap, ScanAllocatesNothingAfterWarmUp) {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   const std::vector<Beam> rays = random_scan(1, kOrigin, 5000, 15.0);
-  map.insert(rays, kScan);
+  map->insert(rays, kScan);
   const std::uint64_t before = test::num_allocations();
   for (int i = 2; i < 20; ++i) {
-    map.keep_around(kOrigin.cast<double>());
-    map.insert(rays, i * kScan);
+    map->keep_around(kOrigin.cast<double>());
+    map->insert(rays, i * kScan);
   }
   EXPECT_EQ(test::num_allocations(), before);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "swiftlet/core/map/occupancy_map.hpp"
@@ -15,12 +16,12 @@ namespace {
 
 /// One ray from (0, 0, 2) to an occupied cell at (6, 0, 2).
 const OccupancyMap& one_ray() {
-  static const OccupancyMap map = [] {
-    OccupancyMap made({});
-    made.insert(std::vector<OccupancyMap::Ray>{{{0.05F, 0.05F, 2.05F}, {6.05F, 0.05F, 2.05F}, true}}, 1);
+  static const std::unique_ptr<OccupancyMap> map = [] {
+    auto made = make_occupancy_map({});
+    made->insert(std::vector<OccupancyMap::Ray>{{{0.05F, 0.05F, 2.05F}, {6.05F, 0.05F, 2.05F}, true}}, 1);
     return made;
   }();
-  return map;
+  return *map;
 }
 
 const KeepOut kColumn = KeepOut::column({3.05, 0.05, 2.05}, 1.0, 4.0);

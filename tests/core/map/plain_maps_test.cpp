@@ -124,11 +124,11 @@ TEST(PlainMaps, OccupancyMapMatchesCellList) {
     config.edge_m = edge_m;
     config.keep_radius_m = config.range_max_m = 10.0;
     config.distance_max_m = 8.0 * edge_m;
-    OccupancyMap map(config);
-    map.insert(returns_around<OccupancyMap::Ray>(1, 160, 4.0), 1);
-    const Centers all = occupied_cells(map, {4.5, 4.5, 2.5});
+    const auto map = make_occupancy_map(config);
+    map->insert(returns_around<OccupancyMap::Ray>(1, 160, 4.0), 1);
+    const Centers all = occupied_cells(*map, {4.5, 4.5, 2.5});
     ASSERT_GT(all.size(), 100U);
-    expect_answers_of(map, all, 4.0, 2);
+    expect_answers_of(*map, all, 4.0, 2);
   }
 }
 
@@ -140,7 +140,7 @@ TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;
   config.keep_radius_m = config.range_max_m = 16.0;
-  OccupancyMap map(config);
+  const auto map = make_occupancy_map(config);
   Centers ends_m;
   for (int x = -9; x < 9; ++x) {
     for (int y = -9; y < 9; ++y) {
@@ -154,10 +154,10 @@ TEST(PlainMaps, KeepAllBlocksWithinTheRadius) {
   for (const Vector3& end_m : ends_m) {
     rays.push_back(straight_to(end_m));
   }
-  map.keep_around(Vector3::Zero());
-  map.insert(rays, 1);
+  map->keep_around(Vector3::Zero());
+  map->insert(rays, 1);
   for (const Vector3& end_m : ends_m) {
-    ASSERT_EQ(map.state(end_m), CellState::kOccupied) << end_m.transpose();
+    ASSERT_EQ(map->state(end_m), CellState::kOccupied) << end_m.transpose();
   }
 }
 

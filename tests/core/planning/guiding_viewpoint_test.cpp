@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Position of the guiding vehicle [Pritzl 2024, alg. 2], against exact geometry and exhaustive search.
-#include "swiftlet/core/planning/guiding_viewpoint.hpp"
+#include "core/planning/guiding_viewpoint.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "swiftlet/core/planning/guiding_viewpoint.hpp"
+#include "core/planning/guiding_viewpoint.hpp"
 #include "swiftlet/core/planning/next_view.hpp"
 #include "swiftlet/core/planning/plane_region.hpp"
 #include "tests/core/planning/box_map.hpp"

@@ -6,6 +6,7 @@
 
 #include <numbers>
 
+#include "core/planning/guiding_viewpoint.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 

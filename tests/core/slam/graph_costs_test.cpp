@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "core/slam/graph/gnss_factors.hpp"
+#include "core/slam/graph/graph_residuals.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"

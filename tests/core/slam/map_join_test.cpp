@@ -6,6 +6,7 @@
 #include <random>
 
 #include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/pose_graph.hpp"
 #include "tests/core/slam/shared_yard.hpp"
 
 namespace swiftlet {

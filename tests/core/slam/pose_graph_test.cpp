@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "core/slam/graph/block_cholesky.hpp"
+#include "core/slam/graph/gnss_factors.hpp"
+#include "core/slam/graph/graph_residuals.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "tests/core/slam/random_poses.hpp"

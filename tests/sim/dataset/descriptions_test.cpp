@@ -9,8 +9,9 @@
 #include <sstream>
 
 #include "sim/dataset/data_card.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
-#include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 #include "swiftlet/sim/render/colors.hpp"
 #include "tests/sim/dataset/read_files.hpp"

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/data_card.hpp"
-#include "swiftlet/sim/dataset/hash.hpp"
+#include "sim/dataset/hash.hpp"
 #include "swiftlet/sim/dataset/verify.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "tests/sim/dataset/read_files.hpp"

@@ -11,7 +11,8 @@
 #include <numbers>
 
 #include "sim/dataset/frame_writer.hpp"
-#include "swiftlet/sim/dataset/hash.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/sim/dataset/read_files.hpp"

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim/dataset/sequence_recorder.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/sequence_info.hpp"
 #include "swiftlet/sim/errors/errors.hpp"

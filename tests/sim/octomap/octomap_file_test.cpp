@@ -17,14 +17,14 @@ using testing::HasSubstr;
 using OctomapFiles = FileTest;
 
 MapVoxels some_map() {
-  OccupancyMap map({});
+  const auto map = make_occupancy_map({});
   for (int i = 0; i < 3; ++i) {
-    map.insert(std::vector<OccupancyMap::Ray>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
-                                              {{0.05F, 0.05F, 0.05F}, {-1.0F, 2.2F, -0.7F}, i > 0}},
-               i);
+    map->insert(std::vector<OccupancyMap::Ray>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
+                                               {{0.05F, 0.05F, 0.05F}, {-1.0F, 2.2F, -0.7F}, i > 0}},
+                i);
   }
   MapVoxels copy;
-  map.append_voxels(copy);
+  map->append_voxels(copy);
   return copy;
 }
 

@@ -13,6 +13,7 @@
 #include <map>
 #include <sstream>
 
+#include "sim/report/group_samples.hpp"
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors/errors.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/report/statistics.hpp"
+#include "sim/report/statistics.hpp"
 
 #include <gtest/gtest.h>
 

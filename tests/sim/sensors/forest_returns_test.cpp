@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "sim/world/relief.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/sensors/lidar.hpp"
 #include "swiftlet/sim/world/forest.hpp"
-#include "swiftlet/sim/world/relief.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "sim/world/relief.hpp"
 #include "swiftlet/sim/world/forest.hpp"
 #include "tests/sim/world/world_support.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "sim/world/relief.hpp"
 #include "sim/world/tree.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 #include "tests/sim/world/world_support.hpp"

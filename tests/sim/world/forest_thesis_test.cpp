@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "sim/world/placement.hpp"
 #include "swiftlet/sim/errors/errors.hpp"
 #include "tests/sim/world/world_support.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "sim/world/relief.hpp"
 #include "swiftlet/sim/world/campus.hpp"
 #include "swiftlet/sim/world/empty.hpp"
 #include "swiftlet/sim/world/field.hpp"

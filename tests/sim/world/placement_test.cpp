@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/world/placement.hpp"
+#include "sim/world/placement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 
 #include "sim/world/building.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/keep_clear_config.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {

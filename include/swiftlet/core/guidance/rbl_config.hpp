@@ -3,13 +3,73 @@
 
 #include <string>
 
+#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/guidance/neighbor_source.hpp"
-#include "swiftlet/core/guidance/rbl_obstacles.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/separation_config.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 
 namespace swiftlet {
+
+/// Cells of the rule-based Lloyd algorithm [Kamler 2025, Tables 2.2 and 3.1].
+struct RblCellConfig {
+  double sensing_radius_m = 3.5;  ///< r_s
+  double step_m = 0.2;
+  enum class Lattice { kAgent, kWorld };
+  Lattice lattice = Lattice::kAgent;
+  double encumbrance_m = 0.5;  ///< delta_i, equal for all vehicles
+  double eta = 0.9;
+  enum class Cut { kProgram, kBuffered, kContinued };
+  Cut cut = Cut::kProgram;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
+/// differs from its authors' program, the interpretation is an option, or fixed (docs/rbl.md).
+struct RblRules {
+  double weight_near_m = 0.5;       ///< d_1
+  double weight_gap_m = 1.0;        ///< d_2
+  double weight_goal_m = 3.5;       ///< goal distance below which beta falls too; 0: never, as in the document
+  double azimuth_near_m = 0.5;      ///< d_3
+  double azimuth_gap_m = 1.0;       ///< d_4
+  double elevation_near_m = 0.5;    ///< d_5
+  double elevation_gap_m = 1.0;     ///< d_6
+  double elevation_shrink_m = 0.2;  ///< d_7
+  double beta_desired_m = 1.5;      ///< beta^D
+  double beta_min_m = 0.1;          ///< beta_min; not in the document
+  double weight_rate_mps = 1.0;     ///< k of (2.7)
+  double azimuth_rate_radps = 1.0;  ///< k of (2.8)
+  double azimuth_return_radps = 2.0;
+  double elevation_rate_radps = 1.0;  ///< k of (2.19)
+  double centering_weight = 0.7;      ///< w_1
+  double direction_weight = 0.3;      ///< w_2
+  enum class AzimuthCondition { kNear, kPrinted };
+  AzimuthCondition azimuth_condition = AzimuthCondition::kNear;
+  enum class AzimuthReset { kDetour, kNear, kNone };
+  AzimuthReset azimuth_reset = AzimuthReset::kDetour;
+  enum class ElevationCondition { kGap, kPrinted };
+  ElevationCondition elevation_condition = ElevationCondition::kGap;
+  enum class DirectionInfluence { kNorth, kPrinted, kProgram };
+  DirectionInfluence direction_influence = DirectionInfluence::kNorth;
+  enum class ElevationSense { kLevel, kUp, kPrinted };
+  ElevationSense elevation_sense = ElevationSense::kLevel;
+  bool azimuth_rule = true;
+  bool elevation_rule = true;  ///< z-rule (2.15) to (2.19); RblConfig enables it for the variant 3d_z only
+
+  void visit(ConfigVisitor& v);
+};
+
+/// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
+struct RblLidarConfig {
+  bool enabled = false;
+  enum class Legal { kSensed, kCell };
+  Legal legal = Legal::kSensed;
+  double fov_lower_deg = 20.0;
+  double fov_deg = 59.0;
+  double facing_deg = 60.0;
+
+  void visit(ConfigVisitor& v);
+};
 
 /// Escape from dead ends. Not in the document.
 struct RblDetourConfig {

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/base/time.hpp"
-#include "swiftlet/core/map/block_log.hpp"
-#include "swiftlet/core/map/block_occupancy.hpp"
-#include "swiftlet/core/map/log_odds_blocks.hpp"
-#include "swiftlet/core/map/occupied_changes.hpp"
-#include "swiftlet/core/map/submap_cells.hpp"
+#include "swiftlet/core/map/cell_block.hpp"
+#include "swiftlet/core/map/occupancy_view.hpp"
 
 namespace swiftlet {
 
@@ -19,6 +17,9 @@ namespace swiftlet {
 struct OccupancyMapConfig {
   /// [-] Limits of a cell's probability, as the library's. Wider limits let a cell change later.
   static constexpr double kProbabilityMin = 0.1192, kProbabilityMax = 0.971;
+
+  /// [cells] Upper limit of distance_max_m.
+  static constexpr int kMaxDistance_cells = 64;
 
   double edge_m = 0.1;
   double p_hit = 0.7;
@@ -37,10 +38,8 @@ struct OccupancyMapConfig {
 
 /// Occupancy map around a vehicle, identical cell by cell to OctoMap's library after the same scans. Log-odds are in
 /// single precision, rays are traversed as in the library, and each cell is updated once per scan.
-class OccupancyMap : public BlockOccupancy {
+class OccupancyMap : public OccupancyView {
  public:
-  explicit OccupancyMap(const OccupancyMapConfig& config);
-
   /// One beam of a scan, in the local frame.
   struct Ray {
     Eigen::Vector3f origin_local_m;
@@ -51,53 +50,22 @@ class OccupancyMap : public BlockOccupancy {
   /// Inserts one scan. A cell in which any ray ends is hit once; every other cell on a ray is missed once. A ray longer
   /// than range_max_m hits nothing and clears cells up to that range, as in the library. The library has one origin per
   /// scan; here each ray has its own.
-  void insert(std::span<const Ray> rays, TimeNs now);
+  virtual void insert(std::span<const Ray> rays, TimeNs now) = 0;
   /// Drops blocks farther than keep_radius_m from this position.
-  void keep_around(const Vector3& center_local_m);
-
-  void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
-                       std::vector<Vector3>& centers_local_m) const override;
-  bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
-  void append_voxels(MapVoxels& copy) const override;
+  virtual void keep_around(const Vector3& center_local_m) = 0;
 
   /// Copies the states of a block; false: all its cells are unknown.
-  bool look_at(const Cell& block, CellBlock& states) const;
+  virtual bool look_at(const Cell& block, CellBlock& states) const = 0;
   /// All blocks. Cells count as occupied above this probability, and as free below p_occupied; those between are
   /// omitted.
-  std::vector<CellBlock> blocks_above(double p) const;
+  virtual std::vector<CellBlock> blocks_above(double p) const = 0;
 
   /// Log-odds of the cell with these coordinates; 0 when it is unknown.
-  float log_odds(const Cell& cell) const;
-  bool known(const Cell& cell) const { return state_of(cell) != CellState::kUnknown; }
-  std::size_t num_blocks() const { return blocks_.num_used(); }
-
- private:
-  using Block = LogOddsBlocks::Block;
-  using Page = LogOddsBlocks::Page;
-
-  int find_or_make(const Cell& block);
-  void forget(int block);
-  void miss(int i, const Bits& passed);
-  void miss_valued(int i, int z, std::uint64_t cells);
-  void hit(const Cell& cell);
-  CellState state_of(const Cell& cell) const override;
-  const Bits* occupied_of(const Cell& block) const override;
-  void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
-                      std::vector<Change>& changes) const override {
-    changes_.append(blocks_, low, high, since, changes);
-  }
-
-  OccupancyMapConfig config_;
-  float hit_, miss_, occupied_, min_, max_;  // log-odds
-  LogOddsBlocks::AfterMisses after_misses_;
-  int most_misses_ = 0;  // miss count at which the log-odds are clamped or a value is needed
-  RayCells rays_;
-  LogOddsBlocks blocks_;
-  OccupiedChanges changes_;
-  std::uint32_t scan_ = 0;
-  std::vector<TimeNs> scan_times_;  // times of the last scans, in a ring buffer
-  BlockLog removed_;
-  Vector3 kept_around_local_m_;
+  virtual float log_odds(const Cell& cell) const = 0;
+  virtual bool known(const Cell& cell) const = 0;
+  virtual std::size_t num_blocks() const = 0;
 };
+
+std::unique_ptr<OccupancyMap> make_occupancy_map(const OccupancyMapConfig& config);
 
 }  // namespace swiftlet

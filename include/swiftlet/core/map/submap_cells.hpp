@@ -7,24 +7,17 @@
 #include <vector>
 
 #include "swiftlet/core/base/frames.hpp"
-#include "swiftlet/core/map/ray_cells.hpp"
-#include "swiftlet/core/map/voxel_grid.hpp"
+#include "swiftlet/core/map/cell_block.hpp"
 
 namespace swiftlet {
-
-/// States of a block of 8 x 8 x 8 cells. Cells in neither set are unknown; no cell is in both.
-struct CellBlock {
-  Cell at = Cell::Zero();  ///< block b spans cells 8 b to 8 b + 7
-  RayCells::Bits occupied{}, free{};
-};
 
 /// A piece of a map in its own frame: observed occupied and free cells. Immutable. Its pose is stored elsewhere, and
 /// may change.
 class SubmapCells {
  public:
-  static constexpr int kSide = RayCells::kSide;
+  static constexpr int kSide = CellBlock::kSide;
   static constexpr int kGroup = 4;  ///< edge of a group in blocks
-  using Bits = RayCells::Bits;
+  using Bits = CellBlock::Bits;
 
   /// Blocks without known cells are omitted.
   /// @param blocks  at most one per position

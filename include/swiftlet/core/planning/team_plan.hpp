@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "swiftlet/core/base/config.hpp"
+#include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
-#include "swiftlet/core/planning/guiding_viewpoint.hpp"
+#include "swiftlet/core/planning/plane_region.hpp"
+#include "swiftlet/core/planning/viewpoint.hpp"
 
 /// Paths of a primary vehicle, which has the map, and of a secondary one that it guides [Pritzl 2024, alg. 1].
 namespace swiftlet {

@@ -48,9 +48,6 @@ struct PositionFactor {
   double huber = kNoHuber;
 };
 
-/// a / sigma + b along each axis [Orsulic 2021, eq. 7].
-Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m);
-
 class BlockCholesky;
 struct GraphWorkspace;
 
@@ -103,36 +100,5 @@ class PoseGraph {
   std::vector<GravityFactor> gravities_;
   std::vector<PositionFactor> positions_;
 };
-
-/// Applies a displacement in world axes and a rotation in the pose's own axes.
-Pose moved(const Pose& T_world_pose, const Vector6& step);
-
-/// Residuals and their derivatives with respect to such changes; a row per residual.
-struct RelativeResidual {
-  Vector6 r = Vector6::Zero();
-  Matrix6 J_from = Matrix6::Zero(), J_to = Matrix6::Zero();
-};
-RelativeResidual residual_of(const RelativeFactor& factor, const Pose& T_world_from, const Pose& T_world_to);
-struct PriorResidual {
-  Vector6 r = Vector6::Zero();
-  Matrix6 J = Matrix6::Zero();
-};
-PriorResidual residual_of(const PriorFactor& factor, const Pose& T_world_pose);
-struct GravityResidual {
-  Vector3 r_body = Vector3::Zero();
-  Matrix3 J_turn = Matrix3::Zero();
-};
-GravityResidual residual_of(const GravityFactor& factor, const Pose& T_world_pose);
-/// Weighted residual; its derivatives are (1 - beta) and beta times the weights.
-Vector3 residual_of(const PositionFactor& factor, const Pose& T_world_before, const Pose& T_world_after);
-
-/// A point of a trajectory and its measured position.
-struct MatchedPosition {
-  Vector3 p_local_m = Vector3::Zero(), p_world_m = Vector3::Zero();
-  double weight = 1.0;
-};
-/// Least-squares pose of the local frame in the world, over heading and translation: both have z up. The heading stays
-/// `yaw_rad` when the spread of the points is too small to determine it.
-Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, double least_spread_m);
 
 }  // namespace swiftlet

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "swiftlet/core/base/frames.hpp"
-#include "swiftlet/sim/render/image.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
+
+using Rgb = Eigen::Vector3f;  ///< sRGB, 0..1
+
+inline Eigen::Vector4f with_alpha(const Rgb& color, float alpha) { return {color.x(), color.y(), color.z(), alpha}; }
 
 /// Perceptually uniform, dark violet to yellow; s in 0..1 (clamped). For intensities.
 Rgb viridis_like(float s);

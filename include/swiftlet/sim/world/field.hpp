@@ -3,8 +3,8 @@
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/sim/world/clutter_config.hpp"
-#include "swiftlet/sim/world/placement.hpp"
-#include "swiftlet/sim/world/relief.hpp"
+#include "swiftlet/sim/world/keep_clear_config.hpp"
+#include "swiftlet/sim/world/relief_config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {

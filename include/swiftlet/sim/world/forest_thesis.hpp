@@ -2,7 +2,7 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/sim/world/placement.hpp"
+#include "swiftlet/sim/world/keep_clear_config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {

@@ -14,13 +14,6 @@ struct Hash128 {
   bool operator==(const Hash128&) const = default;
 };
 
-/// Entry of a manifest: a file of a dataset.
-struct FileEntry {
-  std::string path;  ///< relative
-  std::uint64_t bytes = 0;
-  std::string xxh128;
-};
-
 Hash128 hash_of(std::string_view bytes);
 /// Hash of the file's content. Throws std::runtime_error with path and reason.
 Hash128 hash_of_file(const std::filesystem::path& path);

@@ -6,11 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "swiftlet/sim/render/colors.hpp"
+
 namespace swiftlet::sim {
-
-using Rgb = Eigen::Vector3f;  ///< sRGB, 0..1
-
-inline Eigen::Vector4f with_alpha(const Rgb& color, float alpha) { return {color.x(), color.y(), color.z(), alpha}; }
 
 /// A picture: 8-bit sRGB, row 0 is the top.
 struct Image {

@@ -6,16 +6,18 @@
 #include <optional>
 #include <vector>
 
-#include "swiftlet/core/map/distance_tiles.hpp"
+#include "core/map/distance_tiles.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 
 namespace swiftlet {
 
-/// Queries of a map by its occupied cells, which are bits in blocks of 8 x 8 x 8 cells.
-class BlockOccupancy : public OccupancyView, public OccupiedBlocks {
+/// Queries of a map by its occupied cells, which are bits in blocks of 8 x 8 x 8 cells. Instantiated in
+/// block_occupancy.cpp.
+/// @tparam Map  interface of the map, an OccupancyView
+template <class Map>
+class BlockOccupancy : public Map, public OccupiedBlocks {
  public:
   double edge_m() const override { return edge_m_; }
-  CellState state(const Vector3& p_local_m) const override { return state_of(cell_of(p_local_m)); }
   void occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
                    std::vector<Vector3>& centers_local_m) const override;
   double distance_m(const Vector3& p_local_m, double max_m) const override;
@@ -24,13 +26,11 @@ class BlockOccupancy : public OccupancyView, public OccupiedBlocks {
   std::uint64_t revision() const override { return revision_; }
 
  protected:
-  using Bits = RayCells::Bits;
-  static constexpr int kSide = RayCells::kSide;
+  using Bits = CellBlock::Bits;
+  static constexpr int kSide = CellBlock::kSide;
 
   /// @param distance_max_m  largest distance that is cached
   BlockOccupancy(double edge_m, double distance_max_m);
-  virtual CellState state_of(const Cell& cell) const = 0;
-
   Cell cell_of(const Vector3& p_local_m) const { return (p_local_m.array() * cells_per_m_).floor().cast<int>(); }
   Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * edge_m_; }
   static Cell cell_in(const Cell& block, int in_block) {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "swiftlet/core/map/cell_block.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
-#include "swiftlet/core/map/ray_cells.hpp"
 
 namespace swiftlet {
 
@@ -16,10 +16,10 @@ namespace swiftlet {
 /// cells of free space takes 320 bytes. A block is found in a table by its position modulo the size of the table.
 class LogOddsBlocks {
  public:
-  static constexpr int kSide = RayCells::kSide;
+  static constexpr int kSide = CellBlock::kSide;
   static constexpr int kCells = kSide * kSide * kSide;
   static constexpr int kMaxMisses = 7;  ///< largest number of misses that is counted in bits
-  using Bits = RayCells::Bits;
+  using Bits = CellBlock::Bits;
   /// Bit sets of cells: a word for each z, a byte for each y.
   struct alignas(64) Block {
     Bits misses_1{}, misses_2{}, misses_4{};  ///< miss count of cells that were never hit, in binary; 0: unknown

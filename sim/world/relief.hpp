@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/relief_config.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
-
-struct ReliefConfig {
-  double amplitude_m = 0.0;
-  double wavelength_m = 30.0;
-  int octaves = 4;
-
-  void visit(ConfigVisitor& v);
-};
 
 /// Smooth ground: value noise in octaves (each of half the wavelength and half the height), |height| <= amplitude.
 class Relief {

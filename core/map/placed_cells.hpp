@@ -12,7 +12,7 @@ namespace swiftlet {
 /// Cells of a submap placed at a pose in a map, resampled to the cells of the map, which have other edges and axes.
 class PlacedCells {
  public:
-  using Bits = RayCells::Bits;
+  using Bits = CellBlock::Bits;
 
   PlacedCells() = default;  ///< no cells
   /// @param edge_m  edge of the map's cells

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/core/map/voxel_grid.hpp"
+#include "swiftlet/core/map/cell_block.hpp"
 
 namespace swiftlet {
 
@@ -17,8 +17,8 @@ namespace swiftlet {
 /// 8 cells (64 bytes). Any frame, the same for all arguments.
 class RayCells {
  public:
-  static constexpr int kSide = 8;                 ///< [cells] edge of a block
-  using Bits = std::array<std::uint64_t, kSide>;  ///< cells of a block: word z, byte y, bit x
+  static constexpr int kSide = CellBlock::kSide;
+  using Bits = CellBlock::Bits;
   /// Approximate memory of the window for rays of this reach and cells of this edge.
   static constexpr double bytes(double reach_m, double edge_m);
 

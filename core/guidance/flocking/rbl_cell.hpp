@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/guidance/half_space.hpp"
 #include "swiftlet/core/base/frames.hpp"
-#include "swiftlet/core/guidance/half_space.hpp"
 
 namespace swiftlet {
 

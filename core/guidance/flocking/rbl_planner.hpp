@@ -4,27 +4,15 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "swiftlet/core/guidance/rbl_cell.hpp"
-#include "swiftlet/core/guidance/rbl_rules.hpp"
+#include "core/guidance/flocking/rbl_cell.hpp"
+#include "core/guidance/flocking/rbl_rules.hpp"
+#include "core/guidance/half_space.hpp"
+#include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/guidance/rbl_config.hpp"
 
 namespace swiftlet {
-
-/// Cells of the rule-based Lloyd algorithm [Kamler 2025, Tables 2.2 and 3.1].
-struct RblCellConfig {
-  double sensing_radius_m = 3.5;  ///< r_s
-  double step_m = 0.2;
-  enum class Lattice { kAgent, kWorld };
-  Lattice lattice = Lattice::kAgent;
-  double encumbrance_m = 0.5;  ///< delta_i, equal for all vehicles
-  double eta = 0.9;
-  enum class Cut { kProgram, kBuffered, kContinued };
-  Cut cut = Cut::kProgram;
-
-  void visit(ConfigVisitor& v);
-};
 
 /// Half-space of the cell on the agent's side of a neighbor (2.3). For all interpretations, a neighbor nearer than
 /// Delta places the agent outside of its own cell, so that it retreats.

@@ -4,25 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "swiftlet/core/guidance/guidance.hpp"
-#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "core/guidance/flocking/rbl_cell.hpp"
+#include "core/guidance/half_space.hpp"
+#include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
-
-/// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
-struct RblLidarConfig {
-  bool enabled = false;
-  enum class Legal { kSensed, kCell };
-  Legal legal = Legal::kSensed;
-  double fov_lower_deg = 20.0;
-  double fov_deg = 59.0;
-  double facing_deg = 60.0;
-
-  void visit(ConfigVisitor& v);
-};
 
 /// Point of a voxel that is nearest to `p_m` (3.1). Any frame, the same for all arguments.
 inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {

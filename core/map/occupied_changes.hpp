@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "swiftlet/core/map/distance_tiles.hpp"
-#include "swiftlet/core/map/log_odds_blocks.hpp"
+#include "core/map/distance_tiles.hpp"
+#include "core/map/log_odds_blocks.hpp"
 
 namespace swiftlet {
 
@@ -35,7 +35,7 @@ class OccupiedChanges {
               std::vector<OccupiedBlocks::Change>& changes) const;
 
  private:
-  using Bits = RayCells::Bits;
+  using Bits = CellBlock::Bits;
   /// A block that changed in the last scan: the changed cells, and the occupied cells of the layers that have any.
   struct Touched {
     Cell at;  // block coordinates

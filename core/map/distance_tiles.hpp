@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "swiftlet/core/map/ray_cells.hpp"
+#include "swiftlet/core/map/cell_block.hpp"
 
 namespace swiftlet {
 
@@ -16,12 +16,12 @@ class OccupiedBlocks {
  public:
   virtual ~OccupiedBlocks() = default;
   /// Null when no cell of the block is occupied.
-  virtual const RayCells::Bits* occupied_of(const Cell& block) const = 0;
+  virtual const CellBlock::Bits* occupied_of(const Cell& block) const = 0;
   /// A block in which the set of occupied cells has changed.
   struct Change {
     Cell block;
-    const RayCells::Bits* touched;   ///< superset of the changed cells; null when they are not known
-    const RayCells::Bits* occupied;  ///< subset of `touched` that is occupied now
+    const CellBlock::Bits* touched;   ///< superset of the changed cells; null when they are not known
+    const CellBlock::Bits* occupied;  ///< subset of `touched` that is occupied now
   };
   /// Appends at least the changes of the blocks from low to high after that revision.
   virtual void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
@@ -60,7 +60,7 @@ class DistanceTiles {
   std::uint64_t num_computed() const { return num_computed_; }
 
  private:
-  static constexpr int kSide = RayCells::kSide;
+  static constexpr int kSide = CellBlock::kSide;
   struct Tile {
     std::array<std::int16_t, kSide * kSide * kSide> squared;
     Cell at = Cell::Zero();
@@ -76,7 +76,7 @@ class DistanceTiles {
     int least_sq, most_sq;
   };
   struct Near {
-    const RayCells::Bits* bits;
+    const CellBlock::Bits* bits;
     Cell blocks;  // relative to the tile
   };
 

@@ -5,38 +5,34 @@
 #include <memory>
 #include <vector>
 
-#include "swiftlet/core/map/block_groups.hpp"
+#include "core/map/block_groups.hpp"
+#include "core/map/block_occupancy.hpp"
+#include "core/map/placed_cells.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
-#include "swiftlet/core/map/placed_cells.hpp"
+#include "swiftlet/core/map/submap_map.hpp"
 
 namespace swiftlet {
 
 /// Pieces of a map at their poses, and the blocks composed of them. Evaluation is lazy: a block of 8 x 8 x 8 cells is
 /// composed from the pieces that overlap it, and composed again after one of them was added, removed or moved. So
 /// moving many pieces is cheap, and results do not depend on earlier queries.
-class ComposedBlocks : public BlockOccupancy {
+class ComposedBlocks : public BlockOccupancy<SubmapMap> {
  public:
-  /// Returns the index of the piece.
-  /// @param age   pieces with a greater age are newer; for equal ages, the one added later
-  /// @param seen  time of its last scan
-  int add(std::shared_ptr<const SubmapCells> cells, const Pose& T_local_cells, int age, TimeNs seen);
-  /// False when the pose is unchanged.
-  bool move(int piece, const Pose& T_local_cells);
-  void remove(int piece);
-  /// Replaces the cells of a piece without changing its pose.
-  void replace(int piece, std::shared_ptr<const SubmapCells> cells);
-  /// Sets the growing piece, the newest of all; null: none. Its cells are aligned with those of this map, with a block
-  /// offset from its own origin. Must be called after every change of the growing piece.
-  void set_growing(const OccupancyMap* growing, const Cell& offset_blocks);
+  CellState state(const Vector3& p_local_m) const override;
 
-  int num_pieces() const { return num_pieces_; }
-  const SubmapCells& cells(int piece) const { return pieces_[static_cast<std::size_t>(piece)].placed.cells(); }
-  /// Pose in use, rounded.
-  const Pose& T_local_cells(int piece) const { return pieces_[static_cast<std::size_t>(piece)].placed.T_local_cells(); }
-  /// Number of pose changes of pieces.
-  std::uint64_t num_moved() const { return num_moved_; }
-  /// Number of composed blocks.
-  std::uint64_t num_composed() const { return num_composed_; }
+  int add(std::shared_ptr<const SubmapCells> cells, const Pose& T_local_cells, int age, TimeNs seen) override;
+  bool move(int piece, const Pose& T_local_cells) override;
+  void remove(int piece) override;
+  void replace(int piece, std::shared_ptr<const SubmapCells> cells) override;
+  void set_growing(const OccupancyMap* growing, const Cell& offset_blocks) override;
+
+  int num_pieces() const override { return num_pieces_; }
+  const SubmapCells& cells(int piece) const override { return pieces_[static_cast<std::size_t>(piece)].placed.cells(); }
+  const Pose& T_local_cells(int piece) const override {
+    return pieces_[static_cast<std::size_t>(piece)].placed.T_local_cells();
+  }
+  std::uint64_t num_moved() const override { return num_moved_; }
+  std::uint64_t num_composed() const override { return num_composed_; }
 
  protected:
   /// Index without a piece.
@@ -58,7 +54,6 @@ class ComposedBlocks : public BlockOccupancy {
   /// Changes name whole blocks: the changed cells are unknown until the block is composed again.
   void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
                       std::vector<Change>& changes) const override;
-  CellState state_of(const Cell& cell) const override;
 
   const Piece& piece(std::uint32_t i) const;
   /// Copies the cells of a piece in a block; false: all unknown.
@@ -68,7 +63,8 @@ class ComposedBlocks : public BlockOccupancy {
   /// Present cells of a block; null: all unknown.
   const Composed* composed(const Cell& block) const;
   const Composed* composed(BlockGroup& group, const Cell& block) const;
-  std::size_t bytes() const;
+  /// Memory of the pieces' places and the blocks.
+  std::size_t bytes_of_blocks() const;
 
   BlockGroups groups_;
   const OccupancyMap* growing_ = nullptr;
