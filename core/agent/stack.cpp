@@ -8,6 +8,7 @@
 
 #include "core/agent/look_around.hpp"
 #include "core/agent/trail.hpp"
+#include "core/agent/way_back.hpp"
 #include "swiftlet/core/agent/localization_status.hpp"
 #include "swiftlet/core/agent/stage_notifier.hpp"
 #include "swiftlet/core/base/ensure.hpp"
@@ -247,7 +248,11 @@ class StackAgent : public Agent,
     begin(AgentStage::kGuidance);
     wanted_.goal_is_feasible = false;
     const StateEstimator::Search search = stages_.localization->search();
-    if (needs_.world && search != StateEstimator::Search::kNone) {
+    const bool should_return = stages_.localization->should_return();
+    if (!should_return && !way_back_.has_begun()) way_back_.add(action_.estimate.T_local_body.translation());
+    if (should_return || way_back_.has_begun()) {
+      way_back_.step(action_.estimate, !should_return, wanted_);
+    } else if (needs_.world && search != StateEstimator::Search::kNone) {
       look_around_.step(dt_s, action_.estimate, search, wanted_);
       looks_around_ = true;
     } else {
@@ -258,7 +263,7 @@ class StackAgent : public Agent,
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
     const char* warning = stages_.localization->warning();
-    set_note(warning[0] == '\0' ? wanted_.note : warning);
+    set_note(warning[0] == '\0' || way_back_.has_begun() ? wanted_.note : warning);
   }
 
   void step_guidance(const Observation& observation, double dt_s) {
@@ -343,6 +348,7 @@ class StackAgent : public Agent,
   std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
   LookAround look_around_;
+  WayBack way_back_;
   bool looks_around_ = false;  // the vehicle searches for its pose; guidance does not run
 
   TrackOverlays track_overlays_;

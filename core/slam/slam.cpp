@@ -97,6 +97,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
   Search search() const override { return search_; }
+  bool should_return() const override { return should_return_; }
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back(
         {"scans with too few points near surfaces of the map", num_mismatched_, num_scans_, "local.known_share_min"});
@@ -209,12 +210,15 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
       fault_ = "position too uncertain";
     estimate_.valid = fault_[0] == '\0';
     report_offset(t);
+    const bool degenerate = to_seconds(due - last_sure_) > config_.warn_after_s;
+    should_return_ = degenerate && config_.return_sigma_m > 0.0 &&
+                     (should_return_ || sigma_m > config_.return_sigma_m);
     warning_ = "";
     if (to_seconds(due - last_used_) > config_.warn_after_s)
       warning_ = "SLAM: dead reckoning by the IMU alone";
     else if (innovations.disagrees())
       warning_ = "SLAM: scans disagree with the IMU; check its axes, units and stamps, and the mounts of the LiDARs";
-    else if (to_seconds(due - last_sure_) > config_.warn_after_s)
+    else if (degenerate)
       warning_ = "SLAM is degenerate: the scans do not constrain every direction";
     else if (t < offset_report_until_)
       warning_ = offset_report_.c_str();
@@ -254,6 +258,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   double reported_offset_s_ = 0.0;
   TimeNs offset_report_until_ = 0;
   std::string offset_report_;
+  bool should_return_ = false;
   StateEstimate estimate_;
   const char* fault_ = "";
   const char* warning_ = "";
@@ -279,6 +284,10 @@ void SlamConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of the position above which the estimate is not valid", Range::positive());
+  v.field("return_sigma_m", return_sigma_m,
+          "[m] standard deviation of the position above which the vehicle returns along its path if scans do not "
+          "constrain every direction; 0: it never returns",
+          Range::non_negative());
 }
 
 std::unique_ptr<StateEstimator> make_slam_estimator(const ModuleConfig& config, const AgentSetup& setup) {

@@ -37,12 +37,15 @@ constexpr double kHeldShift_m = 2.0 * kShift_m, kHeldShare = 0.95;
 ScanToMapConfig matching_of(std::size_t step, bool allows_unobserved) {
   ScanToMapConfig matching;
   if (allows_unobserved) matching.degenerate_share = kUnobservedShare;
+  matching.firm_points = 0.0F;  // thinned clouds have few points a plane
   matching.surface_sigma_m = kSurfaceSigmas_m[step];
   return matching;
 }
 
 SurfaceMap surfaces_of(std::span<const Eigen::Vector3f> points_m) {
-  SurfaceMap surfaces{SurfaceMapConfig{}};
+  SurfaceMapConfig config;
+  config.two_faced = false;  // the points of a submap are seen from many places
+  SurfaceMap surfaces{config};
   std::vector<Vector3> exact_m(points_m.size());
   for (std::size_t i = 0; i < exact_m.size(); ++i) exact_m[i] = points_m[i].cast<double>();
   surfaces.insert(exact_m, Vector3::Zero());

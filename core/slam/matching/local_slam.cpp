@@ -143,9 +143,20 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   if (!start_.keeps_offset)
     filter_.set_scan_motion(clear_part(motion_.mean_motion(end - std::max(scan.duration, kMotionInterval), end)));
   if (!config_.with_imu) filter_.set_scan_lag(0.5 * to_seconds(scan.duration));
-  const std::optional<Pose> coarse = uncertain ? align_coarsely(scan, others) : std::nullopt;
-  const NavState aligned = filter_.state().nav;
-  const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
+  const InertialFilter predicted = filter_;
+  std::optional<Pose> coarse = uncertain ? align_coarsely(scan, others) : std::nullopt;
+  NavState aligned = filter_.state().nav;
+  const ScanMatcher::Uncertainty uncertainty{config_.known_share_min, smear_m, scan.sigma_range_m};
+  ScanMatcher::Match found = matcher_->match(filter_, uncertainty);
+  if (coarse && found.fit.num_degenerate > 0 && !filter_.is_coasting() && !has_unknown_start()) {
+    // In an aisle the points attract each other along it, too: there the IMU knows better.
+    filter_ = predicted;
+    correct_motion(aligned, true);
+    aligned = filter_.state().nav;
+    coarse.reset();
+    gather(scan, others);
+    found = matcher_->match(filter_, uncertainty);
+  }
   outcome.fit = found.fit;
   outcome.num_iterations = found.num_iterations;
   if (!found.fit.evidence.information.isZero(0.0) && !filter_.is_coasting()) {
@@ -153,7 +164,6 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
     if (!has_unknown_start()) innovations_.add_correction(filter_.state().nav.v_mps - before.v_mps);
     start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
-  // In an aisle the points attract each other along it, too.
   if (coarse && found.fit.num_degenerate == 0) filter_.measure(*coarse, kAligned_m, kAligned_rad);
   filter_.set_noise_factor(innovations_.noise_factor());
   turned_rad_ = angle_between_rad(before.q, filter_.state().nav.q);

@@ -185,6 +185,18 @@ struct WeakDirections {
   int num = 0;
   std::array<Vector6, 6> axes;  // unit vectors
 
+  /// Directions whose information, with rotations scaled by the mean lever arm, is a small share of that of all planes.
+  WeakDirections(const Sums& planes, double least_share) {
+    scale << Vector3::Ones(), Vector3::Constant(std::sqrt(planes.lever_m2 / planes.weight));
+    const Vector6 inverse = scale.cwiseInverse();
+    const SymmetricEigen<6> eigen =
+        symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * planes.whole() * inverse.asDiagonal()));
+    least_share = std::max(least_share, kNoiseFactor * planes.noise / planes.weight);
+    for (int i = 0; i < 6; ++i) {
+      if (eigen.values(i) < least_share * planes.weight) axes[num++] = eigen.vectors.col(i);
+    }
+  }
+
   /// Displacement of a point per unit of direction i, in local axes.
   Vector3 motion(int i, const PlacedScan& scan, const Vector3& x_body_m) const {
     const Vector6 twist = axes[i].cwiseQuotient(scale);
@@ -194,7 +206,7 @@ struct WeakDirections {
 
 /// True when no surface of the map explains a point at this place.
 bool is_bare(const PlacedScan& scan, const Vector3& at_m) {
-  const SurfaceCell* cell = scan.map.find(at_m);
+  const SurfaceCell* cell = scan.map.find(at_m, scan.p_local_m);
   if (cell == nullptr) return true;
   const Vector3 off_m = at_m - cell->mean_m.cast<double>();
   if (cell->planar) {
@@ -241,7 +253,7 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
   Standing standing;
   for (const Eigen::Vector3f& point : scan.points_body_m) {
     const Vector3 x = point.cast<double>(), at = scan.place(x);
-    const SurfaceCell* cell = scan.map.find(at);
+    const SurfaceCell* cell = scan.map.find(at, scan.p_local_m);
     if (cell != nullptr && !cell->planar) cell = scan.map.find_pole(at);
     if (cell == nullptr) continue;
     // A plane constrains one direction, a pole the two across it.
@@ -288,23 +300,12 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
   return standing;
 }
 
-/// Removes directions that the planes do not constrain: their information, with rotations scaled by the mean lever arm,
-/// is a small share of the whole. Free-standing structure along such a direction still constrains it; all other points
-/// are excluded there, because their normals are slightly off.
-void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const Sums& planes, double least_share,
-                       int least_standing) {
-  WeakDirections weak;
-  weak.scale << Vector3::Ones(), Vector3::Constant(std::sqrt(planes.lever_m2 / planes.weight));
+/// Removes directions that the planes do not constrain. Free-standing structure along such a direction still constrains
+/// it; all other points are excluded there, because their normals are slightly off.
+void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const WeakDirections& weak, int least_standing) {
   const Vector6 inverse = weak.scale.cwiseInverse();
-  const SymmetricEigen<6> eigen =
-      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * planes.whole() * inverse.asDiagonal()));
   Matrix6 keep = Matrix6::Identity();
-  for (int i = 0; i < 6; ++i) {
-    if (eigen.values(i) >= least_share * planes.weight) continue;
-    keep -= eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
-    weak.axes[weak.num++] = eigen.vectors.col(i);
-  }
-  if (weak.num == 0) return;
+  for (int i = 0; i < weak.num; ++i) keep -= weak.axes[i] * weak.axes[i].transpose();
   const Matrix6 scaled = inverse.asDiagonal() * fit.evidence.information * inverse.asDiagonal();
   Matrix6 H = keep * scaled * keep;
   Vector6 g = keep * (inverse.asDiagonal() * fit.evidence.gradient);
@@ -362,12 +363,12 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
   const double kernel_sq = config.kernel_sigma * config.kernel_sigma;
   const PlacedScan scan{
       map, points_body_m, R, T_local_body.translation(), floor_m2, kernel_sq, range_sigma_m * range_sigma_m};
-  Sums planes, points;
+  Sums points;
   met_->clear(points_body_m.size());
   for (const Eigen::Vector3f& point : points_body_m) {
     const Vector3 x = point.cast<double>();
     const Vector3 at = scan.place(x);
-    const SurfaceCell* cell = map.find(at);
+    const SurfaceCell* cell = map.find(at, scan.p_local_m);
     if (cell == nullptr) continue;
     ++fit.num_known;
     if (!map.is_full(*cell)) ++fit.num_fresh;
@@ -388,7 +389,16 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
       for (int axis = 0; axis < 3; ++axis) points.add(x, Vector3::Unit(axis), R, off(axis), weight);
     }
   }
-  for (const MetPlane& plane : met_->all()) plane.add_to(planes, scan);
+  const auto sum_of_planes = [&](float least_points) {
+    Sums sum;
+    for (const MetPlane& plane : met_->all()) {
+      if (plane.cell()->count_fitted >= least_points) plane.add_to(sum, scan);
+    }
+    return sum;
+  };
+  Sums planes = sum_of_planes(0.0F);
+  if (planes.weight > 0.0 && WeakDirections(planes, config.degenerate_share).num > 0)
+    planes = sum_of_planes(config.firm_points);
   if (!(planes.weight > 0.0)) {
     fit.num_degenerate = 6;
     return fit;
@@ -397,8 +407,8 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
   fit.evidence.gradient = planes.g + points.g;
   fit.map_share = planes.of_map / planes.weight;
   fit.renewal = planes.renewed / planes.of_scan;
-  const double least_share = std::max(config.degenerate_share, kNoiseFactor * planes.noise / planes.weight);
-  remove_unobserved(fit, scan, planes, least_share, config.standing_points);
+  const WeakDirections weak(planes, config.degenerate_share);
+  if (weak.num > 0) remove_unobserved(fit, scan, weak, config.standing_points);
   add_floor(fit.evidence, config, fit.num_degenerate > 0 ? kOpenFloor : 1.0, smear_m);
   return fit;
 }

@@ -13,6 +13,9 @@ constexpr int kMinPoints = 6;          // fewest points of a fit
 constexpr int kSettledPoints = 30;     // points from which a plane is final
 constexpr double kPoleSigma_m = 0.15;  // largest sigma across a pole: half of a stem 0.5 m thick
 constexpr double kPoleUpright = 0.9;   // least cosine of a pole's axis against the vertical
+// [-] Least sine of the angle between a plane and a ray that meets it from behind. Larger values mix the faces of a
+// wall that is seen edge-on, smaller ones divide surfaces whose normals are off.
+constexpr float kBehind = 0.05F;
 constexpr float kGrowth = 1.25F;       // growth of a cell's number of points that triggers a new fit
 // Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides of a
 // cell face.
@@ -21,6 +24,9 @@ constexpr double kShift_m = 0.11;
 constexpr std::size_t kFirstTable = 1U << 12;
 // [bits] Width of a coordinate in the key of a cell, its mask, and the offset that makes it positive.
 constexpr std::uint64_t kAxisBits = 21, kAxisMask = (1U << kAxisBits) - 1, kAxisHalf = 1U << (kAxisBits - 1);
+
+// Bit of the key of a cell that holds the other face of a plane.
+constexpr std::uint64_t kOtherFace = 1ULL << 3 * kAxisBits;
 
 std::uint64_t slot_of(std::uint64_t key, std::size_t table_size) {  // Fibonacci hashing
   return (key * 0x9E3779B97F4A7C15ULL >> 20U) & (table_size - 1);
@@ -48,6 +54,13 @@ SurfaceCell* SurfaceMap::Level::find(std::uint64_t key) {
     if (table[slot] == 0) return nullptr;
     if (keys[table[slot] - 1] == key) return &cells[table[slot] - 1];
   }
+}
+
+std::uint64_t SurfaceMap::Level::face_of(std::uint64_t key, const Vector3& origin_m) const {
+  const SurfaceCell* cell = find(key);
+  if (cell == nullptr || !cell->planar) return key;
+  const Eigen::Vector3f ray_m = cell->mean_m - origin_m.cast<float>();
+  return cell->normal.dot(ray_m) > kBehind * ray_m.norm() ? key | kOtherFace : key;
 }
 
 std::uint32_t SurfaceMap::Level::find_or_make(std::uint64_t key) {
@@ -87,7 +100,7 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
     const double least_edge_m = config_.fineness * (p_m - origin_m).norm();
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
-      const std::uint64_t key = level.key_of(p_m);
+      const std::uint64_t key = key_in(level, p_m, origin_m);
       const std::uint32_t index = level.find_or_make(key);
       SurfaceCell& cell = level.cells[index];
       if (cell.count < static_cast<float>(config_.points_per_cell)) {
@@ -104,7 +117,7 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
   }
   for (const Touched& t : touched_) {
     Level& level = levels_[t.level];
-    fit(level, level.keys[t.cell], level.cells[t.cell]);
+    fit(level, level.keys[t.cell], level.cells[t.cell], origin_m);
   }
 }
 
@@ -120,7 +133,7 @@ void SurfaceMap::add(Level& level, std::uint64_t key, SurfaceCell& cell, const V
   cell.sum_zz += d.z() * d.z();
 }
 
-void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) const {
+void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& origin_m) const {
   cell.count_fitted = cell.count;
   const double n = cell.count;
   const Vector3 mean = cell.sum_m.cast<double>() / n;
@@ -131,6 +144,7 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) c
   const SymmetricEigen<3> eigen = symmetric_eigen<3>(C);
   cell.mean_m = (corner_of(key, level.edge_m) + mean).cast<float>();
   cell.normal = eigen.vectors.col(0).cast<float>();
+  if (cell.normal.dot(origin_m.cast<float>() - cell.mean_m) < 0.0F) cell.normal = -cell.normal;
   // The plane uses three degrees of freedom: six points leave hardly any scatter.
   cell.variance_m2 = static_cast<float>(std::max(eigen.values(0), 0.0) * (n - 1.0) / (n - 3.0));
   cell.narrow_variance_m2 = static_cast<float>(std::max(eigen.values(1), 0.0));
@@ -147,10 +161,10 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) c
   cell.settled = cell.planar && cell.count >= kSettledPoints;
 }
 
-const SurfaceCell* SurfaceMap::find(const Vector3& p_m) const {
+const SurfaceCell* SurfaceMap::find(const Vector3& p_m, const Vector3& origin_m) const {
   const SurfaceCell* best = nullptr;
   for (const Level& level : levels_) {
-    const SurfaceCell* cell = level.find(level.key_of(p_m));
+    const SurfaceCell* cell = level.find(key_in(level, p_m, origin_m));
     if (cell == nullptr) break;
     if (cell->count_fitted < kMinPoints) break;
     best = cell;

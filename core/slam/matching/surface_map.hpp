@@ -24,7 +24,7 @@ struct SurfaceCell {
   bool planar = false;
   bool settled = false;  ///< permanently planar: finer cells below take no further points
   Eigen::Vector3f mean_m = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< direction of least variance
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< direction of least variance, towards the sensor
   float variance_m2 = 0.0F;                          ///< along the normal
   float narrow_variance_m2 = 0.0F;                   ///< the smaller variance within the plane
   float wide_variance_m2 = 0.0F;                     ///< the larger variance, along the axis
@@ -38,7 +38,8 @@ struct SurfaceCell {
 /// Map of surfaces: cells of several sizes, each with the plane through its points (adaptive voxels as in C. Yuan et
 /// al., "Efficient and probabilistic adaptive voxel mapping for accurate online LiDAR odometry", RA-L 2022). A point is
 /// passed from the largest cell to smaller ones until a cell is planar. Cells keep their first points, so that early
-/// observations stay the reference and the map does not creep along with the estimate.
+/// observations stay the reference and the map does not creep along with the estimate. The two faces of a thin wall are
+/// surfaces of their own: points seen from behind a plane go to another cell at the same place.
 ///
 /// Any frame, the same for all arguments, its z axis up (only poles require it). Results depend on the order of the
 /// points only.
@@ -49,7 +50,8 @@ class SurfaceMap {
   /// @param origin_m  origin of the rays
   void insert(std::span<const Vector3> points_m, const Vector3& origin_m);
   /// Largest planar cell around a point; otherwise the smallest with enough points; null: unknown.
-  const SurfaceCell* find(const Vector3& p_m) const;
+  /// @param origin_m  origin of the ray that ends at the point
+  const SurfaceCell* find(const Vector3& p_m, const Vector3& origin_m) const;
   /// Largest pole cell around a point; null: none.
   const SurfaceCell* find_pole(const Vector3& p_m) const;
   /// True when the cell takes no further points.
@@ -72,12 +74,18 @@ class SurfaceMap {
     std::uint64_t key_of(const Vector3& p_m) const;
     SurfaceCell* find(std::uint64_t key);
     const SurfaceCell* find(std::uint64_t key) const { return const_cast<Level*>(this)->find(key); }
+    /// The key, or that of the other face if the origin of the ray lies behind the plane of its cell.
+    std::uint64_t face_of(std::uint64_t key, const Vector3& origin_m) const;
     std::uint32_t find_or_make(std::uint64_t key);
     void rebuild(std::size_t table_size);
   };
 
   void add(Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& p_m) const;
-  void fit(const Level& level, std::uint64_t key, SurfaceCell& cell) const;
+  std::uint64_t key_in(const Level& level, const Vector3& p_m, const Vector3& origin_m) const {
+    const std::uint64_t key = level.key_of(p_m);
+    return config_.two_faced ? level.face_of(key, origin_m) : key;
+  }
+  void fit(const Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& origin_m) const;
 
   SurfaceMapConfig config_;
   std::vector<Level> levels_;  // largest cells first

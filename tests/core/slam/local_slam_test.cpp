@@ -160,7 +160,7 @@ TEST(LocalSlam, RebuildsMapWhileSpeedIsUnknown) {
     SyntheticFlight flight = flight_in(kStore, standing);
     LocalSlam slam(config, flight.at(0), 0.3);
     outcomes_of(slam, flight, 2);
-    const SurfaceCell* cell = map_of(slam).find({-6.3, 0.5, 1.4});
+    const SurfaceCell* cell = map_of(slam).find({-6.3, 0.5, 1.4}, Vector3::Zero());
     return cell == nullptr ? 0.0F : cell->count;
   };
   EXPECT_GT(points_of_a_wall(0.1), 1.6F * points_of_a_wall(1.0));

@@ -53,7 +53,7 @@ TEST(SurfaceMap, FindsPlaneAndScatterOfWalls) {
   int planar = 0;
   for (int i = 0; i < 500; ++i) {
     const Vector3 at = 3.0 * n + uniform(random) * u + uniform(random) * w;
-    const SurfaceCell* cell = map.find(at);
+    const SurfaceCell* cell = map.find(at, Vector3::Zero());
     ASSERT_NE(cell, nullptr);
     if (!cell->planar || cell->count_fitted < 30.0F) continue;
     ++planar;
@@ -62,7 +62,7 @@ TEST(SurfaceMap, FindsPlaneAndScatterOfWalls) {
     EXPECT_NEAR(std::sqrt(cell->variance_m2), 0.02, 0.008);
   }
   EXPECT_GT(planar, 400);
-  EXPECT_EQ(map.find(Vector3(50.0, 0.0, 0.0)), nullptr);
+  EXPECT_EQ(map.find(Vector3(50.0, 0.0, 0.0), Vector3::Zero()), nullptr);
 }
 
 TEST(SurfaceMap, SubdividesOnlyWherePlanesAreMissing) {

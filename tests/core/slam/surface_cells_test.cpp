@@ -61,7 +61,7 @@ TEST(SurfaceCells, AreTheStatisticsOfTheirPoints) {
     SurfaceMap map(one_level());
     map.insert(points, middle_m);
     ASSERT_EQ(map.num_cells(), 1U);
-    const SurfaceCell* found = map.find(middle_m);
+    const SurfaceCell* found = map.find(middle_m, middle_m);
     ASSERT_NE(found, nullptr);
     const PlainFit plain(points);
     ASSERT_EQ(found->count, static_cast<float>(num));
@@ -103,13 +103,37 @@ TEST(SurfaceCells, LimitTheNumberOfPoints) {
   SurfaceMap map(config);
   const Vector3 at_m(1.0, 1.0, 0.5);
   map.insert(patch(39), at_m);
-  EXPECT_FALSE(map.is_full(*map.find(at_m)));
+  EXPECT_FALSE(map.is_full(*map.find(at_m, at_m)));
   map.insert(patch(1), at_m);
-  EXPECT_TRUE(map.is_full(*map.find(at_m)));
-  const Eigen::Vector3f mean_m = map.find(at_m)->mean_m;
+  EXPECT_TRUE(map.is_full(*map.find(at_m, at_m)));
+  const Eigen::Vector3f mean_m = map.find(at_m, at_m)->mean_m;
   map.insert(patch(50, 1.5), at_m);
-  EXPECT_EQ(map.find(at_m)->count, 40.0F);
-  EXPECT_EQ(map.find(at_m)->mean_m, mean_m) << "what was seen early stays the reference";
+  EXPECT_EQ(map.find(at_m, at_m)->count, 40.0F);
+  EXPECT_EQ(map.find(at_m, at_m)->mean_m, mean_m) << "what was seen early stays the reference";
+}
+
+TEST(SurfaceCells, KeepTheFacesOfAWallApart) {
+  constexpr double kThickness_m = 0.06;
+  const auto face = [](double x_m) {
+    std::vector<Vector3> points;
+    for (int i = 0; i < 100; ++i) points.emplace_back(x_m, 0.1 + 0.17 * (i % 10), 0.1 + 0.17 * (i / 10));
+    return points;
+  };
+  const Vector3 inside_m(-3.0, 1.0, 1.0), outside_m(3.0, 1.0, 1.0), front_m(0.8, 1.0, 1.0);
+  for (const bool two_faced : {true, false}) {
+    SurfaceMapConfig config = one_level();
+    config.two_faced = two_faced;
+    SurfaceMap map(config);
+    map.insert(face(front_m.x()), inside_m);
+    map.insert(face(front_m.x() + kThickness_m), outside_m);
+    EXPECT_EQ(map.num_cells(), two_faced ? 2U : 1U);
+    const SurfaceCell* front = map.find(front_m, inside_m);
+    const SurfaceCell* back = map.find(front_m, outside_m);
+    const double scatter_m = two_faced ? 0.0 : 0.5 * kThickness_m, between_m = two_faced ? kThickness_m : 0.0;
+    EXPECT_NEAR(back->mean_m.x() - front->mean_m.x(), between_m, 1e-4);
+    EXPECT_NEAR(std::sqrt(front->variance_m2), scatter_m, 1e-3);
+    if (two_faced) EXPECT_LT(front->normal.x(), 0.0F) << "towards the sensor";
+  }
 }
 
 /// A blob that is no plane, within 0.2 m of a place that lies in the same cell at every level.
@@ -152,9 +176,9 @@ TEST(SurfaceCells, AreForgottenOnlyBeyondTheRadius) {
   for (const Vector3& middle_m : middles_m) {
     const bool near = (middle_m - center_m).norm() <= 6.0;
     kept += near ? 1 : 0;
-    EXPECT_EQ(map.find(middle_m) != nullptr, near) << middle_m.transpose();
+    EXPECT_EQ(map.find(middle_m, Vector3::Zero()) != nullptr, near) << middle_m.transpose();
     if (near) {
-      EXPECT_LT((map.find(middle_m)->mean_m.cast<double>() - middle_m + Vector3::Constant(0.1)).norm(), 1e-5);
+      EXPECT_LT((map.find(middle_m, Vector3::Zero())->mean_m.cast<double>() - middle_m + Vector3::Constant(0.1)).norm(), 1e-5);
     }
   }
   EXPECT_EQ(map.num_cells(), kept);
@@ -164,7 +188,7 @@ TEST(SurfaceCells, AreForgottenOnlyBeyondTheRadius) {
   EXPECT_EQ(map.num_cells(), 400U);
   map.clear();
   EXPECT_EQ(map.num_cells(), 0U);
-  EXPECT_EQ(map.find(middles_m[0]), nullptr);
+  EXPECT_EQ(map.find(middles_m[0], Vector3::Zero()), nullptr);
 }
 
 TEST(SurfaceCells, AreAllFoundInLargeMap) {
@@ -180,8 +204,8 @@ TEST(SurfaceCells, AreAllFoundInLargeMap) {
   ASSERT_EQ(map.num_cells(), static_cast<std::size_t>(kSide * kSide * kSide));
   for (std::size_t i = 0; i < points.size(); i += 6) {
     const Vector3 mean_m = points[i] + Vector3::Constant(0.2);
-    ASSERT_NE(map.find(points[i]), nullptr);
-    ASSERT_LT((map.find(points[i])->mean_m.cast<double>() - mean_m).norm(), 1e-5);
+    ASSERT_NE(map.find(points[i], Vector3::Zero()), nullptr);
+    ASSERT_LT((map.find(points[i], Vector3::Zero())->mean_m.cast<double>() - mean_m).norm(), 1e-5);
   }
   EXPECT_GE(map.bytes(), map.num_cells() * sizeof(SurfaceCell));
 }
@@ -200,12 +224,12 @@ TEST(SurfaceCells, ReturnTheLargestPlaneAcrossSizes) {
   for (int i = 0; i < 3; ++i) map.insert(points, Vector3::Zero());
   const Vector3 wall_m(kFace_m + 0.11, kFace_m + 0.5, kFace_m + 0.5),
       bush_m(kFace_m + 1.5, kFace_m + 0.5, kFace_m + 0.5);
-  ASSERT_NE(map.find(wall_m), nullptr);
-  EXPECT_TRUE(map.find(wall_m)->planar);
-  EXPECT_GT(std::abs(map.find(wall_m)->normal.x()), 0.99F);
-  ASSERT_NE(map.find(bush_m), nullptr);
-  EXPECT_FALSE(map.find(bush_m)->planar);
-  EXPECT_LT(map.find(bush_m)->count, 250.0F) << "points of the bush come from a smaller cell";
+  ASSERT_NE(map.find(wall_m, Vector3::Zero()), nullptr);
+  EXPECT_TRUE(map.find(wall_m, Vector3::Zero())->planar);
+  EXPECT_GT(std::abs(map.find(wall_m, Vector3::Zero())->normal.x()), 0.99F);
+  ASSERT_NE(map.find(bush_m, Vector3::Zero()), nullptr);
+  EXPECT_FALSE(map.find(bush_m, Vector3::Zero())->planar);
+  EXPECT_LT(map.find(bush_m, Vector3::Zero())->count, 250.0F) << "points of the bush come from a smaller cell";
 }
 
 }  // namespace

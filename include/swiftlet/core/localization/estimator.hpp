@@ -34,6 +34,8 @@ class StateEstimator {
   virtual const char* fault() const = 0;
   /// Short description of a degradation while the estimate is still valid; empty otherwise.
   virtual const char* warning() const { return ""; }
+  /// Whether the position will be lost soon unless the vehicle returns to where its sensors saw enough.
+  virtual bool should_return() const { return false; }
   /// State of global relocalization in a prior map, for a vehicle with an unknown start pose. Until it succeeds, the
   /// vehicle cannot use positions in the world frame.
   enum class Search { kNone, kActive, kFailed };

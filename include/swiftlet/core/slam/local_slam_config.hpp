@@ -30,6 +30,7 @@ struct SurfaceMapConfig {
   double fineness = 0.01;       ///< [-] smallest edge of a cell, as a share of the range of its points
   int points_per_cell = 300;    ///< [-] largest number of points of a cell; further ones are ignored
   double plane_sigma_m = 0.06;  ///< [m] largest scatter of the points about a plane
+  bool two_faced = true;        ///< a plane holds only points seen from its side; needs the origins of the rays
   double keep_radius_m = 150.0;
 
   void visit(ConfigVisitor& v);
@@ -42,6 +43,9 @@ struct ScanToMapConfig {
   double point_weight = 0.02;      ///< [-] weight of points where the map has no plane; 0: they are left out
   double degenerate_share = 0.003;
   int standing_points = 10;
+  /// [points] Size of a plane from which it may constrain a scan with an open direction. The curve that one beam draws
+  /// across an edge looks like a small plane; larger values leave more directions open.
+  float firm_points = 10.0F;
   double floor_position_m = 0.0005;   ///< [m] standard deviation of the position error common to all points of a scan
   double floor_attitude_deg = 0.002;  ///< [deg] standard deviation of the attitude error common to all points of a scan
 
