@@ -132,7 +132,9 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     if (global_ && outcome.inserted && slam.started() && placed) {
       global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
     }
-    if (outcome.fit.num_degenerate == 0) last_sure_ = matched.arrived;
+    if (outcome.fit.num_degenerate > 0) return;
+    last_sure_ = matched.arrived;
+    saw_enough_ = saw_enough_ || outcome.num_iterations > 0;
   }
 
   /// The filter's state, carried from its last IMU sample, or from the last scan without an IMU, to now.
@@ -188,7 +190,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
 
   void check_validity(TimeNs t) {
     const TimeNs due = t - latency_;  // later scans cannot be matched yet
-    const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
+    const double variance_m2 = estimate_.covariance.diagonal().head<3>().maxCoeff();
     const InnovationMonitor& innovations = slam_.at_scan().innovations();
     fault_ = "";
     if (!slam_.now().is_sound())
@@ -206,13 +208,15 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
       fault_ = config_.imu == SlamConfig::Imu::kNone
                    ? "SLAM is lost: scans contradict each other"
                    : "SLAM: scans contradict the IMU; check its axes, units and stamps, and the mounts of the LiDARs";
-    else if (sigma_m > config_.position_sigma_max_m)
+    else if (std::sqrt(variance_m2) > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
     estimate_.valid = fault_[0] == '\0';
     report_offset(t);
     const bool degenerate = to_seconds(due - last_sure_) > config_.warn_after_s;
-    should_return_ = degenerate && config_.return_sigma_m > 0.0 &&
-                     (should_return_ || sigma_m > config_.return_sigma_m);
+    if (!degenerate) sure_variance_m2_ = variance_m2;
+    const double gained_m = std::sqrt(std::max(variance_m2 - sure_variance_m2_, 0.0));
+    should_return_ = degenerate && saw_enough_ && config_.return_sigma_m > 0.0 &&
+                     (should_return_ || gained_m > config_.return_sigma_m);
     warning_ = "";
     if (to_seconds(due - last_used_) > config_.warn_after_s)
       warning_ = "SLAM: dead reckoning by the IMU alone";
@@ -258,6 +262,8 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
   double reported_offset_s_ = 0.0;
   TimeNs offset_report_until_ = 0;
   std::string offset_report_;
+  bool saw_enough_ = false;        // scans have constrained every direction before, so there is a place to return to
+  double sure_variance_m2_ = 0.0;  // largest variance of the position when they did so last
   bool should_return_ = false;
   StateEstimate estimate_;
   const char* fault_ = "";
@@ -285,8 +291,8 @@ void SlamConfig::visit(ConfigVisitor& v) {
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of the position above which the estimate is not valid", Range::positive());
   v.field("return_sigma_m", return_sigma_m,
-          "[m] standard deviation of the position above which the vehicle returns along its path if scans do not "
-          "constrain every direction; 0: it never returns",
+          "[m] standard deviation of the motion since scans constrained every direction, above which the vehicle "
+          "returns along its path; 0: it never returns",
           Range::non_negative());
 }
 

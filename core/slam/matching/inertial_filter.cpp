@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/slam/symmetric_eigen.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/ordered_product.hpp"
@@ -26,6 +27,18 @@ constexpr double kTimeOffsetWalk_s_sqrt_hz = 5e-5;
 constexpr double kTwice = 4.0;
 
 double squared(double x) { return x * x; }
+
+/// Largest covariance that exceeds in no direction that of independent errors with these standard deviations.
+template <int N>
+Eigen::Matrix<double, N, N> bounded(const Eigen::Matrix<double, N, N>& covariance,
+                                    const Eigen::Matrix<double, N, 1>& sigma) {
+  const auto inverse = [](double s) { return s > 0.0 ? 1.0 / s : 0.0; };
+  const Eigen::Matrix<double, N, 1> scale = sigma.unaryExpr(inverse);
+  const SymmetricEigen<N> eigen =
+      symmetric_eigen<N>(Eigen::Matrix<double, N, N>(scale.asDiagonal() * covariance * scale.asDiagonal()));
+  const Eigen::Matrix<double, N, N> axes = sigma.asDiagonal() * eigen.vectors;
+  return axes * eigen.values.cwiseMin(1.0).asDiagonal() * axes.transpose();
+}
 
 }  // namespace
 
@@ -120,8 +133,10 @@ void InertialFilter::begin_with(const InertialFilter& learned, const Vector3& v_
   state_.tilt_local = learned.state_.tilt_local;
   state_.time_offset_s = learned.state_.time_offset_s;
   constexpr int kNum = kStates - kAccelBias;
-  P_.block<3, 3>(kV, kV) = kTwice * learned.P_.block<3, 3>(kV, kV);
-  P_.bottomRightCorner<kNum, kNum>() = kTwice * learned.P_.bottomRightCorner<kNum, kNum>();
+  P_.block<3, 3>(kV, kV) =
+      bounded<3>(kTwice * learned.P_.block<3, 3>(kV, kV), P_.diagonal().segment<3>(kV).cwiseSqrt());
+  P_.bottomRightCorner<kNum, kNum>() =
+      bounded<kNum>(kTwice * learned.P_.bottomRightCorner<kNum, kNum>(), P_.diagonal().tail<kNum>().cwiseSqrt());
 }
 
 /// A small rotation phi changes the direction of gravity (0, 0, -1) by phi x (0, 0, -1) = (-phi_y, phi_x, 0).

@@ -39,7 +39,7 @@ class InertialFilter : public InertialModel {
   void begin_at(TimeNs t);
   bool has_begun() const { return started_; }
   /// Initializes biases, gravity and start velocity from another filter, with twice its standard deviations, because
-  /// the same measurements are applied again.
+  /// the same measurements are applied again, but at most with those of the own start.
   void begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps);
 
   /// Covariance of the rotation vector between the local frame and a level one.

@@ -23,17 +23,21 @@ constexpr double kOpenFloor = 60.0;
 // not make the planes less certain.
 constexpr double kFlat_m2 = 1e-4;
 constexpr double kNoiseFactor = 3.0;  // multiple of the information from noise below which a direction is open
-constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
+// [-] Share of the information that firm planes must have so that the others are left out. Larger values keep curves of
+// single beams where surfaces are seen sparsely.
+constexpr double kFirmShare = 0.5;
+constexpr double kNear_sq = 9.0;  // squared standard deviations within which a point lies on a surface
 // Constants of the test for free-standing structure.
 // [m] Distance tested before and behind a point: more than the thickness of a stem, less than the distance between
 // stems.
 constexpr double kStep_m = 0.7;
-constexpr double kAcross = 0.3;      // least sine of the angle between surface and direction: 17 degrees
-constexpr double kMinMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
-constexpr double kBeside_m = 1.5;    // largest lateral distance at which a beam passes beside a point
-constexpr double kBeyond_m = 0.5;    // least distance of the end of that beam behind the continued surface
-constexpr int kMinPassed = 3;        // fewest points with a passing beam
-constexpr double kSpread_m = 0.15;   // spread above which a cell without a plane is no single object
+constexpr double kAcross = 0.3;        // least sine of the angle between surface and direction: 17 degrees
+constexpr double kMinMotion = 0.25;    // least motion per unit: points near the axis of a rotation hardly constrain it
+constexpr double kBeside_m = 1.5;      // largest lateral distance at which a beam passes beside a point
+constexpr double kBeyond_m = 0.5;      // least distance of the end of that beam behind the continued surface
+constexpr int kMinPassed = 3;          // fewest points with a passing beam
+constexpr double kRecognized_m = 0.5;  // largest position error with which a point is recognized: less than kStep_m
+constexpr double kSpread_m = 0.15;     // spread above which a cell without a plane is no single object
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -249,8 +253,9 @@ struct Standing {
   std::array<int, 6> num_passed{};  // number of these points beside which a beam passes; counted up to the limit
 };
 
-Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
+Standing find_standing(const PlacedScan& scan, const WeakDirections& weak, double position_sigma_m) {
   Standing standing;
+  const double predicted_m2 = std::min(position_sigma_m * position_sigma_m, kRecognized_m * kRecognized_m / kNear_sq);
   for (const Eigen::Vector3f& point : scan.points_body_m) {
     const Vector3 x = point.cast<double>(), at = scan.place(x);
     const SurfaceCell* cell = scan.map.find(at, scan.p_local_m);
@@ -266,9 +271,12 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
       d[0].variance_m2 = scan.floor_m2 + cell->variance_m2 * inflation;
       d[1] = {n[1].dot(off), scan.floor_m2 + cell->narrow_variance_m2 * inflation};
     }
-    double distance_sq = 0.0;
-    for (int k = 0; k < num; ++k) distance_sq += d[k].r_m * d[k].r_m / d[k].variance_m2;
-    if (distance_sq > kNear_sq) continue;
+    double distance_sq = 0.0, predicted_sq = 0.0;
+    for (int k = 0; k < num; ++k) {
+      distance_sq += d[k].r_m * d[k].r_m / d[k].variance_m2;
+      predicted_sq += d[k].r_m * d[k].r_m / (d[k].variance_m2 + predicted_m2);
+    }
+    if (predicted_sq > kNear_sq) continue;
     unsigned free_along = 0;
     for (int i = 0; i < weak.num; ++i) {
       const Vector3 motion = weak.motion(i, scan, x);
@@ -302,14 +310,15 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
 
 /// Removes directions that the planes do not constrain. Free-standing structure along such a direction still constrains
 /// it; all other points are excluded there, because their normals are slightly off.
-void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const WeakDirections& weak, int least_standing) {
+void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const WeakDirections& weak, int least_standing,
+                       double position_sigma_m) {
   const Vector6 inverse = weak.scale.cwiseInverse();
   Matrix6 keep = Matrix6::Identity();
   for (int i = 0; i < weak.num; ++i) keep -= weak.axes[i] * weak.axes[i].transpose();
   const Matrix6 scaled = inverse.asDiagonal() * fit.evidence.information * inverse.asDiagonal();
   Matrix6 H = keep * scaled * keep;
   Vector6 g = keep * (inverse.asDiagonal() * fit.evidence.gradient);
-  const Standing standing = find_standing(scan, weak);
+  const Standing standing = find_standing(scan, weak, position_sigma_m);
   unsigned held = 0;
   for (int i = 0; i < weak.num; ++i) {
     const bool holds = standing.num_points[i] >= least_standing && standing.num_passed[i] >= kMinPassed;
@@ -350,12 +359,12 @@ ScanFitter::ScanFitter() : met_(std::make_unique<MetPlanes>()) {}
 ScanFitter::~ScanFitter() = default;
 
 ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
-                 const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
-  return ScanFitter().fit(map, points_body_m, T_local_body, config, smear_m, range_sigma_m);
+                 const ScanToMapConfig& config, double smear_m, double range_sigma_m, double position_sigma_m) {
+  return ScanFitter().fit(map, points_body_m, T_local_body, config, smear_m, range_sigma_m, position_sigma_m);
 }
 
 ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
-                        const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
+                        const ScanToMapConfig& config, double smear_m, double range_sigma_m, double position_sigma_m) {
   ScanFit fit;
   fit.num_points = static_cast<int>(points_body_m.size());
   const Matrix3 R = T_local_body.linear();
@@ -397,8 +406,10 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
     return sum;
   };
   Sums planes = sum_of_planes(0.0F);
-  if (planes.weight > 0.0 && WeakDirections(planes, config.degenerate_share).num > 0)
-    planes = sum_of_planes(config.firm_points);
+  if (planes.weight > 0.0 && WeakDirections(planes, config.degenerate_share).num > 0) {
+    const Sums firm = sum_of_planes(config.firm_points);
+    if (firm.weight > kFirmShare * planes.weight) planes = firm;
+  }
   if (!(planes.weight > 0.0)) {
     fit.num_degenerate = 6;
     return fit;
@@ -408,7 +419,7 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
   fit.map_share = planes.of_map / planes.weight;
   fit.renewal = planes.renewed / planes.of_scan;
   const WeakDirections weak(planes, config.degenerate_share);
-  if (weak.num > 0) remove_unobserved(fit, scan, weak, config.standing_points);
+  if (weak.num > 0) remove_unobserved(fit, scan, weak, config.standing_points, position_sigma_m);
   add_floor(fit.evidence, config, fit.num_degenerate > 0 ? kOpenFloor : 1.0, smear_m);
   return fit;
 }

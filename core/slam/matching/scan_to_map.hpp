@@ -43,8 +43,11 @@ struct ScanFit {
 /// The local frame's z axis is up: poles are upright.
 /// @param smear_m  possible displacement of the points by unknown motion during the sweep
 /// @param range_sigma_m  standard deviation of the ranges
+/// @param position_sigma_m  standard deviation of the predicted position, within which free-standing points are
+/// recognized
 ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
-                 const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0);
+                 const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0,
+                 double position_sigma_m = 0.0);
 
 /// fit_scan() with reused memory, for repeated calls.
 class ScanFitter {
@@ -52,7 +55,8 @@ class ScanFitter {
   ScanFitter();
   ~ScanFitter();
   ScanFit fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
-              const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0);
+              const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0,
+              double position_sigma_m = 0.0);
 
  private:
   class MetPlane;

@@ -16,7 +16,7 @@ constexpr double kPoleUpright = 0.9;   // least cosine of a pole's axis against 
 // [-] Least sine of the angle between a plane and a ray that meets it from behind. Larger values mix the faces of a
 // wall that is seen edge-on, smaller ones divide surfaces whose normals are off.
 constexpr float kBehind = 0.05F;
-constexpr float kGrowth = 1.25F;       // growth of a cell's number of points that triggers a new fit
+constexpr float kGrowth = 1.25F;  // growth of a cell's number of points that triggers a new fit
 // Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides of a
 // cell face.
 constexpr double kShift_m = 0.11;

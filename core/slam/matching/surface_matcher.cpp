@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/slam/matching/surface_matcher.hpp"
 
+#include <cmath>
+
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
@@ -36,10 +38,11 @@ void SurfaceMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool 
 
 ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
   Match match;
+  const double position_sigma_m = std::sqrt(filter.covariance().diagonal().segment<3>(InertialFilter::kP).maxCoeff());
   match.num_iterations = filter.update(
       [&](const Pose& T_local_body) {
         match.fit = fitter_.fit(map_, sparse_body_m_, T_local_body, config_.matching, uncertainty.smear_m,
-                                uncertainty.range_sigma_m);
+                                uncertainty.range_sigma_m, position_sigma_m);
         if (match.fit.num_known < uncertainty.known_share_min * match.fit.num_points) match.fit.evidence = {};
         return match.fit.evidence;
       },

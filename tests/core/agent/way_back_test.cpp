@@ -92,7 +92,7 @@ TEST(WayBack, EndsWhereTheSensorsSeeEnough) {
   EXPECT_LT(flight.farthest_m, 20.0);
   for (int i = 0; i < 500; ++i) flight.fly(to_seconds(kControlStep));
   EXPECT_NEAR(flight.plant.p.x(), 12.0, 1.5);
-  EXPECT_LT(flight.plant.v.norm(), 0.1) << "it hovers there";
+  EXPECT_LT(flight.plant.v.norm(), 0.1) << "hovering";
 }
 
 TEST(WayBack, FollowsThePathToItsStart) {

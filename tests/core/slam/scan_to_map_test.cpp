@@ -206,6 +206,21 @@ TEST(ScanToMap, ConstrainsOpenGroundByFewStems) {
   EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(T.linear())).norm(), 0.0015);
 }
 
+TEST(ScanToMap, RecognizesStemsWithinPredictedUncertainty) {
+  const SyntheticRoom room = open_ground({{6.0, 2.0, 0.0}, {-5.0, 4.0, 0.0}, {1.0, -7.0, 0.0}, {7.0, -3.0, 0.0}});
+  const SurfaceMap map = map_of(room);
+  const auto points = in_body(seen_from(room, Pose::Identity(), 0.02, 9, kManyBeams), Pose::Identity());
+  const Vector3 error_m(0.25, 0.2, 0.0);
+  const auto found = [&](double position_sigma_m) {
+    return fit_scan(map, points, make_pose(error_m, Eigen::Quaterniond::Identity()), {}, 0.0, 0.0, position_sigma_m);
+  };
+  EXPECT_GT(found(0.01).num_degenerate, 0);
+  const ScanFit held = found(0.2);
+  EXPECT_EQ(held.num_degenerate, 0);
+  const Eigen::Matrix<double, 6, 1> step = held.evidence.information.ldlt().solve(held.evidence.gradient);
+  EXPECT_GT(step.head<2>().dot(error_m.head<2>()), 0.0) << "towards the truth";
+}
+
 TEST(ScanToMap, LeavesRotationAroundOneStemOpen) {
   const Vector3 stem_m(6.0, 2.0, 0.0);
   const SyntheticRoom room = open_ground({stem_m});

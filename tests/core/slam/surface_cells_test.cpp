@@ -112,7 +112,7 @@ TEST(SurfaceCells, LimitTheNumberOfPoints) {
   EXPECT_EQ(map.find(at_m, at_m)->mean_m, mean_m) << "what was seen early stays the reference";
 }
 
-TEST(SurfaceCells, KeepTheFacesOfAWallApart) {
+TEST(SurfaceCells, KeepFacesOfWallsApart) {
   constexpr double kThickness_m = 0.06;
   const auto face = [](double x_m) {
     std::vector<Vector3> points;
@@ -178,7 +178,8 @@ TEST(SurfaceCells, AreForgottenOnlyBeyondTheRadius) {
     kept += near ? 1 : 0;
     EXPECT_EQ(map.find(middle_m, Vector3::Zero()) != nullptr, near) << middle_m.transpose();
     if (near) {
-      EXPECT_LT((map.find(middle_m, Vector3::Zero())->mean_m.cast<double>() - middle_m + Vector3::Constant(0.1)).norm(), 1e-5);
+      EXPECT_LT((map.find(middle_m, Vector3::Zero())->mean_m.cast<double>() - middle_m + Vector3::Constant(0.1)).norm(),
+                1e-5);
     }
   }
   EXPECT_EQ(map.num_cells(), kept);

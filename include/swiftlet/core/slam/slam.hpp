@@ -34,7 +34,7 @@ struct SlamConfig : ModuleConfigOf<SlamConfig> {
   double lidar_timeout_s = 3.0;
   double imu_timeout_s = 0.1;
   double position_sigma_max_m = 2.0;
-  double return_sigma_m = 0.1;
+  double return_sigma_m = 0.2;
 
   void visit(ConfigVisitor& v) override;
 };
