@@ -288,7 +288,7 @@ TEST(InertialFilter, GrowsOtherNoisesWithTime) {
   expect_added(after(0, 0, 0.1), Filter::kGyroBias, 0.01 * kDt_s);
 }
 
-TEST(InertialFilter, RestartDoublesSigmaUpToTheStart) {
+TEST(InertialFilter, RestartDoublesSigmaWithinPrior) {
   const Filter learned = flown_filter();
   InertialConfig unknown;  // hardly anything is known before
   unknown.start_accel_bias_sigma_mps2 = unknown.start_gyro_bias_sigma_radps = unknown.start_velocity_sigma_mps = 1e3;
