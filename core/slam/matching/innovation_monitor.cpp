@@ -26,6 +26,9 @@ constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMaxNoise = 1e6;
 // to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
 // let wrong mounts pass, smaller ones refuse noisy IMUs.
 constexpr double kWrongVelocity_mps = 0.5;
+// [m/s] The same while the time offset is unknown: 40 ms leave up to 1.2, 10 and 20 ms 0.9, a turned LiDAR 1 after
+// seven scans.
+constexpr double kWrongStart_mps = 1.0;
 // [-] mean of the normalized squares below which scans agree again: 0.2 to 0.6 in simulated flights, 2 to 6 with a
 // turned LiDAR. Larger values let a wrong mount pass while the vehicle hardly speeds up.
 constexpr double kConsistent = 1.0;
@@ -47,10 +50,10 @@ void InnovationMonitor::add(double innovation_sq, int num_directions) {
 }
 
 /// Accelerations that the IMU does not measure add up; those that noise suggests do not.
-void InnovationMonitor::add_correction(const Vector3& v_local_mps) {
+void InnovationMonitor::add_correction(const Vector3& v_local_mps, bool offset_known) {
   corrections_mps_.col(next_correction_) = v_local_mps;
   next_correction_ = (next_correction_ + 1) % kScans;
-  const bool wrong = corrections_mps_.rowwise().sum().norm() > kWrongVelocity_mps;
+  const bool wrong = corrections_mps_.rowwise().sum().norm() > (offset_known ? kWrongVelocity_mps : kWrongStart_mps);
   if (wrong)
     scans_contradicted_ = kContradictedScans;
   else if (mean_ < kConsistent)

@@ -14,7 +14,8 @@ class InnovationMonitor {
   /// @param innovation_sq  normalized square of an innovation in `num_directions` directions
   void add(double innovation_sq, int num_directions);
   /// @param v_local_mps  change of the velocity by a scan
-  void add_correction(const Vector3& v_local_mps);
+  /// @param offset_known  the time offset between LiDAR and IMU has been estimated, or given
+  void add_correction(const Vector3& v_local_mps, bool offset_known = true);
 
   /// Factor of the reported covariance, at least 1.
   double covariance_factor() const;

@@ -161,7 +161,8 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   outcome.num_iterations = found.num_iterations;
   if (!found.fit.evidence.information.isZero(0.0) && !filter_.is_coasting()) {
     innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
-    if (!has_unknown_start()) innovations_.add_correction(filter_.state().nav.v_mps - before.v_mps);
+    const bool offset_known = start_.over || config_.imu.time_offset_sigma_s == 0.0;
+    if (!has_unknown_start()) innovations_.add_correction(filter_.state().nav.v_mps - before.v_mps, offset_known);
     start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
   if (coarse && found.fit.num_degenerate == 0) filter_.measure(*coarse, kAligned_m, kAligned_rad);
