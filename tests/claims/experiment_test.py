@@ -3,10 +3,12 @@
 """Common parts of the experiments: tables, verdicts, flights that resume, files, the command line. Usage: experiment_test.py SOURCE_DIR"""
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 try:
@@ -136,15 +138,21 @@ class Experiments(unittest.TestCase):
         (self.path / "docs/images/reproduction").mkdir(parents=True)
         page = self.path / "docs/results/rbl.md"
         page.write_text("# x\n\n## `rbl-forest`\n\nkept\n\n## `rbl-real`\n\nold\n")
+        overview = self.path / "docs/reproduction.md"
+        overview.write_text(f"# y\n\n{pages.BEGIN}old\n{pages.END}\n\nlast\n")
         known = {"rbl-real": "Title [Kamler 2025]\n\nExplanation.", "rbl-forest": "Forest [Kamler 2025]"}
         for quick, status in ((True, 2), (False, 0)):
             experiment = self.experiment(quick=quick)
+            experiment.row("conservative: L [m]", "52", "reproduced")
             experiment.row("f", "text")
             experiment.write_results()
             self.assertEqual(pages.write(self.path, known, self.path / "docs"), status)
         sections = pages.sections_of(page.read_text())
         self.assertEqual(sections["rbl-forest"], "kept\n")
         self.assertTrue(sections["rbl-real"].startswith("Explanation.\n\n| what |"))
+        lines = overview.read_text().splitlines()
+        self.assertEqual((lines[0], lines[-1]), ("# y", "last"))
+        self.assertIn("| [rbl-real](results/rbl.md#rbl-real) | conservative: L [m] | 53.84 | 52 | 1 reproduced |", lines)
 
     def run_program(self, *arguments):
         return subprocess.run([sys.executable, str(SOURCE / "tools/experiments"), *arguments], cwd=self.path, capture_output=True, text=True,
@@ -159,6 +167,20 @@ class Experiments(unittest.TestCase):
             for text in texts:
                 self.assertIn(text, result.stderr)
 
+
+    def test_an_ended_experiment_ends_its_workers(self):
+        program = subprocess.Popen([sys.executable, str(SOURCE / "tools/experiments"), "rbl-ghosts", "--jobs", "2"], cwd=self.path,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)
+        while not (self.path / "reproduce/rbl-ghosts/flights.jsonl").exists():
+            time.sleep(0.05)
+        time.sleep(1.0)  # the workers begin
+        program.terminate()
+        self.assertEqual(program.wait(30), 143)
+        deadline_s = time.monotonic() + 30
+        with self.assertRaises(ProcessLookupError):
+            while time.monotonic() < deadline_s:
+                os.killpg(program.pid, 0)
+                time.sleep(0.1)
 
     def test_one_run_at_a_time_writes_a_folder(self):
         first, second = self.experiment(), self.experiment(resume=True)

@@ -4,22 +4,15 @@
 import ast
 import math
 import pathlib
-import re
 import sys
 import unittest
 
 SOURCE = pathlib.Path(sys.argv[1]).resolve()
 sys.path.insert(0, str(SOURCE / "tools/experiments"))
 from shared import pages, published  # noqa: E402
+from shared.tables import read_markdown  # noqa: E402
 
 VERDICTS = ("reproduced", "better", "differs", "other conditions")
-
-
-def tables(text):
-    """The tables of a page in Markdown, as lists of lists of cells."""
-    for block in re.findall(r"(?:^\|.*\n)+", text, re.M):
-        rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in block.splitlines()]
-        yield [row for row in rows if not set("".join(row)) <= {"-", " "}]
 
 
 class Published(unittest.TestCase):
@@ -51,15 +44,12 @@ class Published(unittest.TestCase):
         compared = 0
         for page, _ in pages.PAGES.values():
             for experiment, text in pages.sections_of((SOURCE / f"docs/results/{page}.md").read_text(encoding="utf-8")).items():
-                for table in tables(text):
-                    if table[0][:2] != ["what", "published"]:
-                        continue
-                    for what, shown, tolerance, _, verdict, *_ in table[1:]:
-                        figure = published.find(experiment, what)
-                        self.assertEqual(shown, figure.text if figure else "-", f"{experiment}: {what}")
-                        self.assertIn(verdict, VERDICTS if figure else ("no published figure",), f"{experiment}: {what}")
-                        self.assertFalse(verdict in VERDICTS[:3] and not tolerance, f"{experiment}: {what} has no tolerance")
-                        compared += figure is not None
+                for row in (row for table in read_markdown(text) for row in table if "verdict" in row):
+                    figure, name, verdict = published.find(experiment, row["what"]), f"{experiment}: {row['what']}", row["verdict"]
+                    self.assertEqual(row["published"], figure.text if figure else "-", name)
+                    self.assertIn(verdict, VERDICTS if figure else ("no published figure",), name)
+                    self.assertFalse(verdict in VERDICTS[:3] and not row["tolerance"], f"{name} has no tolerance")
+                    compared += figure is not None
         self.assertGreater(compared, 80)
 
     def test_the_overview_leads_to_every_section(self):
@@ -67,6 +57,10 @@ class Published(unittest.TestCase):
         for page, _ in pages.PAGES.values():
             for experiment in pages.sections_of((SOURCE / f"docs/results/{page}.md").read_text(encoding="utf-8")):
                 self.assertIn(f"[{experiment}](results/{page}.md#{experiment})", overview)
+
+    def test_the_overview_shows_the_results_of_the_pages(self):
+        text = (SOURCE / "docs/reproduction.md").read_text(encoding="utf-8")
+        self.assertEqual(text, pages.with_overview(text), "tools/reproduce --write-docs writes it")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import difflib
 import importlib
 import os
 import pathlib
+import signal
 import sys
 import time
 
@@ -29,7 +30,8 @@ def arguments(known):
     parser.add_argument("--quick", action="store_true", help="a small version of each: fewer samples and seeds")
     parser.add_argument("--resume", action="store_true", help="do not run again what an earlier attempt finished")
     parser.add_argument("--list", action="store_true", help="only list the experiments")
-    parser.add_argument("--write-docs", action="store_true", help="write the full results of DIR to docs/results, and run nothing")
+    parser.add_argument("--write-docs", action="store_true", help="write the full results of DIR, of all experiments or "
+                        "those named, to docs/results, and run nothing")
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     chosen = parser.parse_args()
     for name in chosen.names:
@@ -74,8 +76,9 @@ def main():
         return 0
     if options.write_docs:
         from shared import pages
-        return pages.write(pathlib.Path(options.out), known)
+        return pages.write(pathlib.Path(options.out), {name: known[name] for name in options.names or known})
     import swiftlet
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # ends the workers as well
     try:
         differing = run_all(options.names or known, known, options)
     except (OSError, swiftlet.InputError) as error:

@@ -23,9 +23,10 @@ def draw(flights, borders_m):
     axes = figure.add_subplot(title="Distance flown in each forest", xlabel="forest", ylabel="distance [m]")
     forests = range(1, len(flights) + 1)
     axes.plot(forests, [flight["farthest_m"] for flight in flights], "o", label="flown")
-    axes.plot(forests, borders_m, "--", label="border")
-    axes.set_ylim(bottom=0)
-    axes.legend()
+    axes.plot(forests, borders_m, "_", markersize=12, label="border")
+    axes.set_ylim(0, 1.1 * max(flight["farthest_m"] for flight in flights))
+    axes.set_xticks(forests)
+    axes.legend(loc="lower left")
     return figure
 
 

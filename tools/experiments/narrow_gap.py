@@ -35,7 +35,7 @@ def draw(published_percent, ours_percent):
     axes.bar([place - 0.2 for place in places], published_percent, 0.4, label="published")
     axes.bar([place + 0.2 for place in places], ours_percent, 0.4, label="ours")
     axes.set_xticks(places, [f"{width_m:.1f} m" for width_m in DOORS_M])
-    axes.legend(loc="lower left")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)  # below the axes
     return figure
 
 

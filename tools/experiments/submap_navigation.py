@@ -32,7 +32,7 @@ def draw(experiment, flight):
         axes.plot(*np.array(flight["course"][name])[:, :2].T, style, label=label)
     axes.set(title=f"Cells of the map at {SLICE_M} m, and the path that was flown (Fig. 6)", xlabel="x [m]", ylabel="y [m]",
              aspect="equal")
-    axes.legend(loc="center")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)  # below the axes
     experiment.write_figure("submap-navigation.svg", figure)
 
 

@@ -2,6 +2,7 @@
 """Numbers, tables and files as text."""
 import math
 import os
+import re
 
 
 def short_number(value, digits):
@@ -27,3 +28,10 @@ def markdown(rows, notes=True):
     lines = [columns, ["---"] * len(columns)]
     lines += [[(row[column] or ("" if column in ("note", "tolerance") else "-")).replace("|", "\\|") for column in columns] for row in rows]
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def read_markdown(text):
+    """The tables of a page in Markdown: for each a list of rows, {column: cell}."""
+    for block in re.findall(r"(?:^\|.*\n)+", text, re.M):
+        columns, _, *rows = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in block.splitlines())
+        yield [dict(zip(columns, row)) for row in rows]
