@@ -231,14 +231,13 @@ class StackAgent : public Agent,
   void map(const Observation& observation) {
     if (!stages_.mapping) return;
     begin(AgentStage::kMapping);
-    std::span<const NeighborSample> neighbors;
-    if (needs_.neighbors) neighbors = observation.neighbors;
+    const std::span<const NeighborSample> all = observation.neighbors;
     stages_.mapping->step({.observation = observation,
                            .estimate = action_.estimate,
                            .clouds = clouds_,
                            .tracks = tracks_,
                            .relatives = relatives_,
-                           .neighbors = neighbors,
+                           .neighbors = needs_.neighbors ? all : all.first(0),
                            .submaps = stages_.localization->submap_poses(),
                            .poses = &registrar_.poses()},
                           outbox_);
@@ -248,14 +247,11 @@ class StackAgent : public Agent,
     begin(AgentStage::kGuidance);
     wanted_.goal_is_feasible = false;
     const StateEstimator::Search search = stages_.localization->search();
-    const bool should_return = stages_.localization->should_return();
-    if (!should_return && !way_back_.has_begun()) way_back_.add(action_.estimate.T_local_body.translation());
-    if (should_return || way_back_.has_begun()) {
-      way_back_.step(action_.estimate, !should_return, wanted_);
-    } else if (needs_.world && search != StateEstimator::Search::kNone) {
+    const bool returns = way_back_.takes_over(action_.estimate, stages_.localization->should_return(), wanted_);
+    if (!returns && needs_.world && search != StateEstimator::Search::kNone) {
       look_around_.step(dt_s, action_.estimate, search, wanted_);
       looks_around_ = true;
-    } else {
+    } else if (!returns) {
       if (looks_around_) wanted_ = {};  // guidance sets only the changed outputs
       looks_around_ = false;
       step_guidance(observation, dt_s);
@@ -263,7 +259,7 @@ class StackAgent : public Agent,
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
     const char* warning = stages_.localization->warning();
-    set_note(warning[0] == '\0' || way_back_.has_begun() ? wanted_.note : warning);
+    set_note(warning[0] == '\0' || returns ? wanted_.note : warning);
   }
 
   void step_guidance(const Observation& observation, double dt_s) {

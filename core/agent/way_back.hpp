@@ -13,8 +13,24 @@ namespace swiftlet {
 /// enough again, and hovers there.
 class WayBack {
  public:
-  bool has_begun() const { return hold_.has_value(); }
-  /// Adds the position to the path when the vehicle has moved on.
+  /// @param output  that of guidance in the last tick; written when the return takes over, which is the result
+  bool takes_over(const StateEstimate& estimate, bool should_return, GuidanceOutput& output) {
+    const bool flies_mission = output.motors_on && output.mission == MissionStatus::kRunning;
+    if (!hold_ && !(should_return && flies_mission)) {
+      add(estimate.T_local_body.translation());
+      return false;
+    }
+    step(estimate, !should_return, output);
+    return true;
+  }
+
+ private:
+  /// [m] Distance between stored positions, and distance at which one counts as reached. Larger values return faster
+  /// and cut corners.
+  static constexpr double kSpacing_m = 0.5, kReached_m = 1.0;
+  /// [-] Number of stored positions: 200 m of path.
+  static constexpr int kCapacity = 400;
+
   void add(const Vector3& p_local_m) {
     if (count_ > 0 && (p_local_m - newest()).norm() < kSpacing_m) return;
     path_local_m_[(first_ + count_) % kCapacity] = p_local_m;
@@ -23,7 +39,7 @@ class WayBack {
     else
       first_ = (first_ + 1) % kCapacity;
   }
-  /// @param sees_enough  whether the vehicle may stay where it is
+
   void step(const StateEstimate& estimate, bool sees_enough, GuidanceOutput& output) {
     const Vector3 p_local_m = estimate.T_local_body.translation();
     if (!hold_) {
@@ -40,13 +56,6 @@ class WayBack {
     output.mission = has_returned_ ? MissionStatus::kFailed : MissionStatus::kRunning;
     output.note = has_returned_ ? "returned: too little to see ahead" : "returning: too little to see ahead";
   }
-
- private:
-  /// [m] Distance between stored positions, and distance at which one counts as reached. Larger values return faster
-  /// and cut corners.
-  static constexpr double kSpacing_m = 0.5, kReached_m = 1.0;
-  /// [-] Number of stored positions: 200 m of path.
-  static constexpr int kCapacity = 400;
 
   const Vector3& newest() const { return path_local_m_[(first_ + count_ - 1) % kCapacity]; }
 

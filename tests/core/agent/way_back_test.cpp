@@ -43,14 +43,17 @@ class ShortSighted : public StateEstimator {
 
 /// A vehicle whose waypoints lie to the north and then far to the east.
 struct ReturningFlight {
-  explicit ReturningFlight(std::function<bool(const Vector3&)> too_far) : plant(testing::x500()) {
+  explicit ReturningFlight(std::function<bool(const Vector3&)> too_far, bool lands = false) : plant(testing::x500()) {
     plant.p = {0, 0, 5};
+    plant.ground = true;
     AgentSetup setup;
     setup.airframe = testing::x500();
     setup.tick_s = to_seconds(kControlStep);
     setup.T_local_body_start = plant.T_world_body();
     Module module(guidance_module_types(), "waypoints");
     module.as<WaypointsConfig>().waypoints_m = {{0, 10, 5}, {30, 10, 5}};
+    if (lands) module.as<WaypointsConfig>().waypoints_m = {{0, 3, 5}};
+    module.as<WaypointsConfig>().land_at_end = lands;
     StackStages stages;
     stages.localization = std::make_unique<ShortSighted>(std::move(too_far));
     stages.guidance = make_guidance(module, {setup, MotionLimitsConfig{}.resolve()});
@@ -93,6 +96,15 @@ TEST(WayBack, EndsWhereTheSensorsSeeEnough) {
   for (int i = 0; i < 500; ++i) flight.fly(to_seconds(kControlStep));
   EXPECT_NEAR(flight.plant.p.x(), 12.0, 1.5);
   EXPECT_LT(flight.plant.v.norm(), 0.1) << "hovering";
+}
+
+TEST(WayBack, LeavesLandedVehiclesOnTheGround) {
+  bool sees_too_little = false;
+  ReturningFlight flight([&](const Vector3&) { return sees_too_little; }, true);
+  EXPECT_EQ(flight.fly(60.0).mission, MissionStatus::kDone);
+  sees_too_little = true;
+  for (int i = 0; i < 500; ++i) EXPECT_EQ(flight.fly(to_seconds(kControlStep)).mission, MissionStatus::kDone);
+  EXPECT_LT(flight.plant.p.z(), 0.05);
 }
 
 TEST(WayBack, FollowsThePathToItsStart) {
