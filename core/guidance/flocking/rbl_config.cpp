@@ -30,8 +30,7 @@ void RblRules::visit(ConfigVisitor& v) {
           non_negative);
   v.field("weight_goal_m", weight_goal_m,
           "[m] beta falls too if c_A is nearer than d_1 and the goal nearer than this; at r_s, the goal lies in S; 0: "
-          "as in "
-          "the document",
+          "as in the document",
           non_negative);
   v.field("azimuth_near_m", azimuth_near_m,
           "[m] d_3 of (2.8), (2.11): horizontal distance of c_A below which theta grows, with d_4", non_negative);

@@ -26,8 +26,9 @@ constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMaxNoise = 1e6;
 // to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
 // let wrong mounts pass, smaller ones refuse noisy IMUs.
 constexpr double kWrongVelocity_mps = 0.5;
-// [m/s] The same while the time offset is unknown: 40 ms leave up to 1.2, 10 and 20 ms 0.9, a turned LiDAR 1 after
-// seven scans.
+// [m/s] The same limit while the time offset is unknown. Offsets of 10 and 20 ms change the velocity by up to 0.9,
+// those of 40 ms by 1.2, a turned LiDAR by 1 within seven scans. Larger values notice a wrong mount later, smaller ones
+// refuse late stamps.
 constexpr double kWrongStart_mps = 1.0;
 // [-] mean of the normalized squares below which scans agree again: 0.2 to 0.6 in simulated flights, 2 to 6 with a
 // turned LiDAR. Larger values let a wrong mount pass while the vehicle hardly speeds up.

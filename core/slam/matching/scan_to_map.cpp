@@ -31,13 +31,15 @@ constexpr double kNear_sq = 9.0;  // squared standard deviations within which a 
 // [m] Distance tested before and behind a point: more than the thickness of a stem, less than the distance between
 // stems.
 constexpr double kStep_m = 0.7;
-constexpr double kAcross = 0.3;        // least sine of the angle between surface and direction: 17 degrees
-constexpr double kMinMotion = 0.25;    // least motion per unit: points near the axis of a rotation hardly constrain it
-constexpr double kBeside_m = 1.5;      // largest lateral distance at which a beam passes beside a point
-constexpr double kBeyond_m = 0.5;      // least distance of the end of that beam behind the continued surface
-constexpr int kMinPassed = 3;          // fewest points with a passing beam
-constexpr double kRecognized_m = 0.5;  // largest position error with which a point is recognized: less than kStep_m
-constexpr double kSpread_m = 0.15;     // spread above which a cell without a plane is no single object
+constexpr double kAcross = 0.3;      // least sine of the angle between surface and direction: 17 degrees
+constexpr double kMinMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
+constexpr double kBeside_m = 1.5;    // largest lateral distance at which a beam passes beside a point
+constexpr double kBeyond_m = 0.5;    // least distance of the end of that beam behind the continued surface
+constexpr int kMinPassed = 3;        // fewest points with a passing beam
+// [m] Largest position error with which a free-standing point is recognized. Larger values find a place again after a
+// longer drift; from kStep_m on they confuse neighboring stems.
+constexpr double kRecognized_m = 0.5;
+constexpr double kSpread_m = 0.15;  // spread above which a cell without a plane is no single object
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
