@@ -108,6 +108,19 @@ Crash crash_by(const Touch& touch, TimeNs t, const StaticScene* scene) {
   return crash;
 }
 
+/// Sets the state of a vehicle after its contact impulses: the step is repeated from the pose at its beginning with the
+/// velocities after the impulses.
+void repeat_step(const ContactBody& body, double step_s, VehicleState& state) {
+  state.v_world_mps = body.v_world_mps;
+  state.p_world_m = body.p_world_m + step_s * body.v_world_mps;
+  state.q_world_body = (rotation_by(step_s * body.omega_world_radps) * body.q_world_body).normalized();
+  state.omega_body_radps = state.q_world_body.conjugate() * body.omega_world_radps;
+}
+
+bool is_still(const VehicleState& state) {
+  return state.v_world_mps.norm() < kRestSpeed_mps && state.omega_body_radps.norm() < kRestRate_radps;
+}
+
 std::vector<double> circumscribed_radii_m(std::span<const PhysicsVehicle> vehicles) {
   std::vector<double> radii_m;
   for (const PhysicsVehicle& vehicle : vehicles) radii_m.push_back(vehicle.airframe.circumscribed_radius_m());
@@ -341,16 +354,11 @@ struct PhysicsWorld::Impl {
     }
   }
 
-  /// Sets the state of a vehicle after its contact impulses: the step is repeated from the pose at its beginning with
-  /// the velocities after the impulses.
   void take_over(const ContactBody& body) {
     if (!body.touched) return;
     VehicleState& state = states[body.vehicle];
     vehicles[body.vehicle].touching = true;
-    state.v_world_mps = body.v_world_mps;
-    state.p_world_m = body.p_world_m + config.step_s * body.v_world_mps;
-    state.q_world_body = (rotation_by(config.step_s * body.omega_world_radps) * body.q_world_body).normalized();
-    state.omega_body_radps = state.q_world_body.conjugate() * body.omega_world_radps;
+    repeat_step(body, config.step_s, state);
     ENSURE(is_finite(state), vehicles[body.vehicle].name, to_seconds(state.t), state.p_world_m, state.v_world_mps,
            state.omega_body_radps);
   }
@@ -373,9 +381,7 @@ struct PhysicsWorld::Impl {
     WorldVehicle& vehicle = vehicles[id];
     VehicleState& state = states[id];
     if (vehicle.asleep) return;
-    const bool still = vehicle.touching && state.v_world_mps.norm() < kRestSpeed_mps &&
-                       state.omega_body_radps.norm() < kRestRate_radps;
-    vehicle.still_s = still ? vehicle.still_s + config.step_s : 0.0;
+    vehicle.still_s = vehicle.touching && is_still(state) ? vehicle.still_s + config.step_s : 0.0;
     if (vehicle.still_s < kRestTime_s || near_pairs.contain(id)) return;
     vehicle.asleep = true;
     state.v_world_mps.setZero();
