@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/base/airframe.hpp"
+#include "swiftlet/core/base/action.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ void Airframe::visit(ConfigVisitor& v) {
   v.check(2.0 * inertia_diagonal_kgm2.maxCoeff() <= 1.0001 * inertia_diagonal_kgm2.sum(), "inertia_diagonal_kgm2",
           "moments of inertia of which none exceeds the sum of the other two");
   v.check(rotor_speed_max_radps > rotor_speed_min_radps, "rotor_speed_max_radps", "more than rotor_speed_min_radps");
-  v.check(rotors.size() <= 8, "rotors", "at most 8 rotors");
+  v.check(num_rotors() <= kMaxRotors, "rotors", "at most 8 rotors");
 }
 
 double Airframe::circumscribed_radius_m() const {

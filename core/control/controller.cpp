@@ -231,9 +231,8 @@ void MultirotorController::predict_rotor_speeds(double dt_s) {
     decay_down_ = elementary::exp(-dt_s / airframe_.motor_time_constant_down_s);
     // Factor of the commanded change of speed with which the motor's effective time constant is (1 - kMotorLead) times
     // its own.
-    constexpr double kLagShare = 1.0 - kMotorLead;
     const auto lead = [&](double tau, double decay) {
-      return (1.0 - elementary::exp(-dt_s / (kLagShare * tau))) / (1.0 - decay);
+      return (1.0 - elementary::exp(-dt_s / ((1.0 - kMotorLead) * tau))) / (1.0 - decay);
     };
     lead_up_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_up_s, decay_up_) : 1.0;
     lead_down_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_down_s, decay_down_) : 1.0;

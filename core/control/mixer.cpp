@@ -12,6 +12,10 @@ namespace {
 
 using Column = Eigen::Matrix<double, kMaxRotors, 1>;
 
+/// [-] Share of a rotor in the thrust below which it is a rounding error: the rotor only makes torque. Larger values
+/// ignore the limits of rotors that lift little.
+constexpr double kNoShare = 1e-9;
+
 /// Largest factor in [0, 1] by which `part` can be added to `base` while every rotor stays in [min, max].
 double largest_factor(const Column& base, const Column& part, int n, double min, double max) {
   double share = 1.0;
@@ -65,11 +69,11 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   // into the range of a rotor, and no rotor is below its minimum at the larger of the demanded thrust and lift_N.
   const double span = max_force_N_ - min_force_N_;
   const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
-  double scale = std::min(1.0, span / std::max(tilt_span, 1e-12));
+  double scale = tilt_span > span ? span / tilt_span : 1.0;
   const double lifted_N = std::max(wanted.thrust_N, lift_N);
   for (int i = 0; i < n; ++i) {
     const double room_N = std::max(lifted_N * inverse_(i, 0) - min_force_N_, 0.0);
-    if (tilt[i] < 0.0 && inverse_(i, 0) > 1e-9) scale = std::min(scale, -room_N / tilt[i]);
+    if (tilt[i] < 0.0 && inverse_(i, 0) > kNoShare) scale = std::min(scale, -room_N / tilt[i]);
   }
   tilt *= scale;
 
@@ -78,7 +82,7 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   double least = 0.0, greatest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < n; ++i) {
     const double share = inverse_(i, 0);
-    if (share <= 1e-9) continue;
+    if (share <= kNoShare) continue;
     least = std::max(least, (min_force_N_ - tilt[i]) / share);
     greatest = std::min(greatest, (max_force_N_ - tilt[i]) / share);
   }

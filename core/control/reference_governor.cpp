@@ -28,6 +28,9 @@ constexpr double kFastestPole_radps = 6.0;
 constexpr double kGainOfJerk = 0.4, kGainOfStep = 0.04, kHeadingGainOfStep = 0.1;
 /// [-] Bisections for the admissible jerk nearest to the wanted one. More of them cost time.
 constexpr int kBisections = 12;
+/// [m, m/s, m/s^2 or -] Tolerance of rounding: smaller distances, errors and relative excesses count as zero. Larger
+/// values end an approach early.
+constexpr double kNothing = 1e-12;
 
 double wrap_angle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -77,10 +80,10 @@ double velocity_until_level(double a, double jerk, double dt) {
 /// convex and levelling off moves the velocity along a line, so both ends suffice.
 template <int N>
 bool is_viable(const Motion<N>& m, const AxisLimits& limits, double dt) {
-  const double limit_sq = limits.speed * limits.speed * (1.0 + 1e-12);
+  const double limit_sq = limits.speed * limits.speed * (1.0 + kNothing);
   if (m.v.squaredNorm() > limit_sq) return false;
   const double a = m.a.norm();
-  if (a < 1e-12) return true;
+  if (a < kNothing) return true;
   return (m.v + m.a * (velocity_until_level(a, limits.jerk, dt) / a)).squaredNorm() <= limit_sq;
 }
 
@@ -111,7 +114,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const double distance = to_goal.norm();
   Vec<N> v_wanted = goal.v;
   Vec<N> feed_forward = goal.a;
-  if (distance > 1e-12) {
+  if (distance > kNothing) {
     const Vec<N> direction = to_goal / distance;
     const ApproachCurve curve = approach(distance, gain, braking);
     v_wanted += curve.value * direction;
@@ -127,7 +130,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
   const Vec<N> v_error = v_wanted - m.v;
   const double v_error_norm = v_error.norm();
   Vec<N> a_wanted = feed_forward;
-  if (v_error_norm > 1e-12)
+  if (v_error_norm > kNothing)
     a_wanted += v_error * (approach(v_error_norm, 3.0 * gain, kJerkShare * limits.jerk).value / v_error_norm);
   return cut<N>(a_wanted, limits.acceleration);
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/core/base/rounding.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -94,10 +96,10 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   const Eigen::Array3d from = from_m.array() * cells_per_m_, displacement = to_m.array() * cells_per_m_ - from;
   const Eigen::Array3d low = min_cell_.array().cast<double>(), high = low + mask_.array().cast<double>() + 1.0;
   if (!from.allFinite() || !displacement.allFinite()) return;
-  constexpr double kInside = 1e-6;  // [voxels] margin at the border, so that rounding cannot step out of the box
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low_at = low[axis] + kInside - from[axis], high_at = high[axis] - kInside - from[axis];
+    // The margin keeps rounding from stepping out of the box.
+    const double low_at = low[axis] + kRounding - from[axis], high_at = high[axis] - kRounding - from[axis];
     if (displacement[axis] == 0.0) {
       if (low_at > 0.0 || high_at < 0.0) return;
       continue;

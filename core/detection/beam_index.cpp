@@ -8,6 +8,7 @@
 
 #include "core/detection/direction_bins.hpp"
 #include "swiftlet/core/base/elementary.hpp"
+#include "swiftlet/core/base/rounding.hpp"
 
 namespace swiftlet {
 namespace {
@@ -27,7 +28,7 @@ constexpr double kLogistic = 1.702;
 // Probability that a beam did not end before a surface of uncertain range. A range of 0 is a beam without return.
 double share_beyond(double range_m, double surface_m, double sigma_m) {
   if (range_m <= 0.0) return 1.0;
-  const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, 1e-6);
+  const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, kRounding);
   return 1.0 / (1.0 + elementary::exp(-kLogistic * std::clamp(beyond_sigma, -20.0, 20.0)));
 }
 

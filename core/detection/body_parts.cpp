@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/detection/body_parts.hpp"
 
+#include "core/detection/existence.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
@@ -38,7 +39,7 @@ bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, st
   const double beside = elementary::log((1.0 - kMiddleOfOne) / (1.0 - kMiddleOfTwo));
   const auto count = [&](std::span<const Vector3> points_m) {
     for (const Vector3& p_m : points_m) {
-      const double third = 3.0 * (p_m - from_m).dot(axis_m) / std::max(axis_m.squaredNorm(), 1e-12);
+      const double third = 3.0 * (p_m - from_m).dot(axis_m) / axis_m.squaredNorm();  // NaN, beside, for equal means
       pair->log_odds += third > 1.0 && third < 2.0 ? in_middle : beside;
     }
   };

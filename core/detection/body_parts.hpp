@@ -23,8 +23,6 @@ class BodyParts {
   static constexpr double kMiddleOfTwo = 0.02;
   /// [-] Log odds above which the pair is merged. Larger values need more sweeps for a merge.
   static constexpr double kDecided = 3.0;
-  /// [-] Limit of the log odds. Larger values need more evidence to reverse an earlier decision.
-  static constexpr double kMaxLogOdds = 6.0;
   /// [-] Maximum number of pairs under test; further pairs are not merged.
   static constexpr std::size_t kMaxPairs = 64;
 

@@ -21,8 +21,9 @@ struct Quiet {
   static constexpr std::uint32_t kSweeps = 2;
 };
 
-// [bins] Steps of the position within a bin from sweep to sweep: the evenly distributed sequence R2 of Roberts 2018.
-constexpr double kStepTurn = 0.7548776662466927, kStepRow = 0.5698402909980532;
+// [bins] Step of the position within a bin from sweep to sweep, along the row; across rows its square: the evenly
+// distributed sequence R2 of Roberts 2018.
+constexpr double kStepTurn = 0.7548776662466927;
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -58,7 +59,7 @@ std::span<const Eigen::Vector3f> EmptyDirections::find(const Scan& scan) {
   is_needed_ = true;
   ++sweep_;
   take_returns(scan);
-  const double in_turn = fraction(kStepTurn * sweep_), in_row = fraction(kStepRow * sweep_);
+  const double in_turn = fraction(kStepTurn * sweep_), in_row = fraction(kStepTurn * kStepTurn * sweep_);
   const int first_row = bin_in(bottom_z_ + 1.0, 2.0, kRows), last_row = bin_in(top_z_ + 1.0, 2.0, kRows);
   for (int row = first_row; row <= last_row; ++row) {
     for (int turn = 0; turn < kAzimuths; ++turn) {

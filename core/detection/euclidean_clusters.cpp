@@ -15,20 +15,17 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  // n
 constexpr double kCellEdge = 0.577;
 // [cells] Largest distance along an axis of cells with near points.
 constexpr int kReach = 2;
-// Factor of the squared tolerance beyond which two boxes hold no near points, despite rounding.
-constexpr float kWide = 1.0001F;
 
-/// [bits] Cell index along one axis in a key; kHalfAxis makes indices positive.
+/// [bits] Cell index along one axis in a key; kRow / 2 makes indices positive.
 constexpr int kAxisBits = 21;
-constexpr std::int64_t kHalfAxis = std::int64_t{1} << (kAxisBits - 1);
 constexpr std::int64_t kRow = std::int64_t{1} << kAxisBits;  // one step along y in a key
 constexpr std::int64_t kLayer = kRow << kAxisBits;           // one step along z in a key
 
 /// Index of the point's cell along one axis, or -1 when it is out of range.
 std::int64_t axis_cell(float coordinate_m, double cells_per_m) {
   const double cell = std::floor(static_cast<double>(coordinate_m) * cells_per_m);
-  if (!(std::abs(cell) < static_cast<double>(kHalfAxis - kReach))) return -1;  // catches NaN too
-  return static_cast<std::int64_t>(cell) + kHalfAxis;
+  if (!(std::abs(cell) < static_cast<double>(kRow / 2 - kReach))) return -1;  // catches NaN too
+  return static_cast<std::int64_t>(cell) + kRow / 2;
 }
 
 /// Stable radix sort by key. A digit that all keys share is skipped after its histogram.
@@ -127,7 +124,7 @@ bool EuclideanClusters::are_near(std::span<const Eigen::Vector3f> points, const 
                                  float tolerance_m) const {
   const float tolerance_sq = tolerance_m * tolerance_m;
   const Eigen::Vector3f gap = (a.min - b.max).cwiseMax(b.min - a.max).cwiseMax(0.0F);
-  if (gap.squaredNorm() > kWide * tolerance_sq) return false;
+  if (gap.squaredNorm() > tolerance_sq) return false;  // no pair of points is nearer: rounding is monotonic
   for (std::uint32_t i = a.first; i < a.first + a.count; ++i) {
     const Eigen::Vector3f& p = points[keyed_[i].point];
     if (distance_sq_to_box(p, b.min, b.max) > tolerance_sq) continue;

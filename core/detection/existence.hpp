@@ -10,6 +10,9 @@
 /// 2013).
 namespace swiftlet {
 
+/// [-] Limit of log odds that are summed over sweeps. Larger values need more sweeps to reverse an earlier decision.
+inline constexpr double kMaxLogOdds = 6.0;
+
 /// Return rate of a target: the share of beams on the target that are returned. It is learned, because neither size nor
 /// surface of the target is known. From sweep to sweep it varies by a gamma distribution about its mean, because a
 /// target turns. So the number of returns is negative binomial.
@@ -54,9 +57,6 @@ struct Observability {
 /// than the smallest UAV, and more sweeps have no return. Bayes' rule on the numbers of returns, which are negative
 /// binomial as above.
 struct Smallness {
-  /// [-] Limit of the log odds. Larger values need more sweeps to reverse an earlier decision.
-  static constexpr double kMaxLogOdds = 6.0;
-
   double log_odds = 0.0;  ///< log odds of a small object against a UAV
 
   double probability() const { return 1.0 / (1.0 + elementary::exp(-log_odds)); }

@@ -25,6 +25,9 @@ struct TrackBeforeDetectLimits {
   static constexpr double kMinExistence = 1e-7;
   /// [-] Gate of the squared Mahalanobis distance: 0.999 in three dimensions. Larger values associate more clutter.
   static constexpr double kGate = 16.0;
+  /// [m] Largest range of a target, and largest length up to which a beam clears the air before its return. Returns
+  /// from farther away become background at once. Larger values cost time.
+  static constexpr double kMaxRange_m = 60.0;
   /// [m] Largest distance of an association, which limits the wide gate of hypotheses without known velocity.
   static constexpr double kGateMost_m = 8.0;
   /// [sigma] Error of the attitude within which nearby background may have caused a return. Larger values begin fewer

@@ -63,7 +63,7 @@ void LargeBodies::split(Hypothesis& h, std::size_t k, const SweepReturns& return
   std::erase_if(part_a_m_, [&](const Vector3& p_m) { return (p_m - mean_m).dot(axis_m) > 0.0; });
   if (part_a_m_.empty() || part_b_m_.empty()) return;
   parts_.weigh(h.id, part_a_m_, h.id, part_b_m_);
-  if (parts_.log_odds(h.id, h.id) > -BodyParts::kMaxLogOdds) return;
+  if (parts_.log_odds(h.id, h.id) > -kMaxLogOdds) return;
   h.size_m = 0.0;
   parts_.forget(h.id);
 }

@@ -11,8 +11,6 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
-/// [m] Length up to which a beam clears the air before its return. Smaller values find no targets farther away.
-constexpr double kRayMax_m = 60.0;
 /// [m] Length up to which a beam without return clears air. Larger values clear air where dark objects return nothing.
 constexpr double kEmptyRay_m = 40.0;
 
@@ -87,7 +85,7 @@ void LearnedAir::clear(const LocalCloud& cloud, std::span<const Eigen::Vector3f>
 void LearnedAir::clear_beam(const Vector3& from_local_m, const Vector3& direction_local, double range_m,
                             const BeamIndex& beams) {
   const double edge_m = map_.voxel_m();
-  const double length_m = range_m > 0.0 ? std::min(range_m - edge_m, kRayMax_m)
+  const double length_m = range_m > 0.0 ? std::min(range_m - edge_m, Limits::kMaxRange_m)
                                         : std::min(beams.nearest_return_m(direction_local) - edge_m, kEmptyRay_m);
   if (length_m > 0.0) map_.pass(from_local_m, from_local_m + length_m * direction_local);
 }

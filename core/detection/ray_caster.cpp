@@ -5,14 +5,9 @@
 #include <cmath>
 
 #include "core/detection/direction_bins.hpp"
+#include "swiftlet/core/base/rounding.hpp"
 
 namespace swiftlet {
-namespace {
-
-// [m] Margin around the origins of the rays, so that rounding leaves none outside. Larger values enlarge the window.
-constexpr double kOriginMargin_m = 1e-6;
-
-}  // namespace
 
 RayCaster::RayCaster(const VofodConfig& config)
     : is_scrolling_(config.map.extent == VoxelMapConfig::Extent::kScrolling),
@@ -57,8 +52,9 @@ bool RayCaster::begin(const LocalCloud& cloud, const VoxelGrid& map) {
     lengths_.begin({}, ray_max_m_, voxel_m_);
     return false;
   }
-  origins.min().array() -= beam_offset_m + kOriginMargin_m;
-  origins.max().array() += beam_offset_m + kOriginMargin_m;
+  // The margin keeps rounding from leaving an origin outside.
+  origins.min().array() -= beam_offset_m + kRounding;
+  origins.max().array() += beam_offset_m + kRounding;
   // The map may scroll by up to kRayScroll_voxels before apply().
   VoxelGrid within = map;
   if (is_scrolling_) {

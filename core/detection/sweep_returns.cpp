@@ -13,8 +13,8 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
-/// [m] Largest range of a target. Returns from farther away become background at once. Larger values cost time.
-constexpr double kMaxRange_m = 60.0;
+/// [m] Least range that divides, for returns and targets at the sensor itself. Larger values distort near targets.
+constexpr double kLeastRange_m = 1e-3;
 
 Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   MeasurementNoise noise;
@@ -45,7 +45,7 @@ void SweepReturns::find(const LocalCloud& cloud, LearnedAir& air) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vector3 p_m = cloud.points_local_m[i].cast<double>();
     const double range_m = (p_m - beams_.p_local_lidar_m()).norm();
-    if (air.is_background(p_m) || range_m > kMaxRange_m || candidates_.size() == Limits::kMaxCandidates) {
+    if (air.is_background(p_m) || range_m > Limits::kMaxRange_m || candidates_.size() == Limits::kMaxCandidates) {
       air.hit(p_m, 1.0);
       continue;
     }
@@ -155,7 +155,7 @@ TargetMeasurement SweepReturns::measure(const LocalCloud& cloud, std::span<const
   m.extent_m = box.sizes();
   const Vector3 centroid_m = sum_m / count;
   const Vector3 from_lidar_m = centroid_m - beams_.p_local_lidar_m();
-  m.p_local_m = centroid_m + seen_side_m_ / std::max(from_lidar_m.norm(), 1e-3) * from_lidar_m;
+  m.p_local_m = centroid_m + seen_side_m_ / std::max(from_lidar_m.norm(), kLeastRange_m) * from_lidar_m;
   m.covariance =
       pose_covariance(centroid_m) + sampling_sq(size_m) * (1.0 / count + Limits::kSameSide) * Matrix3::Identity();
   return m;
@@ -169,7 +169,7 @@ double SweepReturns::sampling_sq(double size_m) const {
 
 Matrix3 SweepReturns::pose_covariance(const Vector3& p_local_m) const {
   const Vector3 p_lidar_m = beams_.R_local_lidar().transpose() * (p_local_m - beams_.p_local_lidar_m());
-  const double range_m = std::max(p_lidar_m.norm(), 1e-3);
+  const double range_m = std::max(p_lidar_m.norm(), kLeastRange_m);
   return point_covariance(p_lidar_m / range_m, range_m, beams_.R_local_lidar(), Sigma_w_);
 }
 

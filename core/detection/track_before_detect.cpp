@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/detection/track_before_detect.hpp"
 
+#include "core/detection/detection_spheres.hpp"
 #include "core/detection/hypotheses.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
@@ -28,12 +29,7 @@ class TrackBeforeDetect : public Detector {
   std::span<const Track> tracks() const override { return tracks_; }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay tracked;
-    tracked.name = "detections";
-    tracked.kind = Overlay::Kind::kSpheres;
-    tracked.size_m = 0.35F;
-    tracked.legend = {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}};
-    tracked.colors = {tracked.legend.front().color};
+    Overlay tracked = detection_spheres();
     for (const Track& track : tracks_) tracked.positions.push_back(track.position_m.cast<float>());
     overlays.push_back(std::move(tracked));
   }

@@ -3,13 +3,15 @@
 
 #include <utility>
 
+#include "core/detection/detection_spheres.hpp"
+
 namespace swiftlet {
 namespace {
 
 // [-] Edges of drawn cubes in voxel edges. Gaps between cubes keep neighbors, and points inside, visible.
 constexpr float kOccupiedCube = 0.8F, kAroundCube = 0.4F;
-// [m] Diameter of the points of clusters, and radius of the spheres around detections.
-constexpr float kPointSize_m = 0.08F, kDetectionRadius_m = 0.35F;
+// [m] Diameter of the points of clusters. Larger points hide their neighbors.
+constexpr float kPointSize_m = 0.08F;
 
 Overlay overlay_of(const char* name, Overlay::Kind kind, float size_m, std::vector<Overlay::Key> legend) {
   Overlay overlay;
@@ -88,8 +90,7 @@ void append_vofod_overlays(const VofodStages& stages, double search_distance_m, 
   append_occupied(stages.map(), overlays);
   overlays.push_back(overlay_around(stages.map(), search_distance_m, detections));
   overlays.push_back(overlay_of_clusters(stages));
-  Overlay spheres =
-      overlay_of("detections", Overlay::Kind::kSpheres, kDetectionRadius_m, {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}});
+  Overlay spheres = detection_spheres();
   for (const Detection& d : detections) spheres.positions.push_back(d.position_m.cast<float>());
   overlays.push_back(std::move(spheres));
 }

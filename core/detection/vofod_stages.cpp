@@ -10,8 +10,6 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Height above the lowest beam, as a sine of the elevation, below which a return is at the lower edge of the field of
 // view: 1.7 deg, a little less than the spacing of the beams of a Puck. Larger values take more hovering targets for
 // objects on the ground.
@@ -192,7 +190,7 @@ void VofodStages::put(Members members, double g) {
 
 // Sets voxels exactly to g, as eq. (17) does for detections.
 void VofodStages::set(Members members, double g) {
-  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, g);
+  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], std::numeric_limits<double>::infinity(), g);
 }
 
 // Clusters too large to fly begin or extend the background.

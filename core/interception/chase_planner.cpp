@@ -14,6 +14,7 @@ struct PlannerTuning {
   double beyond_meeting = 1.3;      ///< [-] horizon in multiples of the time to go
   double meeting_grain_s = 0.05;    ///< [s] resolution of the time to go
   double crossing_grain_s = 0.025;  ///< [s] resolution of the time at which a disc crosses the target's height
+  double rounding = 1e-9;           ///< [-] share of a grain that is a rounding error; larger values shorten steps
 };
 constexpr PlannerTuning kPlanner;
 
@@ -50,7 +51,7 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
   const int n = mpc_.num_steps();
   const double horizon_s =
       std::clamp(kPlanner.beyond_meeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
-  const double step_s = std::ceil(horizon_s / n / kPlanner.step_grain_s - 1e-9) * kPlanner.step_grain_s;
+  const double step_s = std::ceil(horizon_s / n / kPlanner.step_grain_s - kPlanner.rounding) * kPlanner.step_grain_s;
   const double meeting_s = std::min(time_to_go_s_, (n - 1) * step_s);
   const double last_step_s = mpc_.step_s();
   const std::optional<double> crossing = crossing_s(target, to_target_local_m, since_last_s);
@@ -86,7 +87,7 @@ std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, c
   std::optional<double> enters_s;
   double leaves_s = 0.0;
   const int instants =
-      planned_ ? static_cast<int>((horizon_s() - since_last_s) / kPlanner.crossing_grain_s + 1e-9) : -1;
+      planned_ ? static_cast<int>((horizon_s() - since_last_s) / kPlanner.crossing_grain_s + kPlanner.rounding) : -1;
   for (int i = 0; i <= instants; ++i) {
     const double t_s = i * kPlanner.crossing_grain_s;
     const Vector3 off_m = target.at(t_s).p_m - to_target_m - mpc_.at(t_s + since_last_s).p_m;

@@ -14,7 +14,8 @@
 
 namespace swiftlet {
 
-inline constexpr double kSameTarget_m = 3.0;  ///< largest distance between two estimates of the same target
+/// [m] Largest distance between two estimates of the same target. Larger values mistake another target for it.
+inline constexpr double kSameTarget_m = 3.0;
 
 /// Another interceptor, by its newest report. Local frame.
 struct Teammate {

@@ -97,10 +97,10 @@ class TargetFlight : public Guidance {
     at_rest.yaw_rad = to_world.yaw(yaw_of(estimate.T_local_body.linear()));
     governor_.reset(at_rest);
     const double a_mps2 = std::min(config_.acceleration_mps2, limits_.horizontal_acceleration_mps2);
-    const double ramp_s = 2.0 * 1.875 * config_.speed_mps / a_mps2;
+    const double ramp_s = RampedTravel::kSteepest * config_.speed_mps / (0.5 * a_mps2);  // half of the acceleration
     if (config_.motion == TargetConfig::Motion::kCircle || config_.motion == TargetConfig::Motion::kFigureEight) {
       make_curve(start_world_m, a_mps2);
-      const double rate = config_.speed_mps / std::max(curve_.u_m.norm(), 1e-9) / (curve_.eight ? 1.42 : 1.0);
+      const double rate = config_.speed_mps / curve_.u_m.norm() / (curve_.eight ? 1.42 : 1.0);
       travel_ = RampedTravel(std::numeric_limits<double>::infinity(), rate, ramp_s);
     }
     if (config_.motion == TargetConfig::Motion::kRandom) {

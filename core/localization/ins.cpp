@@ -18,15 +18,13 @@ namespace {
 constexpr double kStartGround_sigma_m = 2.0;
 /// [sigma] Innovation beyond which a measurement is rejected. Larger values accept more outliers.
 constexpr double kGate_sigma = 6.0;
-/// [s] Time without IMU samples after which the estimate is not valid. Larger values extrapolate through longer gaps.
-constexpr double kImuTimeout_s = 0.1;
+/// [s] Longest time without IMU samples that is extrapolated: during a longer one the estimate is not valid, and after
+/// it the motion in between counts as unknown. Larger values trust the extrapolation through longer gaps.
+constexpr double kMaxImuGap_s = 0.1;
 /// [-] Consecutive rejections of one source after which the filter counts as diverged and its next measurement is
 /// accepted. Larger values tolerate longer series of outliers, but recover later.
 constexpr int kMaxConsecutiveRejections = 20;
-/// [s] Interval between IMU samples beyond which the motion in between counts as unknown. Larger values trust the
-/// extrapolation through longer gaps.
-constexpr double kMaxImuInterval_s = 0.1;
-/// [m/s^2] Standard deviation of the acceleration assumed during a longer interval. Larger values let the next
+/// [m/s^2] Standard deviation of the acceleration assumed during a longer gap. Larger values let the next
 /// measurements correct the estimate faster.
 constexpr double kGapAcceleration_sigma_mps2 = 2.0;
 /// [-] Squared horizontal length of the body's x axis below which the heading is undefined: nose straight up or down.
@@ -132,7 +130,7 @@ class InsEstimator : public StateEstimator {
     fault_ = "";
     if (!filter_.is_sound())
       fault_ = "inertial navigation failed: its state is not finite";
-    else if (ahead_s > kImuTimeout_s)
+    else if (ahead_s > kMaxImuGap_s)
       fault_ = "no IMU";
     else if (sigma_p_m > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
@@ -204,7 +202,7 @@ void InsFilter::predict(const ImuSample& sample) {
   P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += square(config_.gyro_walk_radps2_sqrt_hz) * dt;
   // The ground height is a random walk over the horizontal distance flown.
   P_(kGround, kGround) += square(config_.ground_walk_m_sqrt_m) * nominal_.v_mps.head<2>().norm() * dt;
-  if (dt > kMaxImuInterval_s) {
+  if (dt > kMaxImuGap_s) {
     P_.block<3, 3>(kP, kP).diagonal().array() += square(0.5 * kGapAcceleration_sigma_mps2 * dt * dt);
     P_.block<3, 3>(kV, kV).diagonal().array() += square(kGapAcceleration_sigma_mps2 * dt);
   }

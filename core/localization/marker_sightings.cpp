@@ -8,8 +8,7 @@ namespace {
 
 /// [m] Standard deviation of the center of a sighting, per axis. Larger values weigh sightings less.
 constexpr double kSigma_m = 0.05;
-constexpr std::size_t kMaxBodies = 256;  // largest number of bright bodies per scan; also racks and signs are bright
-constexpr int kMinBright = 2;            // fewest bright returns of a body; a single one may be a glint
+constexpr int kMinBright = 2;  // fewest bright returns of a body; a single one may be a glint
 // [-] Iterations that center a body on its returns, because markers lie below and before the center. Fewer leave an
 // offset toward the markers.
 constexpr int kRecenterings = 2;
@@ -39,7 +38,7 @@ void MarkerSightings::gather(const LocalCloud& cloud) {
     if (near != bodies_.end()) {
       ++near->count;
       near->middle_local_m += (p_local_m - near->middle_local_m) / static_cast<float>(near->count);
-    } else if (bodies_.size() < kMaxBodies) {
+    } else if (bodies_.size() < kMaxBrightBodies) {
       bodies_.push_back({p_local_m, 1});
     }
   }

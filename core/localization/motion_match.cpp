@@ -14,7 +14,6 @@ constexpr TimeNs kSpacing = kNsPerSecond / 5;
 constexpr std::size_t kMaxSightings = 64;  // largest number of sightings of a chain: 13 s
 constexpr double kReach_m = 0.5;           // largest step between successive sightings of a chain at zero interval
 constexpr double kReach_mps = 2.0;         // growth of that step with the interval
-constexpr std::size_t kMaxChains = 256;    // largest number of chains; also racks and signs are bright
 
 }  // namespace
 
@@ -63,7 +62,7 @@ void SightingChains::push(const Sighting& sighting) {
     least_m = distance_m;
   }
   if (nearest == nullptr) {
-    if (chains_.size() == kMaxChains) return;
+    if (chains_.size() == kMaxBrightBodies) return;
     nearest = &chains_.emplace_back();
   }
   nearest->newest = sighting;

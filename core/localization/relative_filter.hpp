@@ -19,6 +19,10 @@ struct Sighting {
   Matrix3 covariance = Matrix3::Identity();
 };
 
+/// [-] Largest number of bright bodies in a scan, and of chains of their sightings. Racks and signs are bright too;
+/// larger values cost time.
+inline constexpr std::size_t kMaxBrightBodies = 256;
+
 /// State of another vehicle in the own local frame: a Kalman filter on its position and velocity, and on the alignment
 /// of its own local frame, which drifts with its odometry:
 ///

@@ -9,9 +9,6 @@
 namespace swiftlet {
 namespace {
 
-/// [rad] Full turn; drift rates are configured per root of a turn and used per radian.
-constexpr double kTurn = 2.0 * kPi;
-
 double squared(double x) { return x * x; }
 
 /// Cubic Hermite interpolation of position and velocity between the samples `a` and `b`, which are `dt_s` apart.
@@ -35,10 +32,11 @@ void OdometryDriftConfig::visit(ConfigVisitor& v) {
           "[deg/sqrt(m)] random walk of the heading: standard deviation after 1 m of path", Range::between(0.0, 90.0));
 }
 
+// Drift rates are configured per root of a turn and used per radian.
 OdometryDrift::OdometryDrift(const OdometryDriftConfig& config)
-    : position_{squared(config.position_m_psqrtm), squared(config.position_m_psqrtturn) / kTurn,
+    : position_{squared(config.position_m_psqrtm), squared(config.position_m_psqrtturn) / (2.0 * kPi),
                 squared(config.position_m_psqrts)},
-      yaw_{squared(config.yaw_deg_psqrtm * kRadPerDeg), squared(config.yaw_deg_psqrtturn * kRadPerDeg) / kTurn,
+      yaw_{squared(config.yaw_deg_psqrtm * kRadPerDeg), squared(config.yaw_deg_psqrtturn * kRadPerDeg) / (2.0 * kPi),
            squared(config.yaw_deg_psqrts * kRadPerDeg)} {}
 
 bool RelativeOdometry::push(OtherMotion sample) {
@@ -49,7 +47,7 @@ bool RelativeOdometry::push(OtherMotion sample) {
     const OtherMotion& last = newest();
     if (sample.t <= last.t) return false;
     sample.flown.path_m = last.flown.path_m + (sample.p_other_local_m - last.p_other_local_m).norm();
-    sample.flown.turn_rad = last.flown.turn_rad + std::abs(std::remainder(sample.yaw_rad - last.yaw_rad, kTurn));
+    sample.flown.turn_rad = last.flown.turn_rad + std::abs(std::remainder(sample.yaw_rad - last.yaw_rad, 2.0 * kPi));
     sample.flown.time_s = last.flown.time_s + to_seconds(sample.t - last.t);
   }
   if (count_ < kCapacity)
@@ -73,7 +71,7 @@ std::optional<OtherMotion> RelativeOdometry::at(TimeNs t, double gap_max_s) cons
   OtherMotion out;
   out.t = t;
   interpolate_cubic(a, b, s, dt_s, out);
-  out.yaw_rad = a.yaw_rad + s * std::remainder(b.yaw_rad - a.yaw_rad, kTurn);
+  out.yaw_rad = a.yaw_rad + s * std::remainder(b.yaw_rad - a.yaw_rad, 2.0 * kPi);
   out.yaw_rate_radps = a.yaw_rate_radps + s * (b.yaw_rate_radps - a.yaw_rate_radps);
   out.flown.path_m = a.flown.path_m + s * (b.flown.path_m - a.flown.path_m);
   out.flown.turn_rad = a.flown.turn_rad + s * (b.flown.turn_rad - a.flown.turn_rad);

@@ -11,15 +11,12 @@
 namespace swiftlet {
 namespace {
 
-// [ns] Change of the clock offset between messages that means a clock was reset; drift is far smaller.
-constexpr TimeNs kClockJump = 5 * kNsPerSecond;
 // [-] Largest number of sightings queued until newer odometry arrives; beyond it the oldest is dropped. Smaller values
 // lose sightings under long message delays.
 constexpr std::size_t kMaxWaiting = 128;
 /// [-] Results of the window in a row that contradict the filter until it is started again. Smaller values react to
 /// outliers.
 constexpr int kMaxDisagreements = 4;
-constexpr double kDisagreement_sigma_sq = 30.0;  // probability of 1 in 200 000 with four degrees of freedom
 
 Overlay overlay_of(const char* name, Overlay::Kind kind, float size_m, const char* meaning,
                    const Eigen::Vector4f& color) {

@@ -9,6 +9,7 @@
 
 #include "core/map/lanes.hpp"
 #include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/map/occupancy_map.hpp"
 
 namespace swiftlet {
 namespace {
@@ -62,7 +63,7 @@ struct RowTable {
 };
 
 /// [cells] Largest gap along an axis that occurs in a computation: the reach, and both blocks.
-constexpr int kMaxGap = DistanceTiles::kMaxReach + 2 * CellBlock::kSide;
+constexpr int kMaxGap = OccupancyMapConfig::kMaxDistance_cells + 2 * CellBlock::kSide;
 
 /// Per gap in cells: its square eight times, then the square of the gap less one eight times, for the next row.
 struct SquareTable {

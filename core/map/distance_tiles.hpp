@@ -35,7 +35,6 @@ class OccupiedBlocks {
 /// results do not depend on the time of the request.
 class DistanceTiles {
  public:
-  static constexpr int kMaxReach = 64;             ///< cells
   static constexpr std::size_t kTileBytes = 1100;  ///< approximate memory of a block's distances
 
   /// @param reach  maximum distance in cells; larger distances are clamped to it

@@ -33,8 +33,6 @@ struct OccupancyMapConstants {
 };
 using MapConstants = OccupancyMapConstants;
 
-static_assert(OccupancyMapConfig::kMaxDistance_cells == DistanceTiles::kMaxReach);
-
 float log_odds_of(double p) { return static_cast<float>(elementary::log(p / (1.0 - p))); }
 
 /// As OcTree::updateNodeLogOdds.
@@ -359,9 +357,9 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true});
   v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < kProbabilityMax, "p_occupied",
           "more than p_miss and less than 0.971");
-  v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");
+  v.check(range_max_m <= kMaxRadius_cells * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
-  v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
+  v.check(keep_radius_m <= kMaxRadius_cells * edge_m, "keep_radius_m", "at most 480 times edge_m");
   v.check(distance_max_m <= kMaxDistance_cells * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
@@ -370,14 +368,12 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
 double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (CellBlock::kSide * edge_m) + 6.0; }
 
 double OccupancyMapConfig::bytes() const {
-  const double radius_cells = keep_radius_m / edge_m;
-  const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
-  // Bytes of a block, of a page of values and of a place in the table; shares of blocks with a page, and with
-  // distances.
-  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kRequestedShare = 0.25;
+  const double blocks = CellBlock::num_in_ball(keep_radius_m / edge_m);
+  // Bytes of a block and of a place in the table; shares of blocks with a page of values, and with distances.
+  constexpr double kBlock = 400.0, kNearSurfaces = 0.1, kPlace = 12.0, kRequestedShare = 0.25;
   double across = 1.0;  // slots per axis
   while (across < places_across()) across *= 2.0;
-  return blocks * (kBlock + kNearSurfaces * kPage + kRequestedShare * DistanceTiles::kTileBytes) +
+  return blocks * (kBlock + kNearSurfaces * sizeof(LogOddsBlocks::Page) + kRequestedShare * DistanceTiles::kTileBytes) +
          across * across * across * kPlace + RayCells::bytes(range_max_m, edge_m);
 }
 

@@ -4,14 +4,9 @@
 #include <algorithm>
 
 namespace swiftlet {
-namespace {
-
-constexpr std::size_t kBitsPerWord = 64;  // std::uint64_t in any_occupied_
-
-}  // namespace
 
 OccupiedChanges::OccupiedChanges(std::size_t num_places)
-    : records_(num_places), any_occupied_((num_places + kBitsPerWord - 1) / kBitsPerWord, 0) {
+    : records_(num_places), any_occupied_((num_places + 63) / 64, 0) {
   touched_.reserve(kTouchedBlocks);
 }
 

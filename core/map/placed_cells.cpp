@@ -6,27 +6,20 @@
 #include <cmath>
 
 #include "core/map/cell_walk.hpp"
+#include "swiftlet/core/base/rounding.hpp"
 
 namespace swiftlet {
 namespace {
 
 constexpr int kSide = CellBlock::kSide;
 
-/// Constants of placed cells.
-struct PlacedCellsConstants {
-  /// [-] step of rounded positions, as a share of a cell's edge. Larger values move pieces less often, and worse.
-  static constexpr double kPoseStep = 0.25;
-  /// [cells] margin for rounding errors of cell coordinates.
-  static constexpr double kMargin = 1e-6;
-  /// Fixed-point units per cell: coordinates along a row of cells are sums of integers.
-  static constexpr int kFractionBits = 24;
-};
-using PlacedConstants = PlacedCellsConstants;
+/// [-] Step of rounded positions, as a share of a cell's edge. Larger values move pieces less often, and worse.
+constexpr double kPoseStep = 0.25;
 
 bool is_lattice_m(double p_m, double step_m, int& steps) {
   const double count = std::round(p_m / step_m);
   steps = static_cast<int>(count);
-  return std::abs(p_m - count * step_m) < PlacedConstants::kMargin * step_m;
+  return std::abs(p_m - count * step_m) < kRounding * step_m;
 }
 
 }  // namespace
@@ -35,7 +28,7 @@ PlacedCells::PlacedCells(std::shared_ptr<const SubmapCells> cells, double edge_m
     : cells_(std::move(cells)), edge_m_(edge_m), middle_cells_m_(cells_->middle_m()), reach_m_(cells_->reach_m()) {}
 
 Pose PlacedCells::rounded(const Pose& T_local_cells) const {
-  const double step_m = PlacedConstants::kPoseStep * edge_m_, step = 0.5 * step_m / std::max(reach_m_, step_m);
+  const double step_m = kPoseStep * edge_m_, step = 0.5 * step_m / std::max(reach_m_, step_m);
   Eigen::Quaterniond q(T_local_cells.linear());
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   // A rotation is about twice the change of the quaternion.
@@ -62,8 +55,8 @@ void PlacedCells::place(const Pose& T_local_cells) {
 }
 
 std::vector<Cell> PlacedCells::overlapped_groups() const {
-  constexpr double kCells = kSide * SubmapCells::kGroup;
-  const Vector3 half = (0.5 * kCells) * (M_back_.cwiseAbs() * Vector3::Ones()).array() + PlacedConstants::kMargin;
+  constexpr double kCells = SubmapCells::kGroup_cells;
+  const Vector3 half = (0.5 * kCells) * (M_back_.cwiseAbs() * Vector3::Ones()).array() + kRounding;
   std::vector<Cell> groups;
   for (const Cell& group : cells_->groups()) {
     const Vector3 middle = M_back_ * (kCells * (group.cast<double>().array() + 0.5) - o_cells_.array()).matrix();
@@ -98,7 +91,7 @@ bool PlacedCells::look(const Cell& block, const Bits& wanted, Overlap& overlap, 
 bool PlacedCells::find_overlap(const Cell& block, Overlap& overlap) const {
   const Vector3 first = (kSide * block).cast<double>();
   const Vector3 middle = M_ * (first.array() + 0.5 * kSide).matrix() + o_cells_;
-  const Vector3 half = (0.5 * kSide) * (M_.cwiseAbs() * Vector3::Ones()).array() + PlacedConstants::kMargin;
+  const Vector3 half = (0.5 * kSide) * (M_.cwiseAbs() * Vector3::Ones()).array() + kRounding;
   overlap.low = ((middle - half) / kSide).array().floor().cast<int>();
   overlap.size = ((middle + half) / kSide).array().floor().cast<int>().matrix() - overlap.low + Cell::Ones();
   overlap.blocks.clear();
@@ -120,7 +113,9 @@ bool PlacedCells::find_overlap(const Cell& block, Overlap& overlap) const {
 /// States of the piece at the centers of the block's cells.
 void PlacedCells::sample_centers(const Cell& block, const Bits& wanted, const Overlap& overlap, Bits& occupied,
                                  Bits& free) const {
-  constexpr int kBits = PlacedConstants::kFractionBits;
+  // [-] Binary digits of a fraction of a cell: coordinates along a row of cells are sums of integers. Fewer digits
+  // sample beside the centers.
+  constexpr int kBits = 24;
   const Vector3 first = (kSide * block).cast<double>();
   const Vector3 from = M_ * (first.array() + 0.5).matrix() + o_cells_ - (kSide * overlap.low).cast<double>();
   const auto whole = [](double x) { return static_cast<std::int64_t>(std::floor(x * (1U << kBits))); };
@@ -175,7 +170,7 @@ void PlacedCells::mark_occupied(const Cell& block, const Overlap& overlap, Bits&
 
 /// The piece's cell at the center of the map's cell, and those whose centers lie in it.
 void PlacedCells::append_deciding(const Cell& map_cell, std::vector<Cell>& cells) const {
-  const Vector3 half = 0.5 * (M_.cwiseAbs() * Vector3::Ones()).array() + PlacedConstants::kMargin;
+  const Vector3 half = 0.5 * (M_.cwiseAbs() * Vector3::Ones()).array() + kRounding;
   const Vector3 middle = M_ * (map_cell.cast<double>().array() + 0.5).matrix() + o_cells_;
   cells.emplace_back(middle.array().floor().cast<int>());
   const Cell low = (middle - half).array().floor().cast<int>(), high = (middle + half).array().floor().cast<int>();

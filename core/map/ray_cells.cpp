@@ -48,7 +48,8 @@ void RayCells::begin(const Eigen::AlignedBox3d& origins_m, double reach_m) {
   if (origins_m.isEmpty()) return;
   const Eigen::Array3d first = ((origins_m.min().array() - reach_m) * cells_per_m_).floor() - kMargin;
   const Eigen::Array3d last = ((origins_m.max().array() + reach_m) * cells_per_m_).floor() + kMargin;
-  ENSURE(first.abs().maxCoeff() < 1e9 && last.abs().maxCoeff() < 1e9, origins_m.min(), origins_m.max(), reach_m);
+  ENSURE(first.abs().maxCoeff() < kFarthestCell && last.abs().maxCoeff() < kFarthestCell, origins_m.min(),
+         origins_m.max(), reach_m);
   first_block_ = (first / kSide).floor().cast<int>();
   const Cell last_block = (last / kSide).floor().cast<int>();
   const int across = (last_block - first_block_).maxCoeff() + 1;

@@ -21,8 +21,6 @@ constexpr int kStretch = 96;
 constexpr int kMargin = 2;
 // [-] Finite bound of the inverse of a direction, beyond the end of any ray.
 constexpr float kNever = 1e30F;
-// [edges] Finite bound above the length of any ray.
-constexpr double kHuge = 1e300;
 
 /// A ray in units of the edge, relative to the cell of its origin and mirrored so that it ascends along every axis:
 /// small numbers keep single precision exact. a is its steepest axis, b and c are the others.
@@ -142,7 +140,7 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   if (!(length_m > 0.0) || length_m > reach_m_ || !origins_m_.contains(origin_m)) return;
   const Vector3 d = direction.cwiseAbs();
   const int a = d.x() >= d.y() ? (d.x() >= d.z() ? 0 : 2) : (d.y() >= d.z() ? 1 : 2);
-  if (!(d[a] > 0.0 && d.sum() < kHuge)) return;  // zero or not finite
+  if (!(d[a] > 0.0 && std::isfinite(d.sum()))) return;
   const int b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
   const std::array<std::int32_t, 3> stride = {1, window_.size.x(), window_.size.x() * window_.size.y()};
 
@@ -190,7 +188,7 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
 
 // Distance from an origin in the window to where the ray leaves it, in edges.
 double RayLengths::exit_edges(const Vector3& origin, const Vector3& direction) const {
-  double exit = kHuge;
+  double exit = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const double room = direction[k] >= 0.0 ? window_.size[k] - kMargin - origin[k] : origin[k] - kMargin;
     if (direction[k] != 0.0) exit = std::min(exit, room / std::abs(direction[k]));

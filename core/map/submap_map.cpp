@@ -70,8 +70,7 @@ bool MapOfPieces::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& 
   boxes.clear();
   for (const auto& group : groups_) {
     if (group->moved > revision) {
-      constexpr int kCells = kSide * BlockGroup::kSide;
-      boxes.push_back({edge_m_, kCells * group->at, Cell::Constant(kCells)});
+      boxes.push_back({edge_m_, SubmapCells::kGroup_cells * group->at, Cell::Constant(SubmapCells::kGroup_cells)});
       continue;
     }
     for (int i = 0; i < group->num_slots(); ++i) {
@@ -114,9 +113,9 @@ void MapOfPieces::append_blocks(std::vector<CellBlock>& blocks) const {
 
 void MapOfPieces::append_occupied(std::vector<Vector3>& centers_local_m) const {
   for (const auto& group : groups_) {
-    const Vector3 low_local_m = kSide * BlockGroup::kSide * edge_m_ * group->at.cast<double>();
+    const Vector3 low_local_m = SubmapCells::kGroup_cells * edge_m_ * group->at.cast<double>();
     const Vector3 inside_m = Vector3::Constant(0.5 * edge_m_);
-    const Vector3 size_m = Vector3::Constant(kSide * BlockGroup::kSide * edge_m_);
+    const Vector3 size_m = Vector3::Constant(SubmapCells::kGroup_cells * edge_m_);
     for_occupied(low_local_m + inside_m, low_local_m + size_m - inside_m,
                  [&](const Vector3& cell_local_m) { centers_local_m.push_back(cell_local_m); });
   }

@@ -144,7 +144,7 @@ void VoxelMap::set_prior(const PriorMap& prior) {
     cells.clear();
     for (const Eigen::Vector3f& p : points) {
       const Eigen::Array3d at = p.cast<double>().array() / grid_.edge_m;
-      if (p.allFinite()) cells.push_back(at.floor().max(-1e9).min(1e9).cast<int>());
+      if (p.allFinite()) cells.push_back(at.floor().max(-kFarthestCell).min(kFarthestCell).cast<int>());
     }
     const auto before = [](const Cell& a, const Cell& b) {
       return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -183,7 +183,8 @@ void VoxelMap::clear() {
 }
 
 void VoxelMap::follow(const Vector3& p_m) {
-  if (config_.extent != VoxelMapConfig::Extent::kScrolling || !((p_m.array() / grid_.edge_m).abs() < 1e9).all()) return;
+  if (config_.extent != VoxelMapConfig::Extent::kScrolling) return;
+  if (!((p_m.array() / grid_.edge_m).abs() < kFarthestCell).all()) return;
   const Cell wanted = grid_.cell_of(p_m) - grid_.size / 2;
   const Cell shift = wanted - grid_.min_cell;
   if (shift.cwiseAbs().maxCoeff() < kScrollStep) return;

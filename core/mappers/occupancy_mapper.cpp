@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/mappers/occupancy_mapper.hpp"
 
+#include "core/mappers/near_cells.hpp"
 #include "core/mappers/scan_rays.hpp"
 #include "swiftlet/core/base/vehicle_named.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
@@ -9,10 +10,6 @@
 
 namespace swiftlet {
 namespace {
-
-constexpr double kShown_m = 15.0;  // radius around the vehicle of the cells in the overlay
-// depth below the vehicle to which cells are shown; lower ones are mostly ground and would hide the rest
-constexpr double kShownBelow_m = 1.0;
 
 class OccupancyMapper : public Mapper {
  public:
@@ -47,19 +44,7 @@ class OccupancyMapper : public Mapper {
   void append_counters(std::vector<Counter>& counters) const override { scan_rays_.append_counters(counters); }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay cells;
-    cells.name = "mapping.cells";
-    cells.kind = Overlay::Kind::kCubes;
-    cells.size_m = static_cast<float>(config_.map.edge_m);
-    cells.colors = {{0.95F, 0.60F, 0.25F, 1.0F}};
-    cells.legend = {{"occupied cells of the map", cells.colors.front()}};
-    std::vector<Vector3> centers_local_m;
-    map_->occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
-    cells.positions.reserve(centers_local_m.size());
-    for (const Vector3& center_local_m : centers_local_m) {
-      if (center_local_m.z() > p_local_m_.z() - kShownBelow_m) cells.positions.push_back(center_local_m.cast<float>());
-    }
-    overlays.push_back(std::move(cells));
+    overlays.push_back(near_cells(*map_, p_local_m_));
   }
 
  private:

@@ -9,15 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/mappers/near_cells.hpp"
 #include "core/mappers/scan_rays.hpp"
 #include "swiftlet/core/base/ensure.hpp"
+#include "swiftlet/core/base/rounding.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kSubmapsShown_m = 15.0;  // radius around the vehicle of the cells in the overlay mapping.cells
-// depth below the vehicle to which cells are shown; lower ones are mostly ground
-constexpr double kSubmapsShownBelow_m = 1.0;
 // [m] Distance from its start after which a submap continues in another piece. Larger pieces take more memory
 // while they grow.
 constexpr double kPiece_m = 12.0;
@@ -64,23 +63,12 @@ class SubmapMapper : public Mapper {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay near, all;
-    near.name = "mapping.cells";
+    overlays.push_back(near_cells(*map_, p_local_m_));
+    Overlay all;
     all.name = "mapping.map";
-    for (Overlay* cells : {&near, &all}) {
-      cells->kind = Overlay::Kind::kCubes;
-      cells->size_m = static_cast<float>(config_.edge_m);
-    }
-    near.colors = {{0.95F, 0.60F, 0.25F, 1.0F}};
-    near.legend = {{"occupied cells of the map", near.colors.front()}};
+    all.kind = Overlay::Kind::kCubes;
+    all.size_m = static_cast<float>(config_.edge_m);
     std::vector<Vector3> centers_local_m;
-    map_->occupied_within(p_local_m_, kSubmapsShown_m, kEver, centers_local_m);
-    for (const Vector3& center_local_m : centers_local_m) {
-      if (center_local_m.z() > p_local_m_.z() - kSubmapsShownBelow_m) {
-        near.positions.push_back(center_local_m.cast<float>());
-      }
-    }
-    centers_local_m.clear();
     map_->append_occupied(centers_local_m);
     double low_m = std::numeric_limits<double>::infinity(), high_m = -low_m;
     for (const Vector3& center_local_m : centers_local_m) {
@@ -99,7 +87,6 @@ class SubmapMapper : public Mapper {
       all.legend = {{"lowest occupied cells of all submaps", color_of_height(0.0F)},
                     {"highest occupied cells of all submaps", color_of_height(1.0F)}};
     }
-    overlays.push_back(std::move(near));
     overlays.push_back(std::move(all));
   }
 
@@ -119,7 +106,7 @@ class SubmapMapper : public Mapper {
     // The growing submap stands still. If an estimator moves it, the present piece is finished.
     const auto stands = [&] {
       const Pose T = poses.T_local_own[static_cast<std::size_t>(growing_submap_)] * T_submap_growing_;
-      return (T.matrix() - T_local_growing().matrix()).cwiseAbs().maxCoeff() < 1e-6;
+      return (T.matrix() - T_local_growing().matrix()).cwiseAbs().maxCoeff() < kRounding;
     };
     if (growing_ != nullptr && growing_submap_ != kNoSubmap && (growing_submap_ != newest || !stands())) finish();
     newest_submap_ = newest;
@@ -261,12 +248,11 @@ class SubmapMapper : public Mapper {
 
   /// Removes cells that other pieces outvoted. In a merged piece they would count as the newest.
   void clear_outvoted(const Pose& T_local_cells, CellBlock& block) const {
-    constexpr int kSide = CellBlock::kSide;
-    for (int z = 0; z < kSide; ++z) {
+    for (int z = 0; z < CellBlock::kSide; ++z) {
       const auto word = static_cast<std::size_t>(z);
       for (std::uint64_t left = block.occupied[word] | block.free[word]; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
-        const Vector3 cell = (kSide * block.at + Cell(bit & 7, bit >> 3, z)).cast<double>();
+        const Vector3 cell = (CellBlock::kSide * block.at + Cell(bit & 7, bit >> 3, z)).cast<double>();
         const CellState state = map_->state(T_local_cells * (config_.edge_m * (cell.array() + 0.5)).matrix());
         const std::uint64_t others = ~(std::uint64_t{1} << bit);
         if (state != CellState::kOccupied) block.occupied[word] &= others;
@@ -353,7 +339,7 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true});
   v.check(p_occupied < OccupancyMapConfig::kProbabilityMax, "p_occupied", "less than 0.971");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
-  v.check(range_max_m + kPiece_m + kPathMargin_m <= 480.0 * edge_m, "range_max_m",
+  v.check(range_max_m + kPiece_m + kPathMargin_m <= OccupancyMapConfig::kMaxRadius_cells * edge_m, "range_max_m",
           "with 14 m more at most 480 times edge_m");
   v.check(distance_max_m <= OccupancyMapConfig::kMaxDistance_cells * edge_m, "distance_max_m",
           "at most 64 times edge_m");
@@ -371,8 +357,7 @@ OccupancyMapConfig SubmapMapperConfig::growing() const {
 }
 
 double SubmapMapperConfig::bytes() const {
-  const double reach_cells = (range_max_m + 0.5 * kPiece_m) / edge_m;
-  const double blocks = 4.19 * reach_cells * reach_cells * reach_cells / 512.0;
+  const double blocks = CellBlock::num_in_ball((range_max_m + 0.5 * kPiece_m) / edge_m);
   // Observed share of the reach of a piece; bytes of a block of a piece, and of a block of the composed map.
   constexpr double kSeen = 0.25, kPieceBlock = 110.0, kMapBlock = 200.0;
   return growing().bytes() + pieces_max * kSeen * blocks * (kPieceBlock + kMapBlock);

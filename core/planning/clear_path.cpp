@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include "core/planning/met_cells.hpp"
@@ -37,8 +38,8 @@ Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
 double rest_of(const Cell& offset) {
   std::array<int, 3> d = {std::abs(offset.x()), std::abs(offset.y()), std::abs(offset.z())};
   std::sort(d.begin(), d.end());
-  constexpr double kSqrt2 = 1.4142135623730951, kSqrt3 = 1.7320508075688772;
-  return (kSqrt3 - kSqrt2) * d[0] + (kSqrt2 - 1.0) * d[1] + d[2];
+  using std::numbers::sqrt2, std::numbers::sqrt3;
+  return (sqrt3 - sqrt2) * d[0] + (sqrt2 - 1.0) * d[1] + d[2];
 }
 
 class ClearSearch {
@@ -89,7 +90,7 @@ class ClearSearch {
         for (int dx = -1; dx <= 1; ++dx) {
           if (dx == 0 && dy == 0 && dz == 0) continue;
           const int to = meet(met_[from].cell + Cell(dx, dy, dz));
-          const double cost = met_[from].cost + kStep[static_cast<std::size_t>(dx * dx + dy * dy + dz * dz)];
+          const double cost = met_[from].cost + std::sqrt(static_cast<double>(dx * dx + dy * dy + dz * dz));
           if (!met_[to].clear || met_[to].closed || cost >= met_[to].cost) continue;
           met_[to].cost = cost;
           met_[to].parent = from;
@@ -99,8 +100,6 @@ class ClearSearch {
     }
   }
 
-  // [cells] Length of a step to a neighboring cell, by the number of axes along which it moves.
-  static constexpr std::array<double, 4> kStep = {0.0, 1.0, 1.4142135623730951, 1.7320508075688772};
   const ClearSpace& space_;
   double edge_m_;
   Cell goal_;
@@ -230,12 +229,16 @@ std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3
   return path_local_m;
 }
 
+ClearPathConfig narrowed(const ClearPathConfig& config, double edge_m) {
+  ClearPathConfig narrow = config;
+  narrow.clearance_m = std::max(config.clearance_m - edge_m, 0.5 * edge_m);
+  return narrow;
+}
+
 bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,
                 std::span<const Vector3> corners_local_m, std::size_t next) {
   ENSURE(next > 0 && next < corners_local_m.size(), next, corners_local_m.size());
-  ClearPathConfig rules = config;
-  rules.clearance_m = std::max(config.clearance_m - view.edge_m(), 0.5 * view.edge_m());
-  const ClearSpace space(view, rules, p_local_m);
+  const ClearSpace space(view, narrowed(config, view.edge_m()), p_local_m);
   Vector3 from_local_m = nearest_on(corners_local_m[next - 1], corners_local_m[next], p_local_m);
   for (const Vector3& to_local_m : corners_local_m.subspan(next)) {
     if (!space.is_clear_segment(from_local_m, to_local_m)) return true;

@@ -36,7 +36,7 @@ class GridSearch {
       open_.pop();
       if (next.index == goal_) return PathStatus::kFound;
       const float so_far = cost_[static_cast<std::size_t>(next.index)];
-      if (next.cost > so_far + rest(next.index) + 1e-3F) continue;  // a shorter path to the cell is known by now
+      if (next.cost > so_far + rest(next.index)) continue;  // a shorter path to the cell is known by now
       if (max_expansions-- == 0) return PathStatus::kBudgetSpent;
       expand(next.index, so_far);
     }

@@ -158,7 +158,7 @@ class ViewpointSearch {
     const double edge_m = map_.edge_m(), far_m = rules_.clearance_m + edge_m;
     const Vector3 displacement_m = to_local_m - from_local_m;
     const double length_m = displacement_m.norm();
-    const Vector3 direction = displacement_m / std::max(length_m, 1e-9);
+    const Vector3 direction = displacement_m / length_m;
     double at_m = 0.0;
     while (at_m < length_m) {
       const Vector3 p_local_m = from_local_m + at_m * direction;

@@ -151,11 +151,11 @@ void unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, c
                       const GivenUp& given_up, const Vector3& p_local_m, int num_rays,
                       std::vector<Vector3>& found_local_m) {
   found_local_m.clear();
-  constexpr double kGoldenAngle_rad = 2.399963229728653;  // turns between neighbors on a sphere [Vogel 1979]
+  const double golden_angle_rad = kPi * (3.0 - std::sqrt(5.0));  // turns between neighbors on a sphere [Vogel 1979]
   const double low = -elementary::sin(kRadPerDeg * config.down_deg), high = elementary::sin(kRadPerDeg * config.up_deg);
   for (int i = 0; i < num_rays; ++i) {
     const double rises = low + (high - low) * (i + 0.5) / num_rays, level = std::sqrt(1.0 - rises * rises);
-    const double azimuth_rad = i * kGoldenAngle_rad;
+    const double azimuth_rad = i * golden_angle_rad;
     const Vector3 direction(level * elementary::cos(azimuth_rad), level * elementary::sin(azimuth_rad), rises);
     const RayEnd end = end_of_free(view, p_local_m, direction, config.range_m);
     if (end.state == CellState::kUnknown && box.holds(end.p_local_m) && !given_up.has(end.p_local_m))

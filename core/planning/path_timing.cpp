@@ -14,8 +14,6 @@ constexpr double kSpacing_m = 0.1;
 /// [m] standard deviations of the rounding of corners, in the order of trial. Larger values fly faster and need more
 /// room.
 constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};
-/// [s] interval between control points of the spline. Larger values smooth the path more.
-constexpr double kInterval_s = 0.2;
 
 std::vector<Vector3> dense(const std::vector<Vector3>& corners) {
   std::vector<Vector3> points = {corners.front()};
@@ -46,23 +44,22 @@ std::vector<Vector3> smooth(std::vector<Vector3> points, double sigma_m) {
 
 // Speeds within the limits in bends and on slopes, from rest to rest.
 std::vector<double> speeds_along(const std::vector<Vector3>& points, const PathLimits& limits) {
-  // Lower bound of lengths, slopes and curvatures in divisions.
-  constexpr double kFlat = 1e-9;
   const int n = static_cast<int>(points.size());
   std::vector<double> speed(points.size(), limits.speed_mps), acceleration(points.size(), limits.acceleration_mps2);
   const auto at = [&](int i) { return points[static_cast<std::size_t>(std::clamp(i, 0, n - 1))]; };
   for (int i = 0; i < n; ++i) {
     const Vector3 before = at(i) - at(i - 2), after = at(i + 2) - at(i);
     const double length = 0.5 * (before.norm() + after.norm());
-    if (length < kFlat) continue;
+    if (length <= 0.0) continue;
     const Vector3 tangent = (before + after).normalized();
     const Vector3 curvature = (after.normalized() - before.normalized()) / length;
     double& v = speed[static_cast<std::size_t>(i)];
-    v = std::min(v, std::sqrt(limits.acceleration_mps2 / std::max(curvature.head<2>().norm(), kFlat)));
-    v = std::min(v, std::sqrt(limits.vertical_acceleration_mps2 / std::max(std::abs(curvature.z()), kFlat)));
-    v = std::min(v, limits.vertical_speed_mps / std::max(std::abs(tangent.z()), kFlat));
+    // On a straight or a level path the quotients are infinite.
+    v = std::min(v, std::sqrt(limits.acceleration_mps2 / curvature.head<2>().norm()));
+    v = std::min(v, std::sqrt(limits.vertical_acceleration_mps2 / std::abs(curvature.z())));
+    v = std::min(v, limits.vertical_speed_mps / std::abs(tangent.z()));
     double& a = acceleration[static_cast<std::size_t>(i)];
-    a = std::min(a, limits.vertical_acceleration_mps2 / std::max(std::abs(tangent.z()), kFlat));
+    a = std::min(a, limits.vertical_acceleration_mps2 / std::abs(tangent.z()));
   }
   const auto slow_down = [&](std::size_t from, std::size_t to) {
     const double step = (points[to] - points[from]).norm();
@@ -75,14 +72,15 @@ std::vector<double> speeds_along(const std::vector<Vector3>& points, const PathL
 }
 
 // Resamples the path at equal time intervals.
-std::vector<Vector3> at_equal_times(const std::vector<Vector3>& points, const std::vector<double>& speed) {
+std::vector<Vector3> at_equal_times(const std::vector<Vector3>& points, const std::vector<double>& speed,
+                                    double interval_s) {
   std::vector<Vector3> samples = {points.front()};
-  double t = 0.0, next = kInterval_s;
+  double t = 0.0, next = interval_s;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double step = (points[i] - points[i - 1]).norm();
     const double mean = std::max(0.5 * (speed[i - 1] + speed[i]), 1e-3);
     const double duration = step / mean;
-    for (; next <= t + duration && duration > 0.0; next += kInterval_s) {
+    for (; next <= t + duration && duration > 0.0; next += interval_s) {
       samples.push_back(points[i - 1] + (points[i] - points[i - 1]) * ((next - t) / duration));
     }
     t += duration;
@@ -101,8 +99,7 @@ std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m,
     const std::vector<Vector3> smoothed = smooth(points, sigma_m);
     if (sigma_m > 0.0 && !std::all_of(smoothed.begin(), smoothed.end(), is_free)) continue;
     SplineTrajectory path;
-    path.interval_s = kInterval_s;
-    path.control_points_m = at_equal_times(smoothed, speeds_along(smoothed, limits));
+    path.control_points_m = at_equal_times(smoothed, speeds_along(smoothed, limits), path.interval_s);
     const Vector3 first_leg = corners_m[1] - corners_m[0];
     path.yaw_rad = elementary::atan2(first_leg.y(), first_leg.x());
     return path;

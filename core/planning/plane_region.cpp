@@ -15,7 +15,7 @@ namespace {
 
 namespace clip = ClipperLib;
 
-/// [m] unit of the integer coordinates.
+/// [m] unit of the integer coordinates. Larger values round borders more, smaller ones reduce the largest coordinate.
 constexpr double kUnit_m = 1e-6;
 /// [m] largest coordinate: products of differences fit into 64 bits.
 constexpr double kFarthest_m = 1000.0;

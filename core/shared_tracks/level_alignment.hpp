@@ -10,10 +10,6 @@
 /// Level alignments of two frames with z up.
 namespace swiftlet {
 
-/// Squared Mahalanobis distance from which two alignments contradict each other: chance level 1 in 200 000, with four
-/// degrees of freedom.
-inline constexpr double kDisagreement_sigma_sq = 30.0;
-
 /// Rotation by a heading.
 inline Matrix3 turn_about_up(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);

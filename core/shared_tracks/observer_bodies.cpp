@@ -6,9 +6,9 @@
 namespace swiftlet {
 namespace {
 
-// Squared Mahalanobis distance (six degrees of freedom) below which a track is an observer.
-constexpr double kBody_sq = 22.5;
-constexpr double kNotBody_sq = 40.0;  // distance above which it no longer is
+/// [-] Squared Mahalanobis distance (six degrees of freedom) above which a track is an observer no longer. Larger
+/// values hide targets that pass near an observer.
+constexpr double kNotBody_sq = 40.0;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void ObserverBodies::mark(VehicleId vehicle, const MotionEstimate& place, TimeNs
       else
         body->last = t;
     }
-    if (squared <= kBody_sq && (nearest == nullptr || squared < least)) {
+    if (squared <= gate_sq_ && (nearest == nullptr || squared < least)) {
       nearest = &o;
       least = squared;
     }

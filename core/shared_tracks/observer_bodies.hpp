@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/shared_tracks/track_fusion.hpp"
+#include "swiftlet/core/shared_tracks/shared_tracks_config.hpp"
 
 namespace swiftlet {
 
@@ -12,8 +13,7 @@ namespace swiftlet {
 /// matches that of the observer.
 class ObserverBodies {
  public:
-  /// @param body_m  radius around an observer in which a second track belongs to the same body
-  explicit ObserverBodies(double body_m) : body_m_(body_m) {}
+  explicit ObserverBodies(const SharedTracksConfig& config) : body_m_(config.body_m), gate_sq_(config.fusion.gate_sq) {}
 
   void forget_before(TimeNs oldest);
   /// Marks the tracks of each observer that are this vehicle. `tracks` is ordered by observer.
@@ -31,7 +31,8 @@ class ObserverBodies {
   std::vector<Body>::iterator body_of(const ObservedTrack& track);
   void mark_body(const ObservedTrack& track, VehicleId vehicle, TimeNs t);
 
-  double body_m_;
+  double body_m_;   // radius around an observer in which a second track belongs to the same body
+  double gate_sq_;  // squared Mahalanobis distance up to which a track is an observer
   std::vector<Body> bodies_;
 };
 

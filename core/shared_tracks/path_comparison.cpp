@@ -11,9 +11,6 @@
 namespace swiftlet {
 namespace {
 
-/// [-] Smallest number of position pairs for an alignment, or for the support of one. Pairs are spaced so that their
-/// errors are independent. Smaller values accept more chance alignments.
-constexpr int kMinPairs = 8;
 /// [-] Largest number of pairs of a fit: more than 30 paths give in window_s, so that no pair is dropped.
 constexpr int kFitWindow = 1000;
 
@@ -53,7 +50,6 @@ RelativeAlignmentConfig fit_of(const FrameLinkConfig& config) {
   RelativeAlignmentConfig fit;
   fit.window_size = kFitWindow;
   fit.window_step_m = 0.0;  // keeps pairs of several objects at one instant, and pairs of hovering observers
-  fit.min_pairs = kMinPairs;
   fit.residual_sigma_max = config.residual_sigma_max;
   fit.min_spread_m = config.min_spread_m;
   fit.heading_sigma_max_deg = config.heading_sigma_max_deg;
@@ -138,7 +134,7 @@ bool PathComparison::supports(std::size_t own, std::size_t other, const FrameAli
     if (count++ == 0) first = s.t;
     last = s.t;
   }
-  return count >= kMinPairs && last - first >= from_seconds(config_.support_s) &&
+  return count >= RelativeAlignmentConfig{}.min_pairs && last - first >= from_seconds(config_.support_s) &&
          residual_sigmas_sq <= 3.0 * count * config_.residual_sigma_max * config_.residual_sigma_max &&
          variance_m2 <= count * config_.support_sigma_m * config_.support_sigma_m;
 }

@@ -22,9 +22,6 @@ namespace {
 constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;
 /// [ns] Tolerance of message times in the future, for differing clocks. Smaller values drop reports of fast clocks.
 constexpr TimeNs kAhead = kNsPerSecond / 10;
-/// [ns] Backward jump in message time from which a sender counts as restarted. Smaller values reset for delayed
-/// messages.
-constexpr TimeNs kRestart = 5 * kNsPerSecond;
 /// [m/s] Standard deviation of an observer's own velocity, per axis. Larger values mark other tracks as observers.
 constexpr double kOwnVelocity_sigma_mps = 0.1;
 /// [-] Least probability of existence of own tracks that are shared. Smaller values share more clutter; the detector's
@@ -79,7 +76,7 @@ struct Peer {
 class SharedTracks : public Tracker {
  public:
   SharedTracks(const SharedTracksConfig& config, const AgentSetup& setup, std::unique_ptr<Tracker> own)
-      : config_(config), self_(setup.self), own_(std::move(own)), bodies_(config.body_m), fusion_(config.fusion) {}
+      : config_(config), self_(setup.self), own_(std::move(own)), bodies_(config), fusion_(config.fusion) {}
 
   bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) override {
     remember_self(input.observation.t, input.estimate);
@@ -150,7 +147,7 @@ class SharedTracks : public Tracker {
       return;
     }
     Peer& peer = peer_of(message.from);
-    if (peer.newest >= 0 && received.t + kRestart < peer.newest) start_over(peer);
+    if (peer.newest >= 0 && received.t + kClockJump < peer.newest) start_over(peer);
     if (received.t <= peer.newest) {
       ++num_outdated_;
       return;

@@ -18,7 +18,7 @@ struct SymmetricEigen {
 /// square roots only: bit-identical everywhere.
 template <int N>
 SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
-  // Sweeps over all pairs; six suffice for small matrices.
+  // [-] Largest number of sweeps over all pairs; six suffice for small matrices. It ends those that are not finite.
   constexpr int kMaxSweeps = 16;
   SymmetricEigen<N> out;
   out.vectors.setIdentity();

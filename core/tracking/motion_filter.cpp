@@ -111,8 +111,7 @@ class ImmFilter : public MotionFilter {
   }
 
  private:
-  static constexpr int kModes = 3;
-  static_assert(kModes <= MotionState::kMaxModes);
+  static constexpr int kModes = TrackModes::kModels;
 
   // Modes switch at a constant rate, to any other mode alike: the chain has a closed form.
   static void mix(MotionState& state, double dt_s) {

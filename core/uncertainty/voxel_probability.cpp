@@ -66,10 +66,8 @@ double middle(const Factored& f, double z1) {
     if (z2 > i.low && z2 < i.high) cuts[num_cuts++] = z2;
   };
   for (const double plain : {-4.0, -1.5, 1.5, 4.0}) cut(plain);
-  if (std::abs(f.L(2, 1)) > 1e-300) {
-    for (const double limit : {f.low[2], f.high[2]}) {
-      for (const double flank : {-6.0, -1.5, 1.5, 6.0}) cut((limit - f.L(2, 0) * z1 - flank * f.L(2, 2)) / f.L(2, 1));
-    }
+  for (const double limit : {f.low[2], f.high[2]}) {  // infinite or NaN, hence no cut, where z3 does not depend on z2
+    for (const double flank : {-6.0, -1.5, 1.5, 6.0}) cut((limit - f.L(2, 0) * z1 - flank * f.L(2, 2)) / f.L(2, 1));
   }
   std::sort(cuts.begin(), cuts.begin() + num_cuts);
 

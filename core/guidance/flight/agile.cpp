@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/guidance/flight/endless_flight.hpp"
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/guidance/within_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
@@ -124,7 +125,7 @@ void AgileSpline::pick_target(const Vector3& from_m) {
 Vector3 AgileSpline::desired_step(const Vector3& point) const {
   const Vector3 to_target = target_m_ - point;
   const double distance = to_target.norm();
-  if (distance < 1e-9) return Vector3::Zero();
+  if (distance < kNegligible) return Vector3::Zero();
   const double longest = pace_ * step_max_m_, passing = rests_ ? 0.0 : kPassingShare * longest;
   double length = std::min(longest, std::sqrt(passing * passing + 1.6 * pace_ * change_max_m_ * distance));
   if (rests_) length = std::min(length, distance);

@@ -14,9 +14,9 @@ namespace {
 constexpr double kLeg_m = 6.0;
 /// [s] knot interval of the spline. Larger values make wider turns.
 constexpr double kKnot_s = 0.25;
-/// [-] share of the greatest speed and acceleration during the approach of a perch.
+/// [-] share of the greatest speed and acceleration during the approach of a perch. Larger values land faster.
 constexpr double kLandingPace = 0.5;
-/// [m] distance from the perch at which the bird has landed.
+/// [m] distance from the perch at which the bird has landed. Larger values begin the stay sooner.
 constexpr double kPerched_m = 0.3;
 /// [m] amplitude and [Hz] frequency of the height of bounding flight (flapping and folding the wings). Larger values
 /// need more vertical acceleration.

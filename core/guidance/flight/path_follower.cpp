@@ -3,13 +3,12 @@
 
 #include <algorithm>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// [m] distance from the end at which the path is flown. Smaller values than the error of tracking never arrive.
-constexpr double kArrived_m = 0.3;
 /// [m] distance behind the timed path from which its clock waits. Larger values let the vehicle cut corners.
 constexpr double kBehind_m = 0.5;
 

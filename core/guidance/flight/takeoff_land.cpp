@@ -6,7 +6,8 @@
 namespace swiftlet {
 namespace {
 
-/// [m] distance to the end of the climb below which takeoff is complete.
+/// [m] distance to the end of the climb below which takeoff is complete. Values below the error of tracking never
+/// complete it.
 constexpr double kAtHeight_m = 0.2;
 
 class TakeoffLand : public Guidance {

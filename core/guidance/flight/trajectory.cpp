@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/heading.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -14,9 +15,9 @@
 namespace swiftlet {
 namespace {
 
-/// [m], [m/s] distance from the start of the trajectory and speed below which its flight begins. Smaller values delay
-/// the beginning, larger ones begin with an error of tracking.
-constexpr double kAtStart_m = 0.3, kAtStart_mps = 0.3;
+/// [m/s] speed at the start of the trajectory below which its flight begins. Smaller values delay the beginning, larger
+/// ones begin with an error of tracking.
+constexpr double kAtStart_mps = 0.3;
 /// [m/s] slowest velocity that gives a heading. Smaller values turn the vehicle about at the ends of a line.
 constexpr double kSlowestLeg_mps = 0.1;
 
@@ -54,12 +55,15 @@ void require(bool ok, const std::string& what, double found, double limit) {
 class Trajectory : public Guidance {
  public:
   Trajectory(const TrajectoryConfig& config, const GuidanceSetup& setup) : config_(config) {
-    const double ramp_s = 1.875 * config.speed_mps / (0.5 * setup.limits.horizontal_acceleration_mps2);
+    // Ramps use half of the acceleration.
+    const double ramp_s =
+        RampedTravel::kSteepest * config.speed_mps / (0.5 * setup.limits.horizontal_acceleration_mps2);
     if (config.shape == TrajectoryConfig::Shape::kLine) {
       direction_ = (config.to_m - config.from_m).normalized();
       const double length = (config.to_m - config.from_m).norm();
       travel_ = RampedTravel(length, config.speed_mps, ramp_s);
-      require_within(setup.limits, travel_.speed * direction_, 1.875 * travel_.speed / ramp_s * direction_);
+      require_within(setup.limits, travel_.speed * direction_,
+                     RampedTravel::kSteepest * travel_.speed / ramp_s * direction_);
     } else {
       const double rate = parameter_rate();
       const double length = config.laps > 0 ? 2.0 * kPi * config.laps : std::numeric_limits<double>::infinity();
@@ -80,7 +84,7 @@ class Trajectory : public Guidance {
     if (!flying_) {
       output.goal = at(0.0, to_local);
       output.note = "flying to the start of the trajectory";
-      flying_ = (p_m - output.goal.position_m).norm() < kAtStart_m && input.estimate.v_local_mps.norm() < kAtStart_mps;
+      flying_ = (p_m - output.goal.position_m).norm() < kArrived_m && input.estimate.v_local_mps.norm() < kAtStart_mps;
       if (flying_) output.note = "";
       return;
     }
@@ -99,7 +103,7 @@ class Trajectory : public Guidance {
 
   /// Checks bounds on speed and acceleration that combine the maxima of the axes.
   static void require_within(const MotionLimits& limits, const Vector3& v, const Vector3& a) {
-    const double slack = 1.0 + 1e-9;
+    const double slack = 1.0 + kNegligible;
     require(v.head<2>().norm() <= slack * limits.horizontal_speed_mps, "a horizontal speed in m/s", v.head<2>().norm(),
             limits.horizontal_speed_mps);
     require(a.head<2>().norm() <= slack * limits.horizontal_acceleration_mps2, "a horizontal acceleration in m/s^2",

@@ -2,6 +2,7 @@
 #include "swiftlet/core/guidance/waypoints.hpp"
 
 #include "core/guidance/flight/landing.hpp"
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/heading.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
@@ -9,9 +10,6 @@
 
 namespace swiftlet {
 namespace {
-
-/// [m] shortest displacement that gives a heading. Smaller values turn the vehicle about near a waypoint.
-constexpr double kShortestToSee_m = 0.3;
 
 class Waypoints : public Guidance {
  public:
@@ -80,7 +78,7 @@ class Waypoints : public Guidance {
     if (config_.yaw == WaypointsConfig::Yaw::kFixed) goal_.yaw_rad = to_local_.yaw(radians(config_.yaw_deg));
     if (config_.yaw == WaypointsConfig::Yaw::kFixed || arrived_) return;
     const Vector3& from = config_.yaw == WaypointsConfig::Yaw::kAlongPath ? leg_start_m_ : p_m;
-    goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);
+    goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToFace_m, goal_.yaw_rad);
   }
 
   void finish(const GuidanceInput& input, GuidanceOutput& output) {

@@ -6,6 +6,7 @@
 
 #include "core/guidance/flocking/flock_response.hpp"
 #include "core/guidance/flocking/rbl_obstacles.hpp"
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -13,22 +14,14 @@
 namespace swiftlet {
 namespace {
 
-/// [s] Time from the vehicle to the goal of the reference governor at the commanded velocity. Smaller values lower the
-/// speed that the governor reaches; larger ones delay the turn to a new velocity.
-constexpr double kAhead_s = 1.0;
-/// [m] Lower bound of distances in divisions; below it, directions are arbitrary.
-constexpr double kNearest_m = 1e-3;
 /// [m] Height difference above which an obstacle is ignored. Larger values also evade what the vehicle would pass above
 /// or below.
 constexpr double kLevel_m = 0.6;
-/// [ns] Period of the search for the nearest obstacle. Larger values react later and cost less.
-constexpr TimeNs kLook = kNsPerSecond / 10;
-/// [m] Distance below which an obstacle repels the vehicle, and [m/s] the repulsive speed at half of it. Larger values
-/// keep more distance from obstacles.
-constexpr double kObstacle_m = 2.0, kObstacle_mps = 1.5;
-/// [m] Distance below which a neighbor repels a vehicle of PACNav, and [m/s] the repulsive speed at half of it. Larger
-/// values keep more distance between vehicles.
-constexpr double kNeighbor_m = 3.0, kNeighbor_mps = 1.5;
+/// [m] Distance below which an obstacle repels the vehicle, and a neighbor a vehicle of PACNav. Larger values evade
+/// earlier.
+constexpr double kObstacle_m = 2.0, kNeighbor_m = 3.0;
+/// [m/s] Repulsive speed at half of these distances. Larger values keep more distance.
+constexpr double kRepulsion_mps = 1.5;
 /// [s] Time span of the remembered paths of neighbors, and time between their points. A longer span follows steadier
 /// leaders; shorter steps add noise to the lengths of paths.
 constexpr double kMemory_s = 8.0, kSample_s = 0.5;
@@ -36,8 +29,6 @@ constexpr double kMemory_s = 8.0, kSample_s = 0.5;
 constexpr std::size_t kRetinaPixels = 360;
 /// [cruise speeds] Speed limit of Mezey's model. Smaller values cut the acceleration toward distant neighbors.
 constexpr double kMaxSpeed = 2.0;
-/// [-] Fewest remembered points of a neighbor's path from which it can be followed. Smaller values follow noise.
-constexpr std::size_t kMinPoints = 3;
 
 double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -46,14 +37,18 @@ Vector3 horizontal(Vector3 v) {
   return v;
 }
 
+/// Repulsive velocity [m/s] from a point, by the displacement from it; 0 beyond reach_m, stronger at smaller distance.
+Vector3 repulsion(const Vector3& away, double reach_m) {
+  const double d = std::max(away.norm(), kNearest_m);
+  if (d >= reach_m) return Vector3::Zero();
+  return kRepulsion_mps * (reach_m / d - 1.0) * away / d;
+}
+
 /// Repulsive velocity [m/s] from all neighbors nearer than kNeighbor_m.
 Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors) {
   Vector3 push = Vector3::Zero();
   for (const Neighbor& neighbor : neighbors) {
-    const Vector3 away = horizontal(p_local_m - neighbor.position_local_m);
-    const double d = std::max(away.norm(), kNearest_m);
-    if (d >= kNeighbor_m) continue;
-    push += kNeighbor_mps * (kNeighbor_m / d - 1.0) * away / d;
+    push += repulsion(horizontal(p_local_m - neighbor.position_local_m), kNeighbor_m);
   }
   return push;
 }
@@ -77,16 +72,14 @@ class LevelFlight : public Guidance {
     if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
   }
 
-  /// Repulsive velocity [m/s] from the nearest obstacle, stronger at smaller distance.
+  /// Repulsive velocity [m/s] from the nearest obstacle.
   Vector3 off_obstacle(const Vector3& p_local_m) const {
-    const Vector3 away = horizontal(p_local_m - obstacle_m_);
-    const double d = std::max(away.norm(), kNearest_m);
-    if (!obstacle_ || d >= kObstacle_m) return Vector3::Zero();
-    return kObstacle_mps * (kObstacle_m / d - 1.0) * away / d;
+    if (!obstacle_) return Vector3::Zero();
+    return repulsion(horizontal(p_local_m - obstacle_m_), kObstacle_m);
   }
 
   void fly(const Vector3& p_local_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
-    goal_.position_m = p_local_m + kAhead_s * v_mps;
+    goal_.position_m = p_local_m + kGoalAhead_s * v_mps;
     goal_.position_m.z() = height_m_;
     output.goal = goal_;
     output.speed_limit_mps = speed_mps;
@@ -99,7 +92,7 @@ class LevelFlight : public Guidance {
 
  private:
   void find_obstacle(const GuidanceInput& input) {
-    next_look_ = input.observation.t + kLook;
+    next_look_ = input.observation.t + from_seconds(kUpdatePeriod_s);
     const Vector3 p_local_m = input.estimate.T_local_body.translation();
     const double edge_m = input.map->edge_m();
     input.map->occupied_within(p_local_m, kObstacle_m, kEver, voxels_m_);
@@ -171,7 +164,8 @@ class Pacnav : public LevelFlight {
   Vector3 toward(const Vector3& p_local_m, const Vector3& aim_local_m) const {
     const Vector3 offset = horizontal(aim_local_m - p_local_m);
     const double d = offset.norm();
-    return d > kNearest_m ? Vector3(offset / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
+    return d > kNearest_m ? Vector3(offset / d * std::min(config_.speed_mps, d / kGoalAhead_s))
+                          : Vector3(Vector3::Zero());
   }
 
   /// Point to fly to: the goal of an informed vehicle, otherwise a point at follow_radius_m from the neighbor with the
@@ -181,7 +175,7 @@ class Pacnav : public LevelFlight {
     double best = 0.0;
     const RememberedPath* leader = nullptr;
     for (const RememberedPath& path : paths_) {
-      if (path.points_local_m.size() < kMinPoints) continue;
+      if (path.points_local_m.size() < 3) continue;  // two points are straight in any case
       const double persistence = path_persistence(path.points_local_m);
       const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
       if (persistence < config_.least_persistence || score <= best) continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/heading.hpp"
 #include "core/guidance/separation/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/kept_apart.hpp"
@@ -12,21 +13,13 @@
 namespace swiftlet {
 namespace {
 
-/// [s] Time from the vehicle to the goal of the reference governor at the chosen velocity. Smaller values lower the
-/// speed that the governor reaches; larger ones delay the turn to a new velocity.
-constexpr double kOrcaAhead_s = 1.0;
 /// [s] Remaining distance to the goal, or to a height limit, over preferred speed. Larger values brake earlier.
 constexpr double kApproach_s = 1.5;
-/// [s] Time in which vehicles that are too close separate; the velocity is chosen twice as often. Smaller values push
-/// them apart faster.
-constexpr double kOrcaStep_s = 0.2;
 /// [s] Time horizon for which the chosen velocities keep vehicles apart. Larger values evade earlier and fly slower
 /// among many neighbors.
 constexpr double kOrcaHorizon_s = 4.0;
 /// [deg] Turn of the preferred velocity to the right. At 0, two vehicles that fly straight at each other only brake.
 constexpr double kOrcaTurn_deg = 5.0;
-/// [m/s] Length of a vector below which its direction is arbitrary; guards a division by 0.
-constexpr double kNothing = 1e-9;
 /// [m/s] Accepted violation of a plane. Larger values accept a velocity after fewer relaxations, and are less safe.
 constexpr double kSlack_mps = 5e-3;
 /// [-] Projection rounds per search. More rounds are slower and end nearer to the optimum.
@@ -43,7 +36,7 @@ Vector3 within(const Vector3& v, double longest) {
 
 Vector3 unit(const Vector3& v, const Vector3& otherwise) {
   const double length = v.norm();
-  return length > kNothing ? Vector3(v / length) : otherwise;
+  return length > kNegligible ? Vector3(v / length) : otherwise;
 }
 
 /// Velocity nearest to the wanted one among those that satisfy all planes, each relaxed by relaxation_mps, and the
@@ -89,12 +82,12 @@ class Orca : public Guidance {
     if (config_.planar) to_goal_m.z() = 0.0;
     neighbors_.update(input);
     if (input.observation.t >= next_) {
-      next_ = input.observation.t + from_seconds(0.5 * kOrcaStep_s);
+      next_ = input.observation.t + from_seconds(kUpdatePeriod_s);
       v_local_mps_ = velocity(input.estimate, to_goal_m, to_local);
       neighbors_.announce(input.estimate, outbox);
     }
     arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
-    goal_.position_m = p_local_m + kOrcaAhead_s * v_local_mps_;
+    goal_.position_m = p_local_m + kGoalAhead_s * v_local_mps_;
     if (config_.planar) goal_.position_m.z() = to_local.point(config_.goal_m).z();
     output.goal = goal_;
     output.speed_limit_mps = config_.speed_mps;
@@ -106,9 +99,10 @@ class Orca : public Guidance {
     const Vector3 p_local_m = estimate.T_local_body.translation();
     const double distance_m = 2.0 * config_.encumbrance_m + config_.margin_m;
     planes_.clear();
+    const double step_s = 2.0 * kUpdatePeriod_s;  // vehicles that are too close separate within two updates
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
-                                   level(neighbor.velocity_local_mps), distance_m, kOrcaHorizon_s, kOrcaStep_s));
+                                   level(neighbor.velocity_local_mps), distance_m, kOrcaHorizon_s, step_s));
     }
     const Vector3 wanted = Eigen::AngleAxisd(-kOrcaTurn_deg * kRadPerDeg, Vector3::UnitZ()) *
                            within(to_goal_m / kApproach_s, config_.speed_mps);

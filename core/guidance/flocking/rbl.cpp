@@ -13,15 +13,13 @@
 #include "core/guidance/flocking/rbl_planner.hpp"
 #include "core/guidance/flocking/rbl_settling.hpp"
 #include "core/guidance/gliding_goal.hpp"
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "core/guidance/separation/neighbor_memory.hpp"
 #include "core/guidance/separation/neighbor_safety.hpp"
 
 namespace swiftlet {
 namespace {
-
-/// [s] Period of the updates of cells, rules and centroid. Smaller values react sooner and cost more time.
-constexpr double kRblPeriod_s = 0.1;
 
 RblRules rules_of(const RblConfig& config) {
   RblRules rules = config.rules;
@@ -38,7 +36,7 @@ class Rbl : public Guidance {
       : config_(config),
         planar_(config.variant == RblConfig::Variant::k2d),
         clipped_(config.variant == RblConfig::Variant::k3dClipped || config.variant == RblConfig::Variant::k3dZ),
-        period_(from_seconds(kRblPeriod_s)),
+        period_(from_seconds(kUpdatePeriod_s)),
         neighbors_(config.neighbors, setup.agent.neighbor_views),
         planner_(config.cells, rules_of(config), planar_),
         settling_(config.settle_s),
@@ -109,7 +107,7 @@ class Rbl : public Guidance {
     const NeighborSafety::Situation situation{
         estimate, neighbors_.neighbors(), neighbors_.timing(), z_min_m(), z_max_m(), now};
     cut_cell(situation);
-    step_ = planner_.update(detour_goal_local_m(p_local_m, now), kRblPeriod_s);
+    step_ = planner_.update(detour_goal_local_m(p_local_m, now), kUpdatePeriod_s);
     glide_ = {goal_.position_m, step_.centroid_local_m};
     if (lidar_) look_ahead(estimate.T_local_body, now);
     if (safety_) keep_apart(situation);

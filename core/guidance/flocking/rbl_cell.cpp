@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/math/elementary_lanes.hpp"
 
 namespace swiftlet {
@@ -17,9 +18,6 @@ namespace {
 constexpr double kUnderflow = 1e-30;
 /// [m] Tolerance of the height limits: samples on a limit belong to the cell despite rounding.
 constexpr float kSampleSlack_m = 1e-6F;
-/// [m] Margin of the bounding box of A in the test whether a plane cuts it; must exceed the rounding error of single
-/// precision.
-constexpr double kBoxSlack_m = 1e-4;
 /// [-] Weight of a violated hard plane against a soft one when A is empty. Larger values give up soft planes sooner.
 constexpr double kHard = 1e3;
 /// [-] Weight of the distance from the agent against the violation: only breaks ties, in favor of the nearest sample.
@@ -35,10 +33,7 @@ int ceil_of(double value) {
   return below < value ? below + 1 : below;
 }
 
-/// [-] Least exponent of 2 of a normal number of single precision; smaller weights are raised to it.
-constexpr float kMinPower = -126.0F;
-
-/// 2^t for kMinPower <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
+/// 2^t for -126 <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
 /// vectorizes.
 void raise_two(float* t, int count) {
   for (int i = 0; i < count; ++i) {
@@ -59,7 +54,8 @@ void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& 
   const auto per_beta = static_cast<float>(std::numbers::log2e / beta_m);
   weight = (x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square();
   take_roots({weight.data(), static_cast<std::size_t>(weight.size())});
-  weight = ((nearest - weight) * per_beta).max(kMinPower);
+  // The least exponent of a normal number: smaller weights are raised to it.
+  weight = ((nearest - weight) * per_beta).max(static_cast<float>(std::numeric_limits<float>::min_exponent - 1));
   raise_two(weight.data(), static_cast<int>(weight.size()));
 }
 
@@ -98,7 +94,7 @@ void RblCell::sample_ball(const Vector3& origin_agent_m) {
   origin_m_ = origin_agent_m;
   ball_.clear();
   int num_samples = 0;
-  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere belong to the ball despite rounding
+  const double slack_m = kNegligible * radius_m_;  // samples on the sphere belong to the ball despite rounding
   const auto first_index = [&](double low, double from) {
     return static_cast<int>(std::ceil((low - slack_m - from) / step_m_));
   };
@@ -132,10 +128,10 @@ void RblCell::cut(const HalfSpace& keep) {
   if (keep.offset_m >= radius_m_) return;  // S lies within the half-space
   const Vector3& n = keep.normal_local;
   const double farthest_m = (n.cwiseProduct(low_m_)).cwiseMax(n.cwiseProduct(high_m_)).sum();
-  if (farthest_m <= keep.offset_m - kBoxSlack_m) return;  // A lies within the half-space
+  if (farthest_m <= keep.offset_m - kPlaneSlack_m) return;  // A lies within the half-space
   const double nx = n.x();
   const double per_step = 1.0 / (nx * step_m_);
-  const bool level = std::abs(nx) < 1e-9;
+  const bool level = std::abs(nx) < kNegligible;
   Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
   for (Row& row : rows_) {
     if (row.low == row.high) continue;

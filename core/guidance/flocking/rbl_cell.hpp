@@ -11,6 +11,10 @@
 
 namespace swiftlet {
 
+/// [m] Tolerance of tests whether a plane cuts a cell, or a voxel lies beyond it; exceeds the rounding error of single
+/// precision. Larger values test more planes, and drop voxels that touch the cell.
+inline constexpr double kPlaneSlack_m = 1e-4;
+
 /// Weighted centroids. In this file, `agent` is the frame with its origin at the agent and local axes.
 struct CellCentroids {
   Vector3 sensing_agent_m = Vector3::Zero();      ///< c_S

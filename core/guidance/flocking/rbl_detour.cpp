@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -11,9 +12,10 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Displacement that counts as motion, and shorter way that counts as progress. Larger values take slow flight for
+/// rest.
+constexpr double kMoves_m = 0.3;
 // Conditions for a plan.
-/// [m] Shortest progress that resets the patience. Larger values plan although the vehicle advances slowly.
-constexpr double kNearer_m = 0.3;
 /// [m] Distance of the vehicle from the path above which a new path is planned. Larger values keep outdated paths.
 constexpr double kOff_m = 2.0;
 /// [m] Displacement of the goal above which a new path is planned. Smaller values plan for noise of the pose.
@@ -27,8 +29,6 @@ constexpr double kStands_mps = 0.3;
 /// [m] Vertical extent of such an obstacle. Larger values keep the path out of the downwash.
 constexpr double kColumn_m = 3.0;
 // Straight flight along the path where the centroid of the cell keeps the vehicle at rest.
-/// [m] Displacement that counts as motion. Larger values take slow flight for rest.
-constexpr double kMoves_m = 0.3;
 /// [s] Time at rest after which straight flight begins. Larger values wait longer before gaps.
 constexpr double kHeld_s = 2.0;
 /// [m] Length of the path that is then flown straight. Smaller values leave the vehicle inside of a gap, where the cell
@@ -40,13 +40,11 @@ constexpr double kBeside_m = 2.0;
 /// [-] Share of the distance from which the goal is in view, below which the goal counts as above or below. Larger
 /// values fly to a viewpoint more often.
 constexpr double kSteep = 0.7;
-/// [m] Remaining length of the path at which the viewpoint is reached.
+/// [m] Remaining length of the path at which the viewpoint is reached. Larger values look from farther off.
 constexpr double kThere_m = 0.5;
 /// [-] Directions around the goal that are tried. More find narrower free places and cost a search each.
 constexpr int kSides = 8;
 // Path following.
-/// [m^2] Lower bound of a squared leg length in divisions.
-constexpr double kMinLeg_m2 = 1e-6;
 /// [-] Shares of the lookahead distance, tested from the largest on. More shares find points closer to the farthest
 /// visible one and cost a segment test each.
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
@@ -54,7 +52,7 @@ constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 /// Share of the leg before its point nearest to p.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
   const Vector3 leg_m = to_m - from_m;
-  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kMinLeg_m2), 0.0, 1.0);
+  return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kNearest_m * kNearest_m), 0.0, 1.0);
 }
 
 /// Columns around stationary neighbors. A path around moving neighbors would be outdated before it is flown.
@@ -73,13 +71,6 @@ bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_loc
   return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
     return place.entered_after_m(situation.p_local_m, to_local_m).has_value();
   });
-}
-
-/// Rules with a clearance smaller by one voxel, so that voxels that change at random do not invalidate the path.
-ClearPathConfig narrowed(const ClearPathConfig& rules, double edge_m) {
-  ClearPathConfig narrow = rules;
-  narrow.clearance_m = std::max(rules.clearance_m - edge_m, 0.5 * edge_m);
-  return narrow;
 }
 
 }  // namespace
@@ -124,7 +115,7 @@ bool RblDetour::is_near_goal(const Situation& situation) const {
 }
 
 bool RblDetour::makes_progress(double remaining_m, TimeNs now) {
-  if (remaining_m < least_remaining_m_ - kNearer_m) {
+  if (remaining_m < least_remaining_m_ - kMoves_m) {
     least_remaining_m_ = remaining_m;
     progress_at_ = now;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/heading.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -11,8 +12,6 @@
 namespace swiftlet {
 namespace {
 
-/// [m] Horizontal displacement below which the vehicle keeps its heading. Smaller values turn it for noise.
-constexpr double kShortestToFace_m = 0.3;
 /// [m] Distance of the goal from the vehicle on a straight part of the detour in view. Larger values fly faster.
 constexpr double kAims_m = 1.0;
 /// [m] Distance of the goal from the vehicle on a part out of view, above or below. Larger values fly faster.
@@ -115,7 +114,7 @@ Vector3 RblLidar::straight_on(const Situation& situation, const RblCell& cell, c
   const bool in_view = std::all_of(view.begin(), view.end(), [&](const HalfSpace& side) {
     return side.normal_local.dot(to_next_m) <= std::max(side.offset_m, 0.0);
   });
-  if (in_view) return p_local_m + std::min(1.0, kAims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
+  if (in_view) return p_local_m + std::min(1.0, kAims_m / to_next_m.norm()) * to_next_m;
   const auto unviewed_local_m = slowly_local_m(situation, to_next_m);
   return unviewed_local_m ? *unviewed_local_m : within_sight(situation, cell, centroid_local_m, yaw_rad);
 }

@@ -15,9 +15,6 @@ namespace {
 /// [m] Distance to a voxel below which the agent counts as inside. The direction to the nearest point is then
 /// undefined, so that to the center of the voxel is used.
 constexpr float kInside_m = 0.01F;
-/// [m] Tolerance of the test whether a voxel lies beyond a plane, against rounding. Larger values drop voxels that
-/// touch the cell.
-constexpr float kBeyondSlack_m = 1e-4F;
 
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
 
@@ -49,7 +46,7 @@ void ObstacleCutter::cut(RblCell& cell, const Vector3& p_local_m, std::span<cons
     cell.cut(plane);
     // Voxels beyond the plane through the nearest point are at least as far from the cell as that point.
     const Eigen::Vector3f normal = plane.normal_local.cast<float>();
-    const float beyond = std::sqrt(at.distance_sq) - kBeyondSlack_m;
+    const float beyond = std::sqrt(at.distance_sq) - static_cast<float>(kPlaneSlack_m);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < remaining_.size(); ++i) {
       if (&remaining_[i] == &*first || normal.dot(remaining_[i].nearest_agent_m) >= beyond) continue;

@@ -7,29 +7,20 @@
 namespace swiftlet {
 namespace {
 
-/// [m] Distance of a neighbor below which its direction is undefined, and the x axis is taken; guards a division by 0.
-constexpr double kSamePlace_m = 1e-6;
-
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
   return obstacle_offset_m(d, Delta, eta);  // as in the authors' program: the plane is at least Delta from the neighbor
 }
 
-HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
-  return {d > kSamePlace_m ? Vector3(to_local_m / d) : Vector3(Vector3::UnitX()), offset_m};
-}
-
 }  // namespace
 
 HalfSpace neighbor_cut(const Vector3& to_neighbor_local_m, double Delta_m, double eta, RblCellConfig::Cut cut) {
-  const double d = to_neighbor_local_m.norm();
-  return half_space(to_neighbor_local_m, d, offset_of(cut, d, Delta_m, eta));
+  return {unit_along(to_neighbor_local_m), offset_of(cut, to_neighbor_local_m.norm(), Delta_m, eta)};
 }
 
 HalfSpace obstacle_cut(const Vector3& to_point_local_m, double encumbrance_m, double eta) {
-  const double d = to_point_local_m.norm();
-  return half_space(to_point_local_m, d, obstacle_offset_m(d, encumbrance_m, eta));
+  return {unit_along(to_point_local_m), obstacle_offset_m(to_point_local_m.norm(), encumbrance_m, eta)};
 }
 
 RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar)

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/base/vehicle_named.hpp"
 #include "swiftlet/core/messages/guiding_path.hpp"
@@ -117,7 +118,8 @@ class FollowGuide : public Guidance {
     for (std::size_t i = 0; i + 1 < path_.size() && ahead_m < flown_m; ++i) {
       const Vector3& from_m = path_[i].position_m;
       const Vector3 leg_m = path_[i + 1].position_m - from_m;
-      const double share = std::clamp(leg_m.dot(p_local_m - from_m) / std::max(leg_m.squaredNorm(), 1e-12), 0.0, 1.0);
+      const double length_sq = std::max(leg_m.squaredNorm(), kSamePlace_m * kSamePlace_m);
+      const double share = std::clamp(leg_m.dot(p_local_m - from_m) / length_sq, 0.0, 1.0);
       const double distance_m = (from_m + share * leg_m - p_local_m).norm();
       if (distance_m < least_m) passed = i + 1;
       least_m = std::min(least_m, distance_m);

@@ -32,7 +32,7 @@ bool GuidedPath::is_blocked(const OccupancyView& map, const ClearPathConfig& rul
   for (const PlannedPose& pose : poses_) {
     const Vector3 leg_m = pose.p_local_m - corners_local_m.back();
     if (skipped_m > 0.0) {
-      const double share = std::min(1.0, skipped_m / std::max(leg_m.norm(), 1e-9));
+      const double share = std::min(1.0, skipped_m / leg_m.norm());
       corners_local_m.back() += share * leg_m;
       skipped_m -= leg_m.norm();
     }

@@ -56,11 +56,11 @@ void GuidedTeam::update(const GuidanceInput& input) {
 }
 
 double GuidedTeam::room_for_figure_m(const GuidanceInput& input) const {
-  constexpr double kClearance_m = GuideConstants::kFigureClearance_m;
   const Vector3& place_local_m = moving().last_place_local_m;
-  double room_m = input.map->distance_m(place_local_m, 2.0) - kClearance_m;
+  double room_m = input.map->distance_m(place_local_m, 2.0) - GuideConstants::kFigureClearance_m;
   for (const Vector3& p_local_m : hovering_local_m()) {
-    room_m = std::min(room_m, (p_local_m - place_local_m).head<2>().norm() - 2.0 * kClearance_m);
+    const double between_m = (p_local_m - place_local_m).head<2>().norm();
+    room_m = std::min(room_m, between_m - 2.0 * GuideConstants::kFigureClearance_m);
   }
   return room_m;
 }

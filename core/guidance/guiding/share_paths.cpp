@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/heading.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
@@ -16,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 /// Constants of shared paths.
-struct SharePathsConstants {
+struct PathConstants {
   /// [s] longest duration of a plan. Larger values admit longer paths and take more time to plan.
   static constexpr double kLongest_s = 6.0;
   /// [s] interval between points of a predicted path, and [-] steps of the governor in it. Larger intervals save time
@@ -25,9 +26,8 @@ struct SharePathsConstants {
   static constexpr int kParts = 5;
   /// [s] interval between points of the path sent. Larger values save radio capacity.
   static constexpr double kReportInterval_s = 0.2;
-  /// [m], [m/s] distance to the goal and speed at which the prediction of a path ends. Smaller values make paths
-  /// longer.
-  static constexpr double kAtRest_m = 0.05, kAtRest_mps = 0.02;
+  /// [m] distance to the goal at which the prediction of a path ends, at rest. Smaller values make paths longer.
+  static constexpr double kAtRest_m = 0.05;
   /// [s] period of repeated messages, against losses. Larger values save radio capacity.
   static constexpr double kRepeat_s = 0.2;
   /// [m] least improvement of a plan over the flown path. Smaller values change paths more often.
@@ -41,7 +41,6 @@ struct SharePathsConstants {
   static constexpr double kTurns_deg[] = {0.0, -20.0, 20.0, -45.0, 45.0, -80.0, 80.0, -120.0, 120.0};
   static constexpr double kClimbs_deg[] = {0.0, 35.0, -35.0};
 };
-using PathConstants = SharePathsConstants;
 
 PathInTime received_path(const SharedPath& received, const FrameChange& to_local) {
   PathInTime path{received.t, received.interval_s, {}};
@@ -154,7 +153,7 @@ class SharePaths : public Guidance {
         governor.step(goal, PathConstants::kInterval_s / PathConstants::kParts, config_.speed_mps);
       path.places_local_m.push_back(governor.state().position_m);
       const bool there = (governor.state().position_m - to_local_m).norm() < PathConstants::kAtRest_m;
-      if (there && governor.state().velocity_mps.norm() < PathConstants::kAtRest_mps) break;
+      if (there && governor.state().velocity_mps.norm() < kAtRest_mps) break;
     }
     return path;
   }
@@ -167,9 +166,9 @@ class SharePaths : public Guidance {
     goal.position_m = flown_.to_local_m;
     goal.velocity_mps.setZero();
     goal.acceleration_mps2.setZero();
-    constexpr double kStep_s = PathConstants::kInterval_s / PathConstants::kParts;
-    for (double t_s = 0.0; t_s < config_.check_s - 1e-9; t_s += kStep_s) from.step(goal, kStep_s, config_.speed_mps);
     const TimeNs begins = now_ + from_seconds(config_.check_s);
+    const double step_s = PathConstants::kInterval_s / PathConstants::kParts;
+    for (TimeNs t = now_; t < begins; t += from_seconds(step_s)) from.step(goal, step_s, config_.speed_mps);
     const Vector3 p_m = from.state().position_m;
     Vector3 ahead_m = goal_local_m - p_m;
     if (config_.planar) ahead_m.z() = 0.0;
@@ -185,7 +184,7 @@ class SharePaths : public Guidance {
       plan_ = Flight{from, to_m, std::move(path)};
     };
     const double far_m = std::min(ahead_m.norm(), config_.speed_mps * PathConstants::kHorizon_s);
-    if (far_m < 1e-3) return;
+    if (far_m < kNearest_m) return;
     const Vector3 straight = ahead_m.normalized();
     for (const double share : PathConstants::kShares) {
       for (const double turn_deg : PathConstants::kTurns_deg) {

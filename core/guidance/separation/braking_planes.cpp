@@ -6,13 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "core/guidance/guidance_constants.hpp"
 #include "swiftlet/core/base/elementary.hpp"
 
 namespace swiftlet {
 namespace {
-
-/// [m] Length below which a displacement has no direction; guards a division by 0.
-constexpr double kTouching_m = 1e-6;
 
 /// Limit along a unit direction, such that its horizontal and its vertical part keep their own limits.
 double along(const Vector3& direction, double level, double vertical) {
@@ -24,19 +22,18 @@ double along(const Vector3& direction, double level, double vertical) {
 std::pair<Vector3, Vector3> nearest_points(const Vector3& a, const Vector3& A, const Vector3& b, const Vector3& B) {
   const Vector3 r = a - b;
   const double AA = A.squaredNorm(), BB = B.squaredNorm(), AB = A.dot(B), Ar = A.dot(r), Br = B.dot(r);
-  // [m^2] Squared length below which a segment counts as a point; guards divisions by 0.
-  constexpr double kPoint_m2 = 1e-12;
+  const double point_m2 = kSamePlace_m * kSamePlace_m;  // a shorter segment counts as a point
   double s = 0.0, t = 0.0;
-  if (AA > kPoint_m2) {
+  if (AA > point_m2) {
     const double parallel = AA * BB - AB * AB;
-    s = parallel > 1e-9 * AA * BB ? std::clamp((AB * Br - Ar * BB) / parallel, 0.0, 1.0) : 0.0;
-    if (BB <= kPoint_m2) s = std::clamp(-Ar / AA, 0.0, 1.0);
+    s = parallel > kNegligible * AA * BB ? std::clamp((AB * Br - Ar * BB) / parallel, 0.0, 1.0) : 0.0;
+    if (BB <= point_m2) s = std::clamp(-Ar / AA, 0.0, 1.0);
   }
-  if (BB > kPoint_m2) {
+  if (BB > point_m2) {
     t = (AB * s + Br) / BB;
     if (t < 0.0 || t > 1.0) {
       t = std::clamp(t, 0.0, 1.0);
-      if (AA > kPoint_m2) s = std::clamp((AB * t - Ar) / AA, 0.0, 1.0);
+      if (AA > point_m2) s = std::clamp((AB * t - Ar) / AA, 0.0, 1.0);
     }
   }
   return {a + s * A, b + t * B};
@@ -47,7 +44,7 @@ std::pair<Vector3, Vector3> nearest_points(const Vector3& a, const Vector3& A, c
 Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double reaction_s,
                    const MotionLimits& limits) {
   const double speed_mps = v_local_mps.norm();
-  if (speed_mps < 1e-9) return {p_local_m, p_local_m};
+  if (speed_mps < kNegligible) return {p_local_m, p_local_m};
   const Vector3 direction = v_local_mps / speed_mps;
   const double braking_mps2 = along(direction, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
   return {p_local_m, p_local_m + (reaction_s + 0.5 * speed_mps / braking_mps2) * v_local_mps};
@@ -62,10 +59,9 @@ HalfSpace braking_plane(const Braking& self, const Braking& other, double distan
   const auto [nearest_self, nearest_other] =
       nearest_points(a, scaled(self.stop_local_m) - a, b, scaled(other.stop_local_m) - b);
   Vector3 gap = nearest_other - nearest_self;
-  if (gap.norm() < kTouching_m) gap = b - a;  // crossing paths: away from the neighbor's present position
+  if (gap.norm() < kSamePlace_m) gap = b - a;  // crossing paths: away from the neighbor's present position
   const double d = (nearest_other - nearest_self).norm();
-  const double length = gap.norm();
-  const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
+  const Vector3 normal = unit_along(gap);
   // If the distance is already missing, the vehicle yields alone.
   const double room_m = d - distance_m, share_m = room_m > 0.0 ? 0.5 * room_m : room_m;
   const double offset_m =
@@ -80,7 +76,7 @@ HalfSpace pledge_plane(const Vector3& own_seen_local_m, const Vector3& other_see
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 gap = scale.cwiseProduct(other_seen_local_m - own_seen_local_m);
   const double d = gap.norm();
-  const Vector3 normal = d > kTouching_m ? Vector3(gap / d) : Vector3(Vector3::UnitX());
+  const Vector3 normal = unit_along(gap);
   const double used_m = normal.dot(scale.cwiseProduct(p_local_m - own_seen_local_m));
   const double offset_m = share * std::max(0.0, d - distance_m - uncertainty_m) - used_m;
   const Vector3 unscaled = scale.cwiseProduct(normal);
@@ -94,7 +90,7 @@ std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_oth
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
   const Vector3 displacement = scale.cwiseProduct(v_other_local_mps);
-  if (displacement.norm() < kTouching_m || to_self.dot(displacement) <= 0.0) return std::nullopt;
+  if (displacement.norm() < kSamePlace_m || to_self.dot(displacement) <= 0.0) return std::nullopt;
   const Vector3 ahead = displacement.normalized();
   const Vector3 beside = to_self - to_self.dot(ahead) * ahead;
   if (beside.norm() >= distance_m) return std::nullopt;
@@ -116,11 +112,11 @@ std::optional<HalfSpace> evasion_plane(const Braking& self, const Vector3& p_oth
     return Escape{out, path_length_m, std::sqrt(2.0 * path_length_m * length / mps2)};
   };
   Escape best;
-  if (beside.norm() > kTouching_m) best = escape(beside.normalized());
+  if (beside.norm() > kSamePlace_m) best = escape(beside.normalized());
   Vector3 across = ahead.cross(Vector3::UnitZ());  // to the right of the approaching vehicle
-  if (across.norm() > kTouching_m) {
+  if (across.norm() > kSamePlace_m) {
     across.normalize();
-    const Escape level = escape(across.dot(beside) < -kTouching_m ? Vector3(-across) : across);
+    const Escape level = escape(across.dot(beside) < -kSamePlace_m ? Vector3(-across) : across);
     if (level.time_s < best.time_s) best = level;
   } else if (best.time_s == std::numeric_limits<double>::infinity()) {
     best = escape(Vector3::UnitX());  // the other falls vertically onto the vehicle

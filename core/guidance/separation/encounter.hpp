@@ -10,7 +10,7 @@ namespace swiftlet {
 
 /// Motion of a neighbor relative to the vehicle.
 struct Encounter {
-  /// [m/s] Closing speed above which a neighbor is evaded or kept in view. Smaller values react to braking neighbors.
+  /// [m/s] Closing speed above which a neighbor is evaded. Smaller values react to braking neighbors.
   static constexpr double kClosing_mps = 0.5;
 
   const Neighbor& neighbor;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/guidance/guidance_constants.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -12,21 +14,15 @@ constexpr double kStep_s = 0.05;
 constexpr int kParts = 4;
 /// [steps] Longest simulated braking: 20 s, within which every vehicle is at rest.
 constexpr int kMaxSteps = 400;
-/// [m/s] Speed below which the vehicle counts as at rest. Smaller values simulate longer.
-constexpr double kStanding_mps = 0.02;
 /// [1/s] Deceleration per speed near rest. Larger values stop later and harder.
 constexpr double kBrakingPole_radps = 5.0;
-/// [1/s^2] Gain on the height error of a planar vehicle that brakes; this value is critically damped.
-constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;
-/// [m] Tolerated violation of a plane. Must exceed rounding errors; larger values reduce the kept distance.
-constexpr double kSlack_m = 1e-3;
 
 void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {
   governor.accelerate(-kBrakingPole_radps * governor.state().velocity_mps, yaw_rad, dt_s);
 }
 
 Vector3 rest_of(ReferenceGovernor governor) {
-  for (int i = 0; i < kMaxSteps && governor.state().velocity_mps.norm() > kStanding_mps; ++i) {
+  for (int i = 0; i < kMaxSteps && governor.state().velocity_mps.norm() > kAtRest_mps; ++i) {
     brake(governor, governor.state().yaw_rad, kStep_s);
   }
   return governor.state().position_m;
@@ -64,7 +60,7 @@ Vector3 GuardedReference::admit(const Vector3& last_goal_local_m, const Vector3&
     return std::any_of(planes.begin(), planes.end(), [&](const HalfSpace& plane) {
       // A plane that braking now, or staying, violates is relaxed by that violation: no goal can do better.
       const double least_m = std::max(0.0, plane.normal_local.dot(rest_m - p_local_m));
-      return plane.normal_local.dot(q_m - p_local_m) > std::max(plane.offset_m, least_m) + kSlack_m;
+      return plane.normal_local.dot(q_m - p_local_m) > std::max(plane.offset_m, least_m) + kOnPlane_m;
     });
   };
   for (const Vector3& wanted_local_m : {goal_local_m, rest_m}) {
@@ -79,7 +75,9 @@ const Reference& GuardedReference::step(const Reference& goal, double dt_s, doub
   if (!braking_) return governor_.step(goal, dt_s, speed_limit_mps);
   const Reference& now = governor_.state();
   Vector3 a_mps2 = -kBrakingPole_radps * now.velocity_mps;
-  if (planar_) a_mps2.z() += kHeightPole_radps2 * (goal.position_m.z() - now.position_m.z());
+  if (planar_) {  // critically damped
+    a_mps2.z() += 0.25 * kBrakingPole_radps * kBrakingPole_radps * (goal.position_m.z() - now.position_m.z());
+  }
   governor_.accelerate(a_mps2, goal.yaw_rad, dt_s);
   return governor_.state();
 }

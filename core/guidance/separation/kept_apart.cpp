@@ -6,21 +6,23 @@
 #include <utility>
 
 #include "core/guidance/gliding_goal.hpp"
+#include "core/guidance/guidance_constants.hpp"
 #include "core/guidance/separation/neighbor_safety.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// [s] Period at which planes and admitted goal are computed. Smaller values react sooner and cost more time.
-constexpr double kKeepApartPeriod_s = 0.1;
 /// [-] Rounds of projections onto the planes. With fewer, a goal among many neighbors stays farther behind some plane,
 /// and the vehicle waits.
 constexpr int kProjections = 30;
-/// [m] Tolerated violation of a plane by the goal. Smaller values need more rounds.
-constexpr double kOnPlane_m = 1e-3;
 
-/// Moves a point into the half-spaces, plane by plane. Returns whether the point lies in all of them.
-bool move_within(std::span<const HalfSpace> planes, Vector3& q_m) {
+/// Heights relative to the vehicle.
+struct Heights {
+  double low_m, high_m;
+};
+
+/// Moves a point into the half-spaces, plane by plane, and between the heights. Returns whether it lies in all of them.
+bool move_within(std::span<const HalfSpace> planes, const Heights& heights, Vector3& q_m) {
   for (int round = 0; round < kProjections; ++round) {
     bool inside = true;
     for (const HalfSpace& plane : planes) {
@@ -30,6 +32,7 @@ bool move_within(std::span<const HalfSpace> planes, Vector3& q_m) {
       inside = false;
     }
     if (inside) return true;
+    q_m.z() = std::clamp(q_m.z(), heights.low_m, heights.high_m);
   }
   return false;
 }
@@ -40,7 +43,7 @@ class KeptApart : public Guidance {
       : guidance_(std::move(guidance)),
         config_(config),
         planar_(planar),
-        period_(from_seconds(kKeepApartPeriod_s)),
+        period_(from_seconds(kUpdatePeriod_s)),
         neighbors_(config.neighbors, setup.agent.neighbor_views),
         safety_(config, {.limits = setup.limits,
                          .views = setup.agent.neighbor_views,
@@ -89,9 +92,12 @@ class KeptApart : public Guidance {
                                               .now = now};
     Vector3 to_goal_m = wanted.goal.position_m - p_local_m;
     safety_.update(situation);
-    if (!move_within(safety_.planes(), to_goal_m)) {
+    // Neighbors push the goal up or down within the heights; guidance itself may leave them, as in a landing.
+    const Heights heights{std::min({situation.z_min_m - p_local_m.z(), to_goal_m.z(), 0.0}),
+                          std::max({situation.z_max_m - p_local_m.z(), to_goal_m.z(), 0.0})};
+    if (!move_within(safety_.planes(), heights, to_goal_m)) {
       safety_.update(situation, true);
-      move_within(safety_.planes(), to_goal_m);
+      move_within(safety_.planes(), heights, to_goal_m);
     }
     const NeighborSafety::Goal admitted = safety_.admit(situation, {.last_local_m = goal_.position_m,
                                                                     .position_local_m = p_local_m + to_goal_m,

@@ -194,7 +194,8 @@ SearchResult search_best_pose(const OccupancyPyramid& map, std::span<const Eigen
 }
 
 RotationalHistogram::RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m) {
-  // Slices of 0.2 m; neighbors about the centroid of a slice that lie 0.2 to 0.9 m apart are taken for one surface.
+  // [m] Height of a slice, and least and largest distance of neighbors about its centroid that are taken for one
+  // surface. Higher slices mix surfaces; a larger distance counts directions from one surface to another.
   constexpr float kSlice_m = 0.2F, kNear_m = 0.2F, kFar_m = 0.9F;
   struct Point {
     int slice = 0;

@@ -68,7 +68,8 @@ double yaw_offset_rad(const SearchWindow& window, int i);
 /// Cartographer].
 class RotationalHistogram {
  public:
-  static constexpr int kBuckets = 120;  // over half a turn
+  /// [-] Buckets over half a turn. More of them tell closer headings apart and enlarge messages.
+  static constexpr int kBuckets = 120;
   explicit RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m);
   /// From a received message: shares of the largest bucket in 255ths.
   explicit RotationalHistogram(std::span<const std::uint8_t, kBuckets> quantized);

@@ -16,10 +16,12 @@ namespace {
 
 // Largest error of a guess whose points still match the right surfaces [m], about one cell. Larger errors are searched.
 constexpr double kNearlyRight_m = 0.6;
-constexpr double kMinGuessError_m = 0.3;  // lower bound of the assumed error of a guess: submaps are bent
+// [m] Lower bound of the assumed error of a guess: submaps are bent. Smaller values refuse closures of bent submaps.
+constexpr double kMinGuessError_m = 0.3;
 // Largest correction of a pose of the grid by the alignment. Larger ones lead to another place.
 constexpr double kMaxMovedCells = 2.0, kMaxTurned_deg = 4.0;
-constexpr double kSamePose_m = 0.1;  // alignments that end farther from each other have found different poses
+// [m] Alignments that end farther from each other have found different poses. Larger values overlook rivals.
+constexpr double kSamePose_m = 0.1;
 
 struct Refusal {
   const char* reason;   // follows the name of the attempts

@@ -4,9 +4,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/slam/graph/closure_search.hpp"
 #include "core/slam/graph/graph_residuals.hpp"
+#include "core/slam/matching/matching_limits.hpp"
 #include "core/slam/symmetric_eigen.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
@@ -15,24 +17,28 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMaxFitted = 5000;  // points of the newer submap in an alignment; more do not improve it
+// [-] Points of the newer submap in an alignment. More of them cost time and do not improve it.
+constexpr std::size_t kMaxFitted = 5000;
 // Standard deviations of the surfaces [m], coarse to fine. The coarsest associates points as far off as a cell of the
 // grid. The finest stands for the drift that bends each submap a little; below it, fewer points lie on surfaces.
 constexpr double kSurfaceSigmas_m[] = {0.3, 0.1, 0.03, 0.01};
-constexpr std::size_t kHeight = 1, kFinest = 3;  // steps of the search for the height, and of all verification
-constexpr int kMaxIterations = 8;                // Gauss-Newton steps per deviation
-constexpr double kConverged = 1e-4;              // step below which a deviation has converged [m, rad]
-constexpr double kAttitudeSigma_deg = 1.0;       // attitude error of a guess, one standard deviation
-// Share of the information below which a direction counts as unobserved when a prior can keep it. Normals of a thinned
-// cloud are off by up to 8 degrees, which alone can produce such a share.
+// Indices of the deviation in the search for the height, and in all verification. A wider one accepts wrong heights.
+constexpr std::size_t kHeight = 1, kFinest = std::size(kSurfaceSigmas_m) - 1;
+// [-] Gauss-Newton steps per deviation. Fewer of them end before the alignment has converged.
+constexpr int kMaxIterations = 8;
+// [deg] Attitude error of a guess, one standard deviation. Smaller values hold the alignment to a wrong attitude.
+constexpr double kAttitudeSigma_deg = 1.0;
+// [-] Share of the information below which a direction counts as unobserved when a prior can keep it. Normals of a
+// thinned cloud are off by up to 8 degrees, which alone can produce such a share. Smaller values take that for
+// evidence.
 constexpr double kUnobservedShare = 0.02;
-// [-] Number of unobserved directions when the alignment fails.
-constexpr int kAllDirections = 6;
-constexpr double kMinTranslation_m = 0.1;  // translation per unit step below which a direction is a pure rotation
-constexpr double kShift_m = 0.15;          // sampling distance along the least observed direction
-// A submap that still has more than kHeldShare of its points on surfaces after a shift of kHeldShift_m or more does not
-// observe the direction.
-constexpr double kHeldShift_m = 2.0 * kShift_m, kHeldShare = 0.95;
+// [m] Translation per unit step below which a direction is a pure rotation. Larger values ignore its line.
+constexpr double kMinTranslation_m = 0.1;
+// [m] Sampling distance along the least observed direction. Larger values miss ledges, smaller ones cost time.
+constexpr double kShift_m = 0.15;
+// [-] A submap that still has more than this share of its points on surfaces after a shift of two sampling distances or
+// more does not observe the direction. Larger values constrain directions by errors of normals.
+constexpr double kHeldShare = 0.95;
 
 ScanToMapConfig matching_of(std::size_t step, bool allows_unobserved) {
   ScanToMapConfig matching;
@@ -89,7 +95,7 @@ SubmapPair::SubmapPair(std::span<const Eigen::Vector3f> points_older_m, std::spa
 
 PosePrior prior_of(const Pose& T_older_newer_guess, double largest_error_m) {
   PosePrior prior{T_older_newer_guess};
-  const double sigma_m = largest_error_m / 3.0, sigma_rad = kAttitudeSigma_deg * kRadPerDeg;
+  const double sigma_m = largest_error_m / kErrorSigmas, sigma_rad = kAttitudeSigma_deg * kRadPerDeg;
   prior.information.diagonal() << Vector3::Constant(1.0 / (sigma_m * sigma_m)),
       Vector3::Constant(1.0 / (sigma_rad * sigma_rad));
   return prior;
@@ -108,7 +114,7 @@ int align(const SubmapPair& pair, const std::optional<PosePrior>& prior, Reach r
         evidence.gradient += prior->information * step_between(prior->T_older_newer, T_older_newer);
       }
       const Vector6 step = evidence.information.ldlt().solve(evidence.gradient);
-      if (!step.allFinite()) return kAllDirections;
+      if (!step.allFinite()) return 6;  // as if no direction were observed
       T_older_newer = moved(T_older_newer, -step);
       if (step.cwiseAbs().maxCoeff() < kConverged) break;
     }
@@ -152,7 +158,7 @@ std::size_t ShiftedPoses::best() const {
 
 bool ShiftedPoses::fits_elsewhere() const {
   for (std::size_t i = 1; i < offset_m.size(); ++i) {
-    if (std::abs(offset_m[i]) >= kHeldShift_m && num_near[i] > kHeldShare * num_near.front()) return true;
+    if (std::abs(offset_m[i]) >= 2.0 * kShift_m && num_near[i] > kHeldShare * num_near.front()) return true;
   }
   return false;
 }

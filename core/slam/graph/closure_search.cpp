@@ -16,8 +16,10 @@ namespace {
 
 // Height of a column from which its points are upright structure [m]. Lower values let vegetation and curbs in.
 constexpr double kMinHeight_m = 1.0;
-constexpr double kMinCells = 2.0;  // smallest half width of the window, for guesses with smaller errors
-// Vertical half width of the window as a share of the horizontal one: gravity is known, so height drifts less.
+// [cells] Smallest half width of the window, for guesses with smaller errors. Larger values search longer.
+constexpr double kMinCells = 2.0;
+// [-] Vertical half width of the window as a share of the horizontal one: gravity is known, so height drifts less.
+// Larger values search longer.
 constexpr double kVerticalShare = 1.0 / 3.0;
 
 /// Step at which the farthest point moves by less than a cell [Hess et al., ICRA 2016, eq. 7].

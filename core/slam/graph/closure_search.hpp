@@ -13,7 +13,10 @@
 
 namespace swiftlet {
 
+/// [m] Largest error of a guess that is none.
 inline constexpr double kNoGuess = std::numeric_limits<double>::infinity();
+/// [-] Largest error of a guess, in its standard deviations. Larger values search farther, and find more false poses.
+inline constexpr double kErrorSigmas = 3.0;
 
 /// An older submap in which a newer one is searched. Frames of submaps have z up.
 struct ClosureCandidate {
@@ -75,7 +78,8 @@ class ClosureSearch {
   bool complete_ = true;
 };
 
-/// Fewest points of upright structure that determine a pose.
+/// [-] Fewest points of upright structure that determine a pose. Smaller values find more poses in the open, also false
+/// ones.
 inline constexpr std::size_t kMinUpright = 40;
 
 }  // namespace swiftlet

@@ -10,13 +10,14 @@
 namespace swiftlet {
 namespace {
 
-// [Orsulic 2021, eq. 2]
+// Steepness, middle and length of the transition [Orsulic 2021, eq. 2].
 constexpr double kSteepness = 1.5, kMiddle_s = 3.0, kWindow_s = 7.0;
 // Peak speed, acceleration and jerk of the quintic from rest to rest over a distance of 1 in 1 s.
 constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.7735027, kPeakJerk = 60.0;
 // [m/s^3] Jerk limit of the limited form. Larger values shorten blends of small corrections.
 constexpr double kJerkMax_mps3 = 0.15;
-constexpr double kMargin = 1.001;  // margin for peaks between two samples
+// [-] Factor of the duration for peaks between two samples. Larger values slow blends down.
+constexpr double kMargin = 1.001;
 /// [-] Instants at which a blend is compared with its limits. More of them miss smaller peaks and cost time.
 constexpr int kSamples = 48;
 /// [-] Factor of the duration from attempt to attempt. Smaller factors find shorter blends and need more attempts.
@@ -27,7 +28,6 @@ constexpr int kMaxAttempts = 60;
 
 /// Weight of the old pose [Orsulic 2021, eq. 2].
 double weight_of_old(BlendForm form, double t_s) {
-  if (t_s >= kWindow_s || form == BlendForm::kNone) return 0.0;
   return form == BlendForm::kPrinted ? 1.0 / (1.0 + kSteepness * elementary::exp(t_s - kMiddle_s))
                                      : 1.0 / (1.0 + elementary::exp(kSteepness * (t_s - kMiddle_s)));
 }

@@ -17,12 +17,14 @@ constexpr double kScanLate_s = 2.0;
 // [-] Largest number of pairs of position and GNSS fix kept to fit an unknown start; beyond it the oldest is dropped.
 // Larger values average more fixes.
 constexpr std::size_t kMaxMatched = 2000;
-constexpr std::size_t kMinMatched = 5;  // fewest pairs to fit an unknown start
+// [-] Fewest pairs to fit an unknown start. Larger values fit it later.
+constexpr std::size_t kMinMatched = 5;
 
 }  // namespace
 
 Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m) {
-  constexpr double kLeast_m = 0.003;  // released code: lower bound of the reported sigmas
+  // [m] Lower bound of the reported sigmas, as in the released code. Smaller values let one fix outweigh all else.
+  constexpr double kLeast_m = 0.003;
   Vector3 sigma_m = sigma_world_m.cwiseMax(kLeast_m);
   if (config.weighting == GnssWeighting::kIsotropic) sigma_m.setConstant(sigma_m.maxCoeff());
   const Vector3 inverse_1_m = config.weighting == GnssWeighting::kReleased ? Vector3(sigma_m.cwiseAbs2().cwiseInverse())

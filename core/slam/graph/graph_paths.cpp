@@ -11,7 +11,8 @@
 namespace swiftlet {
 namespace {
 
-// smallest information [1/m^2, 1/rad^2] of a closure in its least certain direction
+// [1/m^2, 1/rad^2] Smallest information of a closure in its least certain direction. Larger values take loose closures
+// for open ones.
 constexpr double kMinInformation = 1.0;
 
 struct GraphEdge {

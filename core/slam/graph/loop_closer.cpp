@@ -11,7 +11,6 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kErrorSigmas = 3.0;  // largest error of a guess, in standard deviations of the odometry
 // Largest assumed error of a guess [m], also where no factors lead, as to a saved map with a known start. Larger values
 // close loops after more drift, and search longer.
 constexpr double kMaxGuessError_m = 3.0;

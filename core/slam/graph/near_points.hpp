@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/slam/cell_keys.hpp"
 #include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
@@ -32,11 +33,8 @@ class NearPoints {
 
  private:
   static std::uint64_t key_of(const Vector3& cells) {
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      key = key << 21 | (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(cells[axis]))) & 0x1FFFFF);
-    }
-    return key;
+    const auto index = [](double x) { return static_cast<std::int64_t>(std::floor(x)); };
+    return cell_key(index(cells.x()), index(cells.y()), index(cells.z()));
   }
 
   double cells_per_m_;

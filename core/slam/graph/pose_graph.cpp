@@ -14,9 +14,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShrinks = 0.1;  // ratio of steps below which the cost counts as nearly quadratic
+// [-] Ratio of steps below which the cost counts as nearly quadratic. Larger values end the search earlier.
+constexpr double kShrinks = 0.1;
 /// [-] Damping of the Levenberg-Marquardt method, relative to the diagonal: first value, lower bound, and value that
-/// ends the search without a better step.
+/// ends the search without a better step. Larger first values and bounds cost iterations.
 constexpr double kFirstDamping = 1e-9, kMinDamping = 1e-12, kMaxDamping = 1e6;
 
 /// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).
@@ -289,6 +290,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
   report.cost_before = report.cost_after = cost_of(poses_, of_relatives);
   tried.resize(poses_.size());
   double damping = kFirstDamping;
+  const auto damp = [&] { damping = std::max(damping * 100.0, 1e-6); };
   double last_step = 0.0;  // 0: no step yet
   bool stale = true;
   while (report.num_iterations < config.iterations && damping <= kMaxDamping) {
@@ -296,7 +298,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
     stale = false;
     ++report.num_iterations;
     if (!H.factorize(damping)) {
-      damping = std::max(damping * 100.0, 1e-6);
+      damp();
       continue;
     }
     H.solve(gradient, step);
@@ -307,7 +309,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
     }
     const double cost = cost_of(tried, of_relatives_tried);
     if (!std::isfinite(cost) || (cost > report.cost_after && largest >= config.step_min)) {
-      damping = std::max(damping * 100.0, 1e-6);
+      damp();
       last_step = 0.0;  // a damped step does not predict the next one
       continue;
     }

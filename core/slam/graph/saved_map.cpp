@@ -9,7 +9,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRigid = 1e-6;  // tolerance of the orthogonality of a rotation
+// [-] Tolerance of the orthogonality of a rotation. Smaller values refuse maps with rounded poses.
+constexpr double kRigid = 1e-6;
 
 bool is_pose(const Pose& T) {
   return T.matrix().allFinite() && (T.linear() * T.linear().transpose() - Matrix3::Identity()).norm() < kRigid &&

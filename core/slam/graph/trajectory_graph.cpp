@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/slam/graph/graph_paths.hpp"
 #include "core/slam/level_pose.hpp"
 #include "core/slam/matching/sweep.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -12,11 +13,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kMinStep_m = 0.05;  // path length below which the odometry sigma shrinks no further
-constexpr double kInSubmap_m = 0.005, kInSubmap_deg = 0.02;     // sigmas of a node in its own submap
-constexpr double kStartSigma_m = 0.01, kStartSigma_deg = 0.1;   // sigmas of a known start pose
-constexpr double kGuessSigma_m = 10.0, kGuessSigma_deg = 10.0;  // sigmas of an unknown start pose
-constexpr double kTiltSigma_deg = 0.5;                          // tilt sigma of an unknown start: gravity is known
+// [m], [deg] Standard deviations of a node in its own submap, of a known start pose, and of an unknown one, whose tilt
+// is known by gravity. Larger values let closures and fixes move these poses more.
+constexpr double kInSubmap_m = 0.005, kInSubmap_deg = 0.02;
+constexpr double kStartSigma_m = 0.01, kStartSigma_deg = 0.1;
+constexpr double kGuessSigma_m = 10.0, kGuessSigma_deg = 10.0, kTiltSigma_deg = 0.5;
 
 Matrix6 start_information(bool pose_known) {
   if (pose_known) return pose_information(kStartSigma_m, kStartSigma_deg * kRadPerDeg);
@@ -178,7 +179,7 @@ std::vector<Pose> TrajectoryGraph::given_poses_local() const {
 }
 
 Matrix6 TrajectoryGraph::odometry_information(double path_length_m) const {
-  const double root = std::sqrt(std::max(path_length_m, kMinStep_m));
+  const double root = std::sqrt(std::max(path_length_m, kMinPathLength_m));
   return pose_information(config_.odometry_position_m_sqrt_m * root,
                           config_.odometry_attitude_deg_sqrt_m * kRadPerDeg * root);
 }

@@ -4,8 +4,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFinestShare = 0.01;  // smallest edge tried, as a share of edge_max_m
-constexpr double kExactEnough = 0.1;   // relative width of the bracket at which the bisection ends
+// [-] Smallest edge tried, as a share of edge_max_m. Larger values leave too few points of small clouds.
+constexpr double kFinestShare = 0.01;
+// [-] Relative width of the bracket at which the bisection ends. Larger values save time and keep more points.
+constexpr double kExactEnough = 0.1;
 
 }  // namespace
 

@@ -11,10 +11,14 @@
 namespace swiftlet {
 namespace {
 
-// Damping of the Levenberg-Marquardt method, relative to the diagonal of H: first value, and the value that ends it.
-constexpr double kGridFirstDamping = 1e-4, kGridMostDamping = 1e8;
-constexpr double kMinEasing = 1.0 / 3.0;  // smallest factor of the damping after a step whose gain was as predicted
-constexpr double kSettledShare = 1e-6;    // share of the cost; a smaller predicted gain ends the search
+// [-] First damping of the Levenberg-Marquardt method, relative to the diagonal of H. Larger values cost iterations.
+constexpr double kGridFirstDamping = 1e-4;
+// [-] Smallest factor of the damping, after a step whose gain was as predicted [Nielsen 1999]. Larger values cost
+// iterations.
+constexpr double kMinEasing = 1.0 / 3.0;
+// [-] Share of the cost; a smaller predicted gain ends the search, and so does a damping above 12 over this share,
+// which bounds the gain. Smaller values cost iterations.
+constexpr double kSettledShare = 1e-6;
 
 Pose changed_pose(const Pose& T, const Vector6& d) {
   return make_pose(T.translation() + d.head<3>(),
@@ -122,7 +126,7 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
   match.T_local_body = T_local_body_predicted;
   WholeCost here = problem.at(match.T_local_body);
   double damping = kGridFirstDamping, harder = 2.0;
-  for (; match.num_iterations < config.iterations && damping < kGridMostDamping; ++match.num_iterations) {
+  for (; match.num_iterations < config.iterations; ++match.num_iterations) {
     Matrix6 damped = here.H;
     damped.diagonal() *= 1.0 + damping;
     const Vector6 step = damped.partialPivLu().solve(-here.g);

@@ -4,23 +4,29 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "core/slam/matching/matching_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-// Scans that meet the same cells share the errors of the cells: half of the variance of each scan's evidence.
+// [-] Share of the cells in the variance of a scan's evidence: scans that meet the same cells share their errors.
+// Larger values report a larger covariance.
 constexpr double kMapShare = 0.5;
-constexpr double kSurface = 0.5;        // least probability of a cell that counts as a surface
-constexpr double kTinyScatter = 1e-12;  // scatter in directions without evidence, as a share of the trace
-
-// Voxels of the points that build the planes for the test of open directions, and of the points tested against them.
-constexpr double kPlanesVoxel_m = 0.3, kTestedVoxel_m = 0.5;
-// least number of points on free-standing structure; gaps between scan lines look like it
+// [-] Scatter in directions without evidence, as a share of the trace. Larger values weigh scans less.
+constexpr double kTinyScatter = 1e-12;
+// [m] Edge of the cubes that contribute one point each to the planes for the test of open directions. Smaller cubes
+// keep more detail and cost time.
+constexpr float kPlanesVoxel_m = 0.3F;
+// [-] Least number of points on free-standing structure; gaps between scan lines look like it. Smaller values overlook
+// open directions.
 constexpr int kTestedStanding = 30;
-constexpr double kTestedShare = 0.01;  // least share of the planes' information: normals are no better than the poses
-
-constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans per map of planes, at most twice as many; fewest for a test
+// [-] Least share of the planes' information: normals are no better than the poses. Smaller values overlook open
+// directions.
+constexpr double kTestedShare = 0.01;
+// [scans] Length of a map of planes, which takes at most twice as many; a test needs half. Larger values test against
+// planes that the drift has bent.
+constexpr int kPlanesScans = 10;
 
 SurfaceMapConfig last_planes() {
   SurfaceMapConfig config;
@@ -49,8 +55,8 @@ void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
   thinner_.thin_into(in_range_body_m_, static_cast<float>(config_.voxel_m), dense_body_m_);
   filter_.thin(dense_body_m_, config_.high, high_body_m_);
   filter_.thin(dense_body_m_, config_.low, low_body_m_);
-  thinner_.thin_into(dense_body_m_, static_cast<float>(kPlanesVoxel_m), planes_body_m_);
-  thinner_.thin_into(planes_body_m_, static_cast<float>(kTestedVoxel_m), tested_body_m_);
+  thinner_.thin_into(dense_body_m_, kPlanesVoxel_m, planes_body_m_);
+  thinner_.thin_into(planes_body_m_, kMatchVoxel_m, tested_body_m_);
 }
 
 ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Uncertainty& uncertainty) {
@@ -85,7 +91,7 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Uncertainty&
 /// Number of directions of the pose that the planes of the last scans leave open.
 int GridMatcher::count_open(const Pose& T_local_body, double range_sigma_m) {
   const Planes& planes = planes_[older_planes_];
-  if (planes.num_scans < kPlanesLeast) return 0;
+  if (planes.num_scans < kPlanesScans / 2) return 0;
   ScanToMapConfig config;
   config.standing_points = kTestedStanding;
   config.degenerate_share = kTestedShare;
@@ -97,9 +103,7 @@ void GridMatcher::count_known(ScanFit& fit, const Pose& T_local_body) const {
   fit.num_points = static_cast<int>(low_body_m_.size());
   for (const Eigen::Vector3f& point : low_body_m_) {
     const Vector3 at_m = T_local_body * point.cast<double>() - submap.origin_local_m;
-    const std::uint16_t value = submap.low.value(submap.low.cell_at(at_m));
-    fit.num_known += value != grid_value::kUnknown;
-    fit.num_near += grid_value::probability_of(value) >= kSurface;
+    fit.num_known += submap.low.value(submap.low.cell_at(at_m)) != grid_value::kUnknown;
   }
 }
 

@@ -8,26 +8,10 @@
 namespace swiftlet {
 namespace {
 
-/// [-] First number of slots; the table doubles when it fills.
-constexpr std::size_t kFirstGridTable = 1U << 10;
-/// [bits] Block index along one axis in a key; kBlockAxisHalf makes indices positive.
-constexpr std::uint64_t kBlockAxisBits = 21, kBlockAxisMask = (1U << kBlockAxisBits) - 1,
-                        kBlockAxisHalf = 1U << (kBlockAxisBits - 1);
-
-/// Nonzero; 0 marks an empty slot.
-std::uint64_t block_key(const Eigen::Vector3i& cell) {
-  const auto axis = [](int index) {
-    return (static_cast<std::uint64_t>(static_cast<std::int64_t>(index >> 3)) + kBlockAxisHalf) & kBlockAxisMask;
-  };
-  return (1ULL << 63U) | axis(cell.x()) | axis(cell.y()) << kBlockAxisBits | axis(cell.z()) << 2 * kBlockAxisBits;
-}
+std::uint64_t block_key(const Eigen::Vector3i& cell) { return cell_key(cell.x() >> 3, cell.y() >> 3, cell.z() >> 3); }
 
 std::uint32_t cell_in_block(const Eigen::Vector3i& cell) {
   return static_cast<std::uint32_t>((cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6);
-}
-
-std::size_t block_slot(std::uint64_t key, std::size_t table_size) {  // Fibonacci hashing
-  return (key * 0x9E3779B97F4A7C15ULL >> 24U) & (table_size - 1);
 }
 
 /// A cubic from 0 to 1 with zero slope at its ends, and its slope.
@@ -53,18 +37,13 @@ OddsTable::OddsTable(double probability) : table_(grid_value::kMost + 1) {
   }
 }
 
-HybridGrid::HybridGrid(double resolution_m) : resolution_m_(resolution_m), table_(kFirstGridTable, 0) {}
-
 Eigen::Vector3i HybridGrid::cell_at(const Vector3& p_m) const {
   return ((p_m / resolution_m_).array() + 0.5).floor().cast<int>();
 }
 
 const HybridGrid::Block* HybridGrid::find(const Eigen::Vector3i& cell) const {
-  const std::uint64_t key = block_key(cell);
-  for (std::size_t slot = block_slot(key, table_.size());; slot = (slot + 1) & (table_.size() - 1)) {
-    if (table_[slot] == 0) return nullptr;
-    if (keys_[table_[slot] - 1] == key) return &blocks_[table_[slot] - 1];
-  }
+  const std::uint32_t found = table_.find(block_key(cell));
+  return found == 0 ? nullptr : &blocks_[found - 1];
 }
 
 std::uint16_t HybridGrid::value(const Eigen::Vector3i& cell) const {
@@ -123,9 +102,10 @@ void HybridGrid::insert(std::span<const Vector3> points_m, const Vector3& origin
 
 void HybridGrid::change(const Eigen::Vector3i& cell, const OddsTable& table) {
   const std::uint64_t key = block_key(cell);
-  if (key != last_key_) {
-    last_block_ = find_or_make(key);
+  if (blocks_.empty() || key != last_key_) {
+    last_block_ = table_.find_or_insert(key);
     last_key_ = key;
+    if (last_block_ == blocks_.size()) blocks_.emplace_back().fill(grid_value::kUnknown);
   }
   const std::uint32_t place = cell_in_block(cell);
   std::uint16_t& value = blocks_[last_block_][place];
@@ -134,37 +114,13 @@ void HybridGrid::change(const Eigen::Vector3i& cell, const OddsTable& table) {
   changed_.push_back({last_block_, place});
 }
 
-std::uint32_t HybridGrid::find_or_make(std::uint64_t key) {
-  std::size_t slot = block_slot(key, table_.size());
-  for (; table_[slot] != 0; slot = (slot + 1) & (table_.size() - 1)) {
-    if (keys_[table_[slot] - 1] == key) return table_[slot] - 1;
-  }
-  keys_.push_back(key);
-  blocks_.emplace_back().fill(grid_value::kUnknown);
-  table_[slot] = static_cast<std::uint32_t>(keys_.size());
-  if (2 * keys_.size() > table_.size()) rebuild(2 * table_.size());
-  return static_cast<std::uint32_t>(keys_.size() - 1);
-}
-
-void HybridGrid::rebuild(std::size_t table_size) {
-  table_.assign(table_size, 0);
-  for (std::size_t i = 0; i < keys_.size(); ++i) {
-    std::size_t slot = block_slot(keys_[i], table_size);
-    while (table_[slot] != 0) slot = (slot + 1) & (table_size - 1);
-    table_[slot] = static_cast<std::uint32_t>(i + 1);
-  }
-}
-
 void HybridGrid::clear() {
-  keys_.clear();
+  table_.clear();
   blocks_.clear();
-  table_.assign(table_.size(), 0);
-  last_key_ = 0;
 }
 
 std::size_t HybridGrid::bytes() const {
-  return blocks_.capacity() * sizeof(Block) + keys_.capacity() * sizeof(std::uint64_t) +
-         table_.capacity() * sizeof(std::uint32_t) + changed_.capacity() * sizeof(Place);
+  return blocks_.capacity() * sizeof(Block) + table_.bytes() + changed_.capacity() * sizeof(Place);
 }
 
 }  // namespace swiftlet

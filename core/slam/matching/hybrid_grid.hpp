@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/slam/cell_keys.hpp"
 #include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
@@ -16,11 +17,12 @@ namespace grid_value {
 /// Value of a cell that was never observed, and largest value.
 inline constexpr std::uint16_t kUnknown = 0, kMost = 32767;
 /// [-] Bounds of the probability of a surface, as in Cartographer: no number of observations makes a cell certain.
+/// Wider bounds make cells slower to change.
 inline constexpr double kMinProbability = 0.1, kMaxProbability = 0.9;
 
 inline double probability_of(std::uint16_t value) {
-  constexpr double kStep = (kMaxProbability - kMinProbability) / (kMost - 1);
-  return value == kUnknown ? kMinProbability : kMinProbability + kStep * (value - 1);
+  if (value == kUnknown) return kMinProbability;
+  return kMinProbability + (kMaxProbability - kMinProbability) / (kMost - 1) * (value - 1);
 }
 /// Value of the nearest representable probability, clamped at both ends.
 std::uint16_t value_of(double probability);
@@ -43,7 +45,7 @@ class OddsTable {
 /// Any frame, the same for all arguments. Results depend on the set of the points of each scan, not on their order.
 class HybridGrid {
  public:
-  explicit HybridGrid(double resolution_m);
+  explicit HybridGrid(double resolution_m) : resolution_m_(resolution_m) {}
 
   Eigen::Vector3i cell_at(const Vector3& p_m) const;
   Vector3 center_m(const Eigen::Vector3i& cell) const { return resolution_m_ * cell.cast<double>(); }
@@ -66,28 +68,26 @@ class HybridGrid {
   void clear();
 
   double resolution_m() const { return resolution_m_; }
-  std::size_t num_blocks() const { return keys_.size(); }
+  std::size_t num_blocks() const { return blocks_.size(); }
   std::size_t bytes() const;
 
  private:
   using Block = std::array<std::uint16_t, 512>;
-  static constexpr std::uint16_t kChanged = 0x8000;  // flag of cells updated by the present scan
+  // Flag of cells updated by the present scan: the bit above those of a value.
+  static constexpr std::uint16_t kChanged = grid_value::kMost + 1;
 
   const Block* find(const Eigen::Vector3i& cell) const;
-  std::uint32_t find_or_make(std::uint64_t key);
   void change(const Eigen::Vector3i& cell, const OddsTable& table);
-  void rebuild(std::size_t table_size);
 
   double resolution_m_;
-  std::vector<std::uint64_t> keys_;  // keys of the blocks
-  std::vector<Block> blocks_;
-  std::vector<std::uint32_t> table_;  // open addressing; index + 1 of a block; 0: empty
+  KeyTable table_;
+  std::vector<Block> blocks_;  // in the order of their creation
   struct Place {
     std::uint32_t block = 0, cell = 0;
   };
   std::vector<Place> changed_;
-  std::uint64_t last_key_ = 0;  // key of the block that changed last
-  std::uint32_t last_block_ = 0;
+  std::uint64_t last_key_ = 0;    // key of the block that changed last, if there are any
+  std::uint32_t last_block_ = 0;  // its number
 };
 
 }  // namespace swiftlet

@@ -13,17 +13,19 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that the earlier sample covers
+// [s] Longest gap between IMU samples that the earlier sample covers. Larger values continue old accelerations.
+constexpr double kLongestStep_s = 0.1;
 // White noise of the accelerations while no samples arrive: within 0.1 s the speed changes by 0.6 m/s and the body rate
 // by 3 rad/s (one sigma), as of a multirotor that begins to brake. Smaller values make the estimate smoother and late
 // in turns.
 constexpr double kCoastAccel_mps2_sqrt_hz = 2.0, kCoastAngularAccel_radps2_sqrt_hz = 10.0;
-// Standard deviation of the body rate at a start without IMU.
+// [rad/s] Standard deviation of the body rate at a start without IMU. Smaller values are late when the vehicle turns.
 constexpr double kStartRate_radps = 0.5;
-// Random walk of the time offset: clocks that drift by some 20 ppm against each other.
+// Random walk of the time offset: clocks that drift by some 20 ppm against each other. Larger values make its estimate
+// noisier.
 constexpr double kTimeOffsetWalk_s_sqrt_hz = 5e-5;
-
-// factor of the variances (twice the standard deviations): the same scans are used again
+// [-] Factor of the variances (twice the standard deviations): the same scans are used again. Smaller values count them
+// as further ones.
 constexpr double kTwice = 4.0;
 
 double squared(double x) { return x * x; }
@@ -244,7 +246,8 @@ InertialFilter::Error InertialFilter::most_likely(const PoseEvidence& evidence, 
 /// The innovation z, whose information is Omega, has the covariance S = Omega^-1 + H P H^T. With y = S^-1 z as above,
 /// z^T S^-1 z = y^T Omega^-1 y + y^T H P H^T y, where y lies in the range of Omega.
 void InertialFilter::settle(const PoseEvidence& evidence, const Error& at) {
-  constexpr double kMinInformation = 1e-3;  // far below that of a scan: makes Omega regular
+  // [1/m^2, 1/rad^2] Information that makes Omega regular, far below a scan's. Larger values understate innovations.
+  constexpr double kMinInformation = 1e-3;
   const PoseColumns columns = pose_columns();
   const Matrix6 prior = pose_covariance();
   const auto A = Matrix6(Matrix6::Identity() + evidence.information * prior).partialPivLu();
@@ -262,7 +265,7 @@ void InertialFilter::settle(const Covariance& posterior) {
 }
 
 void InertialFilter::measure(const Pose& T_local_body, double sigma_m, double sigma_rad) {
-  constexpr int kIterations = 5;  // the rotation is not linear; more iterations change nothing
+  constexpr int kIterations = 5;  // [-] the rotation is not linear; more iterations change nothing
   Vector6 information;
   information << Vector3::Constant(1.0 / squared(sigma_m)), Vector3::Constant(1.0 / squared(sigma_rad));
   const Eigen::Quaterniond q_inverse(T_local_body.linear().transpose());

@@ -7,11 +7,10 @@ namespace swiftlet {
 
 /// State of inertial navigation, its motion, and the motion of its errors.
 struct InertialModel {
-  /// [-] Dimension of the error state, in the order of Index.
-  static constexpr int kStates = 18;
+  /// First index of each part of the error state, and its dimension.
+  enum Index : int { kP, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12, kTilt = 15, kTimeOffset = 17, kStates };
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
   using Error = Eigen::Matrix<double, kStates, 1>;
-  enum Index { kP = 0, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12, kTilt = 15, kTimeOffset = 17 };
 
   struct State {
     NavState nav;

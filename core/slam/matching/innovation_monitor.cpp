@@ -9,9 +9,6 @@
 namespace swiftlet {
 namespace {
 
-// [-] mean of the normalized squares that still counts as agreement; 1 for exact noise models. Smaller values react to
-// the errors of the map's own model.
-constexpr double kAgreement = 4.0;
 // [-] limit of the normalized square of one scan. Larger values let a single wrong scan scale the noise.
 constexpr double kMaxSquare = 100.0;
 // [-] share of the excess by which a scan scales the noise. Larger values adapt faster and overshoot.
@@ -20,7 +17,7 @@ constexpr double kAdaptation = 0.1;
 // that shows in maneuvers only.
 constexpr double kRecovery = 0.02;
 // [-] limits of the noise factor: of a warning, of a contradiction, and of the factor itself. The standard deviation of
-// the noise grows by its square root.
+// the noise grows by its square root. Larger values report later, and a larger last one recovers later.
 constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMaxNoise = 1e6;
 // [m/s] Change of the velocity by ten scans that contradicts the IMU: in one second, 5 % of gravity. Good IMUs leave up
 // to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
@@ -30,9 +27,6 @@ constexpr double kWrongVelocity_mps = 0.5;
 // those of 40 ms by 1.2, a turned LiDAR by 1 within seven scans. Larger values notice a wrong mount later, smaller ones
 // refuse late stamps.
 constexpr double kWrongStart_mps = 1.0;
-// [-] mean of the normalized squares below which scans agree again: 0.2 to 0.6 in simulated flights, 2 to 6 with a
-// turned LiDAR. Larger values let a wrong mount pass while the vehicle hardly speeds up.
-constexpr double kConsistent = 1.0;
 // [scans] that must agree again after such a contradiction. Larger values make the estimate invalid for longer after a
 // collision.
 constexpr int kContradictedScans = 100;
@@ -45,7 +39,7 @@ void InnovationMonitor::add(double innovation_sq, int num_directions) {
   next_ = (next_ + 1) % kScans;
   mean_ = 0.0;
   for (const double square : last_) mean_ += square / kScans;
-  const double excess = elementary::log(std::max(mean_, 1e-3) / kAgreement);
+  const double excess = elementary::log(mean_ / kAgreement);
   noise_factor_ *= elementary::exp(std::max(kAdaptation * excess, -kRecovery));
   noise_factor_ = std::clamp(noise_factor_, 1.0, kMaxNoise);
 }

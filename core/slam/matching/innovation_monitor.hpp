@@ -11,6 +11,15 @@ namespace swiftlet {
 /// their covariance. The IMU's noise is scaled until they agree.
 class InnovationMonitor {
  public:
+  /// [-] Mean of the normalized squares below which scans are consistent, as of exact noise models: 0.1 to 0.6 in
+  /// simulated flights, 2 to 6 with a turned LiDAR. Larger values miss time offsets of 10 ms, and let a wrong mount
+  /// pass while the vehicle hardly speeds up.
+  static constexpr double kConsistent = 1.0;
+  /// [-] Mean of the normalized squares that still counts as agreement: 0.2 to 0.4 after the start with a wrong time
+  /// offset, 6 to 11 with a LiDAR turned by 90 or 180 degrees. Smaller values react to the errors of the map's own
+  /// model, larger ones let wrong mounts pass.
+  static constexpr double kAgreement = 4.0;
+
   /// @param innovation_sq  normalized square of an innovation in `num_directions` directions
   void add(double innovation_sq, int num_directions);
   /// @param v_local_mps  change of the velocity by a scan

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/slam/matching/matching_limits.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
@@ -27,14 +28,14 @@ constexpr int kAlignments = 2;
 // [m] Limits of the kernel's width, and mean range by which the uncertainty of the attitude adds to
 // it. A wider kernel finds larger displacements, and lets more points attract that have no counterpart.
 constexpr double kNarrowest_m = 0.3, kWidest_m = 2.0, kMeanRange_m = 10.0;
-// Standard deviations of the aligned pose. Larger values leave more to the prediction, smaller ones to the spacing of
-// the points.
-constexpr double kAligned_m = 0.1, kAligned_rad = 0.01;
+// [m] Standard deviation of the aligned pose, for the attitude at the mean range. Larger values leave more to the
+// prediction, smaller ones to the spacing of the points.
+constexpr double kAligned_m = 0.1, kAligned_rad = kAligned_m / kMeanRange_m;
 // [s] Longest age of a sighting of another vehicle at which its position is extrapolated. Larger values mask returns at
 // wrong places.
 constexpr double kVehicleKnown_s = 1.0;
-constexpr int kMinReturns = 50;  // fewest points of a scan that is matched
-// Sigma from which a direction counts as open: planes do not measure the error along it.
+// [m], [rad] Sigma from which a direction counts as open: planes do not measure the error along it. Larger values
+// report a larger covariance along weak directions.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
 /// Motion without the parts that may be noise, from which no time offset can be learned.
@@ -159,11 +160,12 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   }
   outcome.fit = found.fit;
   outcome.num_iterations = found.num_iterations;
+  start_.agreement.add_fit(found.fit);
   if (!found.fit.evidence.information.isZero(0.0) && !filter_.is_coasting()) {
     innovations_.add(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
     const bool offset_known = start_.over || config_.imu.time_offset_sigma_s == 0.0;
     if (!has_unknown_start()) innovations_.add_correction(filter_.state().nav.v_mps - before.v_mps, offset_known);
-    start_.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
+    start_.agreement.add_innovation(filter_.innovation_sq(), 6 - found.fit.num_degenerate);
   }
   if (coarse && found.fit.num_degenerate == 0) filter_.measure(*coarse, kAligned_m, kAligned_rad);
   filter_.set_noise_factor(innovations_.noise_factor());
@@ -177,8 +179,8 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
 /// IMU, and while the velocity is unknown.
 std::optional<Pose> LocalSlam::align_coarsely(const Scan& scan, std::span<const SeenVehicle> others) {
   const auto sigma = [&](int i) { return std::sqrt(filter_.covariance().diagonal().segment<3>(i).maxCoeff()); };
-  const double width_m = std::clamp(
-      kNarrowest_m + sigma(InertialFilter::kP) + kMeanRange_m * sigma(InertialFilter::kTheta), kNarrowest_m, kWidest_m);
+  const double width_m =
+      std::min(kNarrowest_m + sigma(InertialFilter::kP) + kMeanRange_m * sigma(InertialFilter::kTheta), kWidest_m);
   const InertialFilter predicted = filter_;
   const int num_alignments = filter_.is_coasting() && config_.with_imu ? kAlignments : 1;
   std::optional<Pose> aligned;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -91,7 +92,7 @@ class LocalSlam {
 
   /// Initialization: the first scans are processed again with the biases and the time offset estimated from them.
   struct Start {
-    /// Largest number of IMU samples kept. The start is not repeated if the first scans need more.
+    /// [-] Largest number of IMU samples kept. The start is not repeated if the first scans need more.
     static constexpr std::size_t kMaxSamples = 4096;
     std::vector<ImuSample> imu;
     struct Swept {
@@ -102,21 +103,32 @@ class LocalSlam {
     std::vector<Swept> scans;
     bool over = false;
     bool keeps_offset = true;  ///< the time offset is not estimated: errors of the first velocities would count as one
-    double sum_of_innovations = 0.0;  // normalized squares per direction, of the last pass
-    int num_innovations = 0;
+    /// How well the last pass explains the first scans.
+    struct Agreement {
+      double sum_of_innovations = 0.0;  // normalized squares per direction
+      int num_innovations = 0;
+      double sum_of_near = 0.0;  // shares of points near surfaces of the map
+      int num_fits = 0;
 
-    void add_innovation(double innovation_sq, int num_directions) {
-      if (num_directions <= 0) return;
-      sum_of_innovations += innovation_sq / num_directions;
-      ++num_innovations;
-    }
-    double mean_innovation() const { return num_innovations > 0 ? sum_of_innovations / num_innovations : 0.0; }
+      void add_innovation(double innovation_sq, int num_directions) {
+        if (num_directions <= 0) return;
+        sum_of_innovations += innovation_sq / num_directions;
+        ++num_innovations;
+      }
+      void add_fit(const ScanFit& fit) {
+        sum_of_near += static_cast<double>(fit.num_near) / std::max(fit.num_points, 1);
+        ++num_fits;
+      }
+      double mean_innovation() const { return num_innovations > 0 ? sum_of_innovations / num_innovations : 0.0; }
+      double mean_near() const { return num_fits > 0 ? sum_of_near / num_fits : 0.0; }
+    } agreement;
   };
   bool has_unknown_start() const { return !start_.over && config_.imu.start_velocity_sigma_mps > kUnknown_mps; }
   void begin_again();
   void find_time_offset();
   void repeat_until_settled(const InertialFilter& learned);
   InertialFilter best_of_time_offsets();
+  InertialFilter best_of_start_velocities();
   InertialFilter learned_start();
   void repeat_start(const InertialFilter& filter);
   Vector3 velocity_gained(const InertialFilter& learned) const;

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/slam/matching/local_slam.hpp"
+#include "swiftlet/core/base/elementary.hpp"
 #include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-// Normalized square of an innovation per direction: 1 for exact noise models, 0.1 to 0.3 in simulated flights. Above
-// it, other time offsets are tried. Larger values miss offsets of 10 ms.
-constexpr double kExpectedInnovation = 1.0;
-// Normalized square above which the repeated start does not explain a contradiction: 0.2 to 0.4 after a wrong time
-// offset, 6 to 11 with a LiDAR turned by 90 or 180 degrees. Larger values let wrong mounts pass.
-constexpr double kUnexplainedInnovation = 4.0;
 // Time offsets tried at the start: multiples of a quarter of their standard deviation up to 2.5 of them. Smaller steps
 // cost time, larger ones leave the right offset outside of the range from which the filter finds it.
 constexpr int kTriedSteps = 10;
@@ -22,6 +19,16 @@ constexpr double kTriedStep = 0.25;
 // Largest number of repetitions of the start, which end when the time offset changes by less than its standard
 // deviation. More of them cost time.
 constexpr int kMaxRepeats = 5;
+// Start velocities tried: standstill, and level flight at the standard deviation of the velocity in this number of
+// directions. Fewer leave the right one outside of the range from which the filter finds it; more cost time.
+constexpr int kTriedHeadings = 6;
+// [-] Standard deviation about each tried velocity, as a share of that of the start. Larger values let scans of all
+// tries be attracted to the same wrong velocity.
+constexpr double kTriedSpread = 0.25;
+// [-] Share of the most points near surfaces from which a velocity is as plausible as the best one; the least
+// innovation decides between them. In the open motion differs from standstill by a third of the points, in a forest
+// wrong velocities differ by less than a tenth, but by several times the innovation.
+constexpr double kNearlyMost = 0.95;
 // Repetitions of a start with unknown velocity, whose first map consists of smeared scans. The time offset stays as
 // given meanwhile: in straight flight it is not observable beside the position of the first scan. More repetitions cost
 // time.
@@ -36,16 +43,17 @@ void LocalSlam::begin_again() {
   const bool contradicted = innovations_.contradicts();
   if (!start_.imu.empty() && start_.imu.size() < Start::kMaxSamples) {
     if (config_.imu.start_velocity_sigma_mps > kUnknown_mps) {
+      filter_ = best_of_start_velocities();
       for (int i = 0; i < kRepeatsInMotion; ++i) repeat_start(learned_start());
     } else {
       start_.keeps_offset = false;
-      if (config_.imu.time_offset_sigma_s == 0.0 || start_.mean_innovation() < kExpectedInnovation)
+      if (config_.imu.time_offset_sigma_s == 0.0 || start_.agreement.mean_innovation() < InnovationMonitor::kConsistent)
         repeat_start(learned_start());
       else
         find_time_offset();
     }
   }
-  innovations_.begin(contradicted && start_.mean_innovation() > kUnexplainedInnovation);
+  innovations_.begin(contradicted && start_.agreement.mean_innovation() > InnovationMonitor::kAgreement);
   start_ = {.over = true, .keeps_offset = false};
 }
 
@@ -54,10 +62,10 @@ void LocalSlam::find_time_offset() {
   const InertialFilter first = filter_;
   const Pose T_local_body_first = T_local_body_start_;  // repetitions level the start pose
   repeat_until_settled(first);
-  const double innovation = start_.mean_innovation();
+  const double innovation = start_.agreement.mean_innovation();
   T_local_body_start_ = T_local_body_first;
   repeat_until_settled(best_of_time_offsets());
-  if (start_.mean_innovation() <= innovation) return;
+  if (start_.agreement.mean_innovation() <= innovation) return;
   T_local_body_start_ = T_local_body_first;
   repeat_until_settled(first);
 }
@@ -82,11 +90,36 @@ InertialFilter LocalSlam::best_of_time_offsets() {
     tried.time_offset_s += kTriedStep * i * config_.imu.time_offset_sigma_s;
     tried.time_offset_sigma_s *= 0.5 * kTriedStep;
     repeat_start(InertialFilter(tried, T_local_body_start_));
-    if (start_.num_innovations < config_.start_scans / 2 || start_.mean_innovation() >= least) continue;
-    least = start_.mean_innovation();
+    if (start_.agreement.num_innovations < config_.start_scans / 2 || start_.agreement.mean_innovation() >= least)
+      continue;
+    least = start_.agreement.mean_innovation();
     best = filter_;
   }
   return best;
+}
+
+/// Filter whose start velocity explains the first scans best. From one start value, points on few rings attract each
+/// scan to the place of the last one, and motion is taken for standstill.
+InertialFilter LocalSlam::best_of_start_velocities() {
+  struct Try {
+    InertialFilter filter;
+    double near, innovation;
+  };
+  std::vector<Try> tries;
+  double most_near = 0.0;
+  InertialConfig tried = config_.imu;
+  tried.start_velocity_sigma_mps *= kTriedSpread;
+  for (int i = 0; i <= kTriedHeadings; ++i) {
+    const double azimuth_rad = 2.0 * kPi * i / kTriedHeadings;
+    const Vector3 heading(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
+    InertialFilter filter(tried, T_local_body_start_);
+    filter.begin_with(filter, (i < kTriedHeadings ? config_.imu.start_velocity_sigma_mps : 0.0) * heading);
+    repeat_start(filter);
+    tries.push_back({filter_, start_.agreement.mean_near(), start_.agreement.mean_innovation()});
+    most_near = std::max(most_near, tries.back().near);
+  }
+  std::erase_if(tries, [&](const Try& one) { return one.near < kNearlyMost * most_near; });
+  return std::ranges::min_element(tries, {}, &Try::innovation)->filter;
 }
 
 /// Filter at the start with what has been learned since.
@@ -114,8 +147,7 @@ void LocalSlam::repeat_start(const InertialFilter& filter) {
   inserted_ = {};
   num_inserted_ = 0;
   motion_known_ = false;
-  start_.sum_of_innovations = 0.0;
-  start_.num_innovations = 0;
+  start_.agreement = {};
   std::size_t next = 0;
   for (const Start::Swept& swept : start_.scans) {
     const auto is_ahead = [&] { return filter_.state().nav.t < imu_time_of_end(*swept.scan); };

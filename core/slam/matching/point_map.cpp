@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/slam/cell_keys.hpp"
+#include "core/slam/matching/matching_limits.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 
@@ -15,25 +17,16 @@ namespace {
 constexpr float kSpacing_m = 0.22F;
 // [-] Largest number of iterations. More of them cost time.
 constexpr int kIterations = 200;
-// [m], [rad] Norm of a step below which the alignment has converged. Smaller values cost iterations.
-constexpr double kStill = 1e-4;
-// [-] Smallest number of pairs of points for an alignment. Smaller values align scans that hardly meet the map.
-constexpr int kFewestPairs = 50;
 // [-] Distance of a pair up to which it counts, in widths of the kernel. Larger values cost time.
 constexpr double kReach_widths = 3.0;
 
 std::int64_t index_of(double x) { return static_cast<std::int64_t>(std::floor(x / PointMap::kVoxel_m)); }
 
-std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
-  const auto bits = [](std::int64_t i) { return static_cast<std::uint64_t>(i + (1 << 20)) & 0x1FFFFFU; };
-  return bits(x) | bits(y) << 21U | bits(z) << 42U;
-}
-
 }  // namespace
 
 void PointMap::insert(std::span<const Vector3> points_local_m) {
   for (const Vector3& p : points_local_m) {
-    Voxel& voxel = voxels_[key_of(index_of(p.x()), index_of(p.y()), index_of(p.z()))];
+    Voxel& voxel = voxels_[cell_key(index_of(p.x()), index_of(p.y()), index_of(p.z()))];
     if (voxel.count == kCapacity) continue;
     const Eigen::Vector3f point = p.cast<float>();
     bool apart = true;
@@ -57,7 +50,7 @@ const Eigen::Vector3f* PointMap::nearest(const Vector3& p_local_m, double within
   for (std::int64_t i = x - 1; i <= x + 1; ++i) {
     for (std::int64_t j = y - 1; j <= y + 1; ++j) {
       for (std::int64_t k = z - 1; k <= z + 1; ++k) {
-        const auto found = voxels_.find(key_of(i, j, k));
+        const auto found = voxels_.find(cell_key(i, j, k));
         if (found == voxels_.end()) continue;
         for (int n = 0; n < found->second.count; ++n) {
           const float square = (found->second.points_local_m[n] - p).squaredNorm();
@@ -90,12 +83,12 @@ std::optional<Pose> align_points(const PointMap& map, std::span<const Eigen::Vec
       H += root * root * J.transpose() * J;
       g += root * root * J.transpose() * r_m;
     }
-    if (num_pairs < kFewestPairs) return std::nullopt;
+    if (num_pairs < kMinReturns) return std::nullopt;
     const Eigen::Matrix<double, 6, 1> step = -H.ldlt().solve(g);
     if (!step.allFinite()) return std::nullopt;
     T = make_pose(T.translation() + step.head<3>(),
                   (rotation_by(step.tail<3>()) * Eigen::Quaterniond(T.linear())).normalized());
-    if (step.norm() < kStill) break;
+    if (step.norm() < kConverged) break;
   }
   return T;
 }

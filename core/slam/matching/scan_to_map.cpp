@@ -17,33 +17,36 @@ namespace swiftlet {
 namespace {
 
 // [-] Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the
-// others.
+// others. Larger values weigh scans less then.
 constexpr double kOpenFloor = 60.0;
 // [m^2] Upper bound of the floor in the variance of a map plane. A wider floor accepts points farther away, but does
 // not make the planes less certain.
 constexpr double kFlat_m2 = 1e-4;
-constexpr double kNoiseFactor = 3.0;  // multiple of the information from noise below which a direction is open
+// [-] Multiple of the information from noise below which a direction is open. Larger values open more directions.
+constexpr double kNoiseFactor = 3.0;
 // [-] Share of the information that firm planes must have so that the others are left out. Larger values keep curves of
 // single beams where surfaces are seen sparsely.
 constexpr double kFirmShare = 0.5;
-constexpr double kNear_sq = 9.0;  // squared standard deviations within which a point lies on a surface
 // Constants of the test for free-standing structure.
 // [m] Distance tested before and behind a point: more than the thickness of a stem, less than the distance between
 // stems.
 constexpr double kStep_m = 0.7;
-constexpr double kAcross = 0.3;      // least sine of the angle between surface and direction: 17 degrees
-constexpr double kMinMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
-constexpr double kBeside_m = 1.5;    // largest lateral distance at which a beam passes beside a point
-constexpr double kBeyond_m = 0.5;    // least distance of the end of that beam behind the continued surface
-constexpr int kMinPassed = 3;        // fewest points with a passing beam
+// [-] Least sine of the angle between surface and direction: 17 degrees. Larger values find fewer points.
+constexpr double kAcross = 0.3;
+// [-] Least motion per unit: points near the axis of a rotation hardly constrain it. Larger values find fewer points.
+constexpr double kMinMotion = 0.25;
+// [m] Largest lateral distance at which a beam passes beside a point, and least distance of its end behind the
+// continued surface. A larger first or smaller second value takes more surfaces for ended ones.
+constexpr double kBeside_m = 1.5, kBeyond_m = 0.5;
+// [-] Fewest points with a passing beam. Smaller values take gaps between scan lines for the end of a surface.
+constexpr int kMinPassed = 3;
 // [m] Largest position error with which a free-standing point is recognized. Larger values find a place again after a
 // longer drift; from kStep_m on they confuse neighboring stems.
 constexpr double kRecognized_m = 0.5;
-constexpr double kSpread_m = 0.15;  // spread above which a cell without a plane is no single object
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// Weight of a residual by the robust kernel; 1 near zero.
+/// Weight of a residual by the robust kernel; 1 near zero. Points within its width lie on the surface.
 double kernel(double distance_sq, double kernel_sq) {
   const double k = kernel_sq / (kernel_sq + distance_sq);
   return k * k;
@@ -162,7 +165,7 @@ void ScanFitter::MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
 class ScanFitter::MetPlanes {
  public:
   void clear(std::size_t most) {
-    table_.assign(std::max(table_.size(), std::bit_ceil(2 * most + 16)), 0);
+    table_.assign(std::max(table_.size(), std::bit_ceil(2 * most + 1)), 0);
     all_.clear();
   }
   MetPlane& at(const SurfaceCell& cell) {
@@ -217,12 +220,12 @@ bool is_bare(const PlacedScan& scan, const Vector3& at_m) {
   const Vector3 off_m = at_m - cell->mean_m.cast<double>();
   if (cell->planar) {
     const PlaneDistance d = distance_from_plane(*cell, off_m, scan.floor_m2);
-    return d.r_m * d.r_m > kNear_sq * d.variance_m2;
+    return d.r_m * d.r_m > scan.kernel_sq * d.variance_m2;
   }
-  if (cell->narrow_variance_m2 > kSpread_m * kSpread_m) return true;  // a large cell that mixes several objects
+  if (cell->narrow_variance_m2 > kPoleSigma_m * kPoleSigma_m) return true;  // a large cell that mixes several objects
   const double across_m = cell->normal.cast<double>().dot(off_m), aside_m = cell->aside().cast<double>().dot(off_m);
-  return across_m * across_m > kNear_sq * (scan.floor_m2 + cell->variance_m2) ||
-         aside_m * aside_m > kNear_sq * (scan.floor_m2 + cell->narrow_variance_m2);
+  return across_m * across_m > scan.kernel_sq * (scan.floor_m2 + cell->variance_m2) ||
+         aside_m * aside_m > scan.kernel_sq * (scan.floor_m2 + cell->narrow_variance_m2);
 }
 
 /// True if a beam passes beside a point, ahead or behind along a direction, through the continuation of a smooth
@@ -257,7 +260,8 @@ struct Standing {
 
 Standing find_standing(const PlacedScan& scan, const WeakDirections& weak, double position_sigma_m) {
   Standing standing;
-  const double predicted_m2 = std::min(position_sigma_m * position_sigma_m, kRecognized_m * kRecognized_m / kNear_sq);
+  const double predicted_m2 =
+      std::min(position_sigma_m * position_sigma_m, kRecognized_m * kRecognized_m / scan.kernel_sq);
   for (const Eigen::Vector3f& point : scan.points_body_m) {
     const Vector3 x = point.cast<double>(), at = scan.place(x);
     const SurfaceCell* cell = scan.map.find(at, scan.p_local_m);
@@ -278,7 +282,7 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak, doubl
       distance_sq += d[k].r_m * d[k].r_m / d[k].variance_m2;
       predicted_sq += d[k].r_m * d[k].r_m / (d[k].variance_m2 + predicted_m2);
     }
-    if (predicted_sq > kNear_sq) continue;
+    if (predicted_sq > scan.kernel_sq) continue;
     unsigned free_along = 0;
     for (int i = 0; i < weak.num; ++i) {
       const Vector3 motion = weak.motion(i, scan, x);
@@ -382,20 +386,18 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
     const SurfaceCell* cell = map.find(at, scan.p_local_m);
     if (cell == nullptr) continue;
     ++fit.num_known;
-    if (!map.is_full(*cell)) ++fit.num_fresh;
     const Vector3 off = at - cell->mean_m.cast<double>();
     if (cell->planar) {
-      ++fit.num_planar;
       const PlaneDistance d = distance_from_plane(*cell, off, floor_m2);
       if (std::abs(d.r_m) > config.reach_m) continue;
       const double distance_sq = d.r_m * d.r_m / d.variance_m2;
-      if (distance_sq < kNear_sq) ++fit.num_near;
+      if (distance_sq < kernel_sq) ++fit.num_near;
       met_->at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
     } else if (config.point_weight > 0.0) {
       // conservative variance per axis
       const double variance = floor_m2 + cell->variance_m2 + 2.0 * cell->narrow_variance_m2;
       const double distance_sq = off.squaredNorm() / variance;
-      if (distance_sq < kNear_sq) ++fit.num_near;
+      if (distance_sq < kernel_sq) ++fit.num_near;
       const double weight = config.point_weight * kernel(distance_sq, kernel_sq) / variance;
       for (int axis = 0; axis < 3; ++axis) points.add(x, Vector3::Unit(axis), R, off(axis), weight);
     }

@@ -9,51 +9,33 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMinPoints = 6;          // fewest points of a fit
-constexpr int kSettledPoints = 30;     // points from which a plane is final
-constexpr double kPoleSigma_m = 0.15;  // largest sigma across a pole: half of a stem 0.5 m thick
-constexpr double kPoleUpright = 0.9;   // least cosine of a pole's axis against the vertical
+// [-] Fewest points of a fit. Smaller values fit noise.
+constexpr int kMinPoints = 6;
+// [-] Points from which a plane is final. Larger values fill smaller cells in planes, which costs time and memory.
+constexpr int kSettledPoints = 30;
+// [-] Least cosine of a pole's axis against the vertical. Smaller values count leaning structure, such as logs.
+constexpr double kPoleUpright = 0.9;
 // [-] Least sine of the angle between a plane and a ray that meets it from behind. Larger values mix the faces of a
 // wall that is seen edge-on, smaller ones divide surfaces whose normals are off.
 constexpr float kBehind = 0.05F;
-constexpr float kGrowth = 1.25F;  // growth of a cell's number of points that triggers a new fit
-// Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides of a
-// cell face.
+// [-] Growth of a cell's number of points that triggers a new fit. Smaller values cost time.
+constexpr float kGrowth = 1.25F;
+// [m] Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides
+// of a cell face. Values at which no cell has a face near a round coordinate are as good.
 constexpr double kShift_m = 0.11;
-// [entries] First size of the hash table of a level, which grows as needed; a power of two.
-constexpr std::size_t kFirstTable = 1U << 12;
-// [bits] Width of a coordinate in the key of a cell, its mask, and the offset that makes it positive.
-constexpr std::uint64_t kAxisBits = 21, kAxisMask = (1U << kAxisBits) - 1, kAxisHalf = 1U << (kAxisBits - 1);
-
-// Bit of the key of a cell that holds the other face of a plane.
+// Topmost bit of the key of a cell that holds the other face of a plane.
 constexpr std::uint64_t kOtherFace = 1ULL << 3 * kAxisBits;
 
-std::uint64_t slot_of(std::uint64_t key, std::size_t table_size) {  // Fibonacci hashing
-  return (key * 0x9E3779B97F4A7C15ULL >> 20U) & (table_size - 1);
-}
-
 Vector3 corner_of(std::uint64_t key, double edge_m) {
-  const auto axis = [&](std::uint64_t bits) {
-    return (static_cast<double>(bits & kAxisMask) - static_cast<double>(kAxisHalf)) * edge_m - kShift_m;
-  };
-  return {axis(key), axis(key >> kAxisBits), axis(key >> 2 * kAxisBits)};
+  const auto along = [&](int axis) { return static_cast<double>(cell_index(key, axis)) * edge_m - kShift_m; };
+  return {along(0), along(1), along(2)};
 }
 
 }  // namespace
 
 std::uint64_t SurfaceMap::Level::key_of(const Vector3& p_m) const {
-  const auto axis = [&](double x) {
-    return (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor((x + kShift_m) / edge_m))) + kAxisHalf) &
-           kAxisMask;
-  };
-  return axis(p_m.x()) | axis(p_m.y()) << kAxisBits | axis(p_m.z()) << 2 * kAxisBits;
-}
-
-SurfaceCell* SurfaceMap::Level::find(std::uint64_t key) {
-  for (std::size_t slot = slot_of(key, table.size());; slot = (slot + 1) & (table.size() - 1)) {
-    if (table[slot] == 0) return nullptr;
-    if (keys[table[slot] - 1] == key) return &cells[table[slot] - 1];
-  }
+  const auto index = [&](double x) { return static_cast<std::int64_t>(std::floor((x + kShift_m) / edge_m)); };
+  return cell_key(index(p_m.x()), index(p_m.y()), index(p_m.z()));
 }
 
 std::uint64_t SurfaceMap::Level::face_of(std::uint64_t key, const Vector3& origin_m) const {
@@ -64,31 +46,15 @@ std::uint64_t SurfaceMap::Level::face_of(std::uint64_t key, const Vector3& origi
 }
 
 std::uint32_t SurfaceMap::Level::find_or_make(std::uint64_t key) {
-  std::size_t slot = slot_of(key, table.size());
-  for (; table[slot] != 0; slot = (slot + 1) & (table.size() - 1)) {
-    if (keys[table[slot] - 1] == key) return table[slot] - 1;
-  }
-  keys.push_back(key);
-  cells.emplace_back();
-  table[slot] = static_cast<std::uint32_t>(cells.size());
-  if (2 * cells.size() > table.size()) rebuild(2 * table.size());
-  return static_cast<std::uint32_t>(cells.size() - 1);
-}
-
-void SurfaceMap::Level::rebuild(std::size_t table_size) {
-  table.assign(table_size, 0);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    std::size_t slot = slot_of(keys[i], table_size);
-    while (table[slot] != 0) slot = (slot + 1) & (table_size - 1);
-    table[slot] = static_cast<std::uint32_t>(i + 1);
-  }
+  const std::uint32_t index = table.find_or_insert(key);
+  if (index == cells.size()) cells.emplace_back();
+  return index;
 }
 
 SurfaceMap::SurfaceMap(const SurfaceMapConfig& config) : config_(config), levels_(config.levels) {
   double edge_m = config.cell_m;
   for (Level& level : levels_) {
     level.edge_m = edge_m;
-    level.table.assign(kFirstTable, 0);
     edge_m *= 0.5;
   }
 }
@@ -117,7 +83,7 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
   }
   for (const Touched& t : touched_) {
     Level& level = levels_[t.level];
-    fit(level, level.keys[t.cell], level.cells[t.cell], origin_m);
+    fit(level, level.table.keys[t.cell], level.cells[t.cell], origin_m);
   }
 }
 
@@ -184,26 +150,26 @@ const SurfaceCell* SurfaceMap::find_pole(const Vector3& p_m) const {
 
 void SurfaceMap::keep_around(const Vector3& center_m) {
   for (Level& level : levels_) {
+    std::vector<std::uint64_t>& keys = level.table.keys;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < level.keys.size(); ++i) {
-      const Vector3 middle_m = corner_of(level.keys[i], level.edge_m) + Vector3::Constant(0.5 * level.edge_m);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const Vector3 middle_m = corner_of(keys[i], level.edge_m) + Vector3::Constant(0.5 * level.edge_m);
       if ((middle_m - center_m).squaredNorm() > config_.keep_radius_m * config_.keep_radius_m) continue;
-      level.keys[kept] = level.keys[i];
+      keys[kept] = keys[i];
       level.cells[kept] = level.cells[i];
       ++kept;
     }
-    if (kept == level.keys.size()) continue;
-    level.keys.resize(kept);
+    if (kept == keys.size()) continue;
+    keys.resize(kept);
     level.cells.resize(kept);
-    level.rebuild(level.table.size());
+    level.table.rebuild();
   }
 }
 
 void SurfaceMap::clear() {
   for (Level& level : levels_) {
-    level.keys.clear();
+    level.table.clear();
     level.cells.clear();
-    level.table.assign(level.table.size(), 0);
   }
 }
 
@@ -215,10 +181,7 @@ std::size_t SurfaceMap::num_cells() const {
 
 std::size_t SurfaceMap::bytes() const {
   std::size_t bytes = 0;
-  for (const Level& level : levels_) {
-    bytes += level.cells.capacity() * (sizeof(SurfaceCell) + sizeof(std::uint64_t)) +
-             level.table.capacity() * sizeof(std::uint32_t);
-  }
+  for (const Level& level : levels_) bytes += level.cells.capacity() * sizeof(SurfaceCell) + level.table.bytes();
   return bytes;
 }
 

@@ -5,11 +5,16 @@
 #include <span>
 #include <vector>
 
+#include "core/slam/cell_keys.hpp"
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/base/frames.hpp"
 #include "swiftlet/core/slam/local_slam_config.hpp"
 
 namespace swiftlet {
+
+/// [m] Largest sigma across a pole: half of a stem 0.5 m thick. A larger cell without a plane mixes several objects.
+/// Larger values count crowns and corners as poles.
+inline constexpr double kPoleSigma_m = 0.15;
 
 /// The points of one cell as a Gaussian, and their plane if they have one.
 ///
@@ -64,20 +69,20 @@ class SurfaceMap {
   std::size_t bytes() const;
 
  private:
-  /// Cells of one edge in a table with open addressing; cells are in the order of their creation.
+  /// Cells of one edge, in the order of their creation.
   struct Level {
     double edge_m = 0.0;
-    std::vector<std::uint64_t> keys;  // keys of the cells
+    KeyTable table;
     std::vector<SurfaceCell> cells;
-    std::vector<std::uint32_t> table;  // index + 1 of a cell; 0: empty
 
     std::uint64_t key_of(const Vector3& p_m) const;
-    SurfaceCell* find(std::uint64_t key);
-    const SurfaceCell* find(std::uint64_t key) const { return const_cast<Level*>(this)->find(key); }
+    const SurfaceCell* find(std::uint64_t key) const {
+      const std::uint32_t found = table.find(key);
+      return found == 0 ? nullptr : &cells[found - 1];
+    }
     /// The key, or that of the other face if the origin of the ray lies behind the plane of its cell.
     std::uint64_t face_of(std::uint64_t key, const Vector3& origin_m) const;
     std::uint32_t find_or_make(std::uint64_t key);
-    void rebuild(std::size_t table_size);
   };
 
   void add(Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& p_m) const;

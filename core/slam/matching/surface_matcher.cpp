@@ -3,17 +3,19 @@
 
 #include <cmath>
 
+#include "core/slam/matching/matching_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
+/// [scans] First scans that all enter the map: a single scan has few planes. Fewer of them leave gaps between beams.
+constexpr int kEveryScanFirst = 10;
 /// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
 constexpr double kCropEvery_m = 10.0;
-/// [m] Edges of the cubes that contribute one return each to the map, to the matching and to the coarse alignment.
-/// Smaller cubes keep more detail and cost time.
-constexpr float kMapVoxel_m = 0.2F, kMatchVoxel_m = 0.5F, kCoarseVoxel_m = 1.5F;
+/// [m] Edges of the cubes that contribute one return each to the map and to the coarse alignment. Smaller cubes keep
+/// more detail and cost time.
+constexpr float kMapVoxel_m = 0.2F, kCoarseVoxel_m = 1.5F;
 
 /// Keeps at most `most` points, evenly spaced in their order.
 void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {

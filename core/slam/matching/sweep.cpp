@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/slam/cell_keys.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 
@@ -100,7 +101,7 @@ MotionHistory::Vector6 MotionHistory::acceleration(int i) const {
 }
 
 void VoxelThinner::thin(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<std::uint32_t>& kept) {
-  const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(2 * points_m.size(), 1024));
+  const std::size_t wanted = std::bit_ceil(2 * points_m.size() + 2);
   if (table_.size() < wanted) {
     table_.assign(wanted, {});
     round_ = 0;
@@ -112,12 +113,10 @@ void VoxelThinner::thin(std::span<const Eigen::Vector3f> points_m, float edge_m,
   const float per_m = 1.0F / edge_m;
   const std::size_t mask = table_.size() - 1;
   for (std::uint32_t i = 0; i < points_m.size(); ++i) {
-    const auto axis = [per_m](float x) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x * per_m)) + (1 << 20)) & 0x1FFFFFU;
-    };
+    const auto index = [per_m](float x) { return static_cast<std::int64_t>(std::floor(x * per_m)); };
     const Eigen::Vector3f& p = points_m[i];
-    const std::uint64_t key = axis(p.x()) | axis(p.y()) << 21U | axis(p.z()) << 42U;
-    std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 24U) & mask;
+    const std::uint64_t key = cell_key(index(p.x()), index(p.y()), index(p.z()));
+    std::size_t slot = first_slot(key, table_.size());
     while (table_[slot].round == round_ && table_[slot].key != key) slot = (slot + 1) & mask;
     if (table_[slot].round == round_) continue;
     table_[slot] = {key, round_};

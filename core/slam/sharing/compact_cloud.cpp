@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/slam/graph/closure_search.hpp"
@@ -11,11 +12,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kTreeDepth = 8;  // 256 voxels along each axis
+/// [levels] Depth of the octree: 256 voxels along each axis. Deeper ones reach farther and take more bytes.
+constexpr int kTreeDepth = 8;
 /// [voxels] Half of the octree along an axis: indices are relative to the origin of the frame.
 constexpr int kHalfTree = 1 << (kTreeDepth - 1);
-/// [-] Largest number of points of a part, which is sent in 16 bits.
-constexpr std::size_t kMaxPointsOfChunk = 65535;
 
 struct PackedPoint {
   std::uint32_t path = 0;  // three bits for each level of the octree, the topmost first
@@ -153,7 +153,7 @@ std::vector<PackedPoints> pack_points(std::span<const Eigen::Vector3f> points_m,
   std::vector<PackedPoints> parts;
   for (std::size_t first = 0, last = 0; first < points.size(); first = last) {
     int size_bits = 0;
-    for (; last < points.size() && last - first < kMaxPointsOfChunk; ++last) {
+    for (; last < points.size() && last - first < std::numeric_limits<std::uint16_t>::max(); ++last) {
       const int shared = last == first ? -1 : shared_levels(points[last - 1].path, points[last].path);
       const int more_bits = 8 * (kTreeDepth - 1 - shared) + 3 * bits;
       if (last > first && size_bits + more_bits > 8 * most_bytes) break;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/slam/graph/graph_paths.hpp"
 #include "swiftlet/core/base/ensure.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
@@ -16,10 +17,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMaxTested = 64;   // largest number of closures tested: one bit each
-constexpr int kMaxCliqueNodes = 200000;  // largest number of nodes of the search for the largest set
-// Shortest path length for which the odometry sigma shrinks; keeps the weight of submaps near each other finite.
-constexpr double kMinPathLength_m = 0.05;
+// [-] Largest number of nodes of the search for the largest set of closures. Larger values take longer where many sets
+// are equally large.
+constexpr int kMaxCliqueNodes = 200000;
 // Standard deviations [m, rad] of the newest own submap, which keeps its pose in the joint graph. Larger values let the
 // joint solution move the own frame.
 constexpr double kStandsStill_m = 1e-3, kStandsStill_rad = 1e-5;
@@ -128,7 +128,8 @@ double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const Subma
 
 std::vector<int> agreeing_closures(std::span<const MapClosure> closures, std::span<const SubmapPlace> own,
                                    std::span<const SubmapPlace> others, const MapJoinConfig& config) {
-  const std::size_t num = std::min(closures.size(), kMaxTested);
+  const std::size_t num = closures.size();
+  ENSURE(num <= 64, num);  // a bit for each
   std::vector<std::uint64_t> agrees_with(num, 0);
   std::uint64_t tested = 0;
   for (std::size_t i = 0; i < num; ++i) {

@@ -39,8 +39,8 @@ bool receive_places(TimeNs t, const Message& message, PeerMap& from) {
   SubmapPlaces received;
   if (read_message(message, received) != Reading::kDone) return false;
   const std::size_t end = received.first + received.places.size();
-  if (received.num_finished >= Limits::kSubmaps || received.first > Limits::kSubmaps ||
-      received.places.size() > Limits::kPlaces || end > std::size_t{received.num_finished} + 1) {
+  if (received.num_finished >= Limits::kSubmaps || received.places.size() > Limits::kListed ||
+      end > std::size_t{received.num_finished} + 1) {
     return false;
   }
   std::vector<SubmapPlace> places;
@@ -132,7 +132,7 @@ bool receive_chunk(TimeNs t, const Message& message, PeerMap& from) {
 bool receive_closures(const Message& message, const OwnMap& own, PeerMap& from) {
   if (from.is_searched_here) return false;
   MapClosures received;
-  if (read_message(message, received) != Reading::kDone || received.closures.size() > Limits::kClosures) return false;
+  if (read_message(message, received) != Reading::kDone || received.closures.size() > Limits::kListed) return false;
   std::vector<MapClosure> closures;
   for (const MapClosures::Closure& c : received.closures) {
     const std::optional<Pose> T = received_pose(c.p_own_m, c.turn_own_rad, Limits::kInSubmap_m);

@@ -15,10 +15,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMaxSent = 8;                       // messages per step; bounds the work of a step
-constexpr double kLargestMessage_bytes = 1200.0;  // all messages but chunks: the allowance before one is sent
-constexpr double kChunkHead_bytes = 100.0;        // header of a chunk, beside its cloud
-constexpr double kBurst_s = 0.1;                  // time for which an unused data rate is saved up
+// [-] Messages per step. Larger values take longer in a step.
+constexpr int kMaxSent = 8;
+// [B] Allowance before a message is sent: the size of the largest ones. Larger values delay small messages, with
+// smaller ones large messages exceed the data rate for a moment.
+constexpr double kLargestMessage_bytes = 1200.0;
+// [s] Time for which an unused data rate is saved up. Larger values send longer bursts.
+constexpr double kBurst_s = 0.1;
 
 Eigen::Vector3f turn_of(const Pose& T) {
   return rotation_vector_rad(Eigen::Quaterniond(Matrix3(T.linear()))).cast<float>();
@@ -36,12 +39,11 @@ std::vector<std::uint8_t> bits_of(std::span<const std::uint8_t> flags) {
 
 void MapSender::step(TimeNs t, OwnMap& own, std::span<PeerMap> peers, Outbox& outbox) {
   const double rate_bytes_s = 1e3 / 8.0 * config_.budget_kbps;
-  const double largest_bytes = std::max(kLargestMessage_bytes, config_.cloud.chunk_bytes + kChunkHead_bytes);
   if (started_) allowance_bytes_ += rate_bytes_s * to_seconds(t - last_step_);
-  allowance_bytes_ = std::min(allowance_bytes_, largest_bytes + kBurst_s * rate_bytes_s);
+  allowance_bytes_ = std::min(allowance_bytes_, kLargestMessage_bytes + kBurst_s * rate_bytes_s);
   started_ = true;
   last_step_ = t;
-  for (int i = 0; i < kMaxSent && allowance_bytes_ >= largest_bytes; ++i) {
+  for (int i = 0; i < kMaxSent && allowance_bytes_ >= kLargestMessage_bytes; ++i) {
     if (!send_next(t, own, peers, outbox)) return;
     allowance_bytes_ -= static_cast<double>(outbox.messages().back().size_bytes());
   }
@@ -123,7 +125,7 @@ bool MapSender::send_places(TimeNs t, OwnMap& own, Outbox& outbox) {
   sent.num_finished = static_cast<std::uint32_t>(own.submaps.size());
   if (next_place_ >= own.places.size()) next_place_ = 0;
   sent.first = static_cast<std::uint32_t>(next_place_);
-  for (; next_place_ < own.places.size() && sent.places.size() < MapMessageLimits::kPlaces; ++next_place_) {
+  for (; next_place_ < own.places.size() && sent.places.size() < MapMessageLimits::kListed; ++next_place_) {
     const SubmapPlace& place = own.places[next_place_];
     sent.places.push_back({place.T_local_submap.translation().cast<float>(), turn_of(place.T_local_submap),
                            static_cast<float>(place.path_length_m)});

@@ -81,7 +81,7 @@ void MapSharing::update_places(const SubmapProvider& own) {
 }
 
 bool MapSharing::is_enough(const PeerMap& other) const {
-  return other.closures.size() >= MapMessageLimits::kClosures ||
+  return other.closures.size() >= MapMessageLimits::kListed ||
          static_cast<int>(other.agreeing.size()) >= config_.closures_enough;
 }
 

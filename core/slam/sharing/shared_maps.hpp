@@ -67,19 +67,20 @@ struct PeerMap {
   bool is_about(TimeNs t, double timeout_s) const { return has_reported && to_seconds(t - last_report) <= timeout_s; }
 };
 
-/// Reporting intervals without a message after which a vehicle counts as absent: nothing is requested from it.
+/// [-] Reporting intervals without a message after which a vehicle counts as absent: nothing is requested from it.
+/// Larger values waste requests on absent vehicles.
 inline constexpr double kSilentReports = 3.0;
-/// Shortest interval between reports of places, and between tests of closures with one vehicle [s].
+/// [s] Shortest interval between reports of places, and between tests of closures with one vehicle. Smaller values take
+/// more of the data rate and of the time of a step.
 inline constexpr double kMinUpdateInterval_s = 1.0;
 
-/// Limits on messages. Received messages beyond them are rejected.
+/// Limits on messages. Received messages beyond them are rejected; larger limits let wrong ones take more memory.
 struct MapMessageLimits {
   /// [-] Submaps of a vehicle.
   static constexpr std::uint32_t kSubmaps = 4096;
   static constexpr std::size_t kChunks = 256;      ///< chunks of a submap
   static constexpr std::uint32_t kPoints = 50000;  ///< points of a compact cloud
-  static constexpr std::size_t kPlaces = 32;       ///< places in a message
-  static constexpr std::size_t kClosures = 32;     ///< closures with one vehicle
+  static constexpr std::size_t kListed = 32;       ///< places, or closures with one vehicle, in a message
   static constexpr double kDistance_m = 1e5;       ///< distance of a submap from the start of the flight, per axis
   static constexpr double kPathLength_m = 1e6;     ///< path length of a flight
   static constexpr double kInSubmap_m = 200.0;     ///< displacement between submaps of a closure, per axis

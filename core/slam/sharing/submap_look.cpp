@@ -10,7 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kGroundShare = 0.05;  // quantile of the points' heights that is taken as the ground
+// [-] Quantile of the points' heights that is taken as the ground. Larger values take low structure for it, smaller
+// ones stray points.
+constexpr double kGroundShare = 0.05;
 
 /// Histogram of the heights of upright structure above the ground, in bins of 1 m.
 std::array<std::uint8_t, SubmapLook::kHeights> heights_of(std::span<const Eigen::Vector3f> points_m, double cell_m,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/detection/existence.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
@@ -18,10 +19,10 @@ TEST(BodyParts, NeedsThreeReturnsAndBoundsCertainty) {
   EXPECT_FALSE(parts.weigh(1, left, 2, right));
   EXPECT_EQ(parts.log_odds(1, 2), 0.0);
   EXPECT_FALSE(parts.weigh(1, left, 2, most));
-  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kMaxLogOdds);
+  EXPECT_EQ(parts.log_odds(1, 2), -kMaxLogOdds);
   EXPECT_FALSE(parts.weigh(1, left, 2, Returns(3, {0.0, 0.0, 0.0}))) << "in one place";
   for (int i = 0; i < 50; ++i) parts.begin_sweep();
-  EXPECT_EQ(parts.log_odds(1, 2), -BodyParts::kMaxLogOdds);
+  EXPECT_EQ(parts.log_odds(1, 2), -kMaxLogOdds);
   parts.begin_sweep();
   EXPECT_EQ(parts.log_odds(1, 2), 0.0) << "forgotten";
 }

@@ -35,6 +35,9 @@ std::unique_ptr<Guidance> make_trajectory(const ModuleConfig& config, const Guid
 /// Travel along a length with smooth acceleration and deceleration (quintic steps of the speed, so that acceleration
 /// and jerk are continuous).
 struct RampedTravel {
+  /// [-] Greatest slope of the quintic step from 0 to 1 in unit time: that of x^3 (10 - 15 x + 6 x^2) in its middle.
+  static constexpr double kSteepest = 1.875;
+
   double length = 0.0;  ///< infinity: never slows down
   double speed = 0.0;   ///< cruise speed; lowered by the constructor when the length is too short for it
   double ramp_s = 0.0;

@@ -75,8 +75,6 @@ class InsFilter {
 
   /// [-] Stored states, at the last IMU samples. Smaller values use delayed measurements at a later state.
   static constexpr int kHistory = 128;
-  /// [-] Kinds of measurements, each with its own count of rejections.
-  static constexpr int kSources = 5;
   InsConfig config_;
   NavState nominal_;
   Vector3 accel_bias_ = Vector3::Zero(), gyro_bias_ = Vector3::Zero();
@@ -85,7 +83,7 @@ class InsFilter {
   Covariance P_ = Covariance::Zero();
   std::array<NavState, kHistory> history_;  // states at the last IMU samples, for delayed measurements
   int newest_ = -1, count_ = 0;
-  std::array<int, kSources> rejected_in_a_row_{};
+  std::array<int, 5> rejected_in_a_row_{};  // rejections of each kind of measurement
   int num_rejected_ = 0;
 };
 

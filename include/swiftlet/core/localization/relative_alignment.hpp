@@ -40,6 +40,10 @@ struct FrameAlignment {
   Vector3 point(const Vector3& p_other_m) const;
 };
 
+/// [-] Squared Mahalanobis distance from which two alignments contradict each other: a chance of 1 in 200 000, with
+/// four degrees of freedom. Larger values keep a wrong alignment longer.
+inline constexpr double kDisagreement_sigma_sq = 30.0;
+
 /// Weighted least-squares alignment in closed form: S. Umeyama, "Least-squares estimation of transformation parameters
 /// between two point patterns", IEEE PAMI 13(4), 1991, restricted to rotations about the vertical. Nothing when the
 /// horizontal positions in either frame coincide. Anchor: the weighted mean.

@@ -6,8 +6,13 @@
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/base/time.hpp"
 
 namespace swiftlet {
+
+/// [ns] Jump of the times in a vehicle's messages from which its clock counts as reset; drift is far smaller. Smaller
+/// values start over after delayed messages.
+inline constexpr TimeNs kClockJump = 5 * kNsPerSecond;
 
 /// Drift model of an odometry: a random walk over distance flown, turning and time (as in sim/sensors/odometry). The
 /// defaults are those of the preset odometry_vio.

@@ -20,6 +20,8 @@ struct OccupancyMapConfig {
 
   /// [cells] Upper limit of distance_max_m.
   static constexpr int kMaxDistance_cells = 64;
+  /// [cells] Upper limit of range_max_m and keep_radius_m. Larger values take more memory.
+  static constexpr int kMaxRadius_cells = 480;
 
   double edge_m = 0.1;
   double p_hit = 0.7;

@@ -16,7 +16,8 @@ namespace swiftlet {
 class SubmapCells {
  public:
   static constexpr int kSide = CellBlock::kSide;
-  static constexpr int kGroup = 4;  ///< edge of a group in blocks
+  static constexpr int kGroup = 4;                     ///< edge of a group in blocks
+  static constexpr int kGroup_cells = kGroup * kSide;  ///< edge of a group in cells
   using Bits = CellBlock::Bits;
 
   /// Blocks without known cells are omitted.

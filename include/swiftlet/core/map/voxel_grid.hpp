@@ -11,6 +11,9 @@ namespace swiftlet {
 
 using Cell = Eigen::Vector3i;
 
+/// [cells] Largest coordinate of a cell: sums of two fit into 32 bits.
+inline constexpr double kFarthestCell = 1e9;
+
 /// A box of cubic voxels. Any frame, the same for all arguments. Cell indices refer to that frame's lattice, not to the
 /// box: cell (i, j, k) spans [i, i + 1) * edge and so on. So grids with equal edges share their cells. Linear indices
 /// run along x first, then y, then z.

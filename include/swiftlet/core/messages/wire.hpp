@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "swiftlet/core/base/message.hpp"
+#include "swiftlet/core/base/rounding.hpp"
 
 /// Encoding of a message's content: field after field in the order of its `visit`, little-endian, without padding. A
 /// time has 8 bytes, a vehicle and an `int` 4, a flag and a choice 1, a pose 56 (position, quaternion). Texts and lists
@@ -138,8 +139,7 @@ class Wire {
     Eigen::Quaterniond rotation;
     exchange(position);
     exchange(rotation);
-    constexpr double kOff = 1e-6;  // tolerance of the norm of a transmitted quaternion; rounding is smaller
-    bad_ = bad_ || !(std::abs(rotation.norm() - 1.0) < kOff);
+    bad_ = bad_ || !(std::abs(rotation.norm() - 1.0) < kRounding);
     pose = make_pose(position, rotation.normalized());
   }
 

@@ -74,8 +74,11 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
 /// Shortens a clear path by shortcuts, from the start, then from the end, and so on, while its length decreases.
 std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
 
-/// True when the map has changed so that the rest of a path is no longer clear. The clearance is one cell edge less
-/// than in planning, so that obstacle cells that change at random do not cause replanning.
+/// Rules with a clearance smaller by one cell edge, so that obstacle cells that change at random do not invalidate a
+/// path.
+ClearPathConfig narrowed(const ClearPathConfig& config, double edge_m);
+
+/// True when the map has changed so that the rest of a path is not clear any more by the narrowed rules.
 /// @param p_local_m     position of the vehicle
 /// @param next          index of the next corner; the vehicle is between the previous one and this
 bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,

@@ -20,8 +20,8 @@ struct PathLimits {
 /// A timed path. Any frame, the same for all arguments.
 struct SplineTrajectory {
   std::vector<Vector3> control_points_m;  ///< control points of a UniformSpline
-  double interval_s = 0.2;
-  double yaw_rad = 0.0;  ///< heading at the start
+  double interval_s = 0.2;                ///< [s] between control points; larger values smooth a path more
+  double yaw_rad = 0.0;                   ///< heading at the start
 
   UniformSpline spline() const { return {control_points_m, interval_s}; }
 };

@@ -37,7 +37,9 @@ struct SurfaceMapConfig {
 };
 
 struct ScanToMapConfig {
-  double kernel_sigma = 3.0;  ///< [-] residual in standard deviations beyond which points hardly count
+  /// [-] residual in standard deviations beyond which points lie on no surface and hardly count; larger values let
+  /// wrong pairs attract
+  double kernel_sigma = 3.0;
   double reach_m = 0.5;
   double surface_sigma_m = 0.005;  ///< [m] roughness assumed for the smoothest surface
   double point_weight = 0.02;      ///< [-] weight of points where the map has no plane; 0: they are left out

@@ -6,6 +6,7 @@
 
 #include "swiftlet/core/base/config.hpp"
 #include "swiftlet/core/base/frames.hpp"
+#include "swiftlet/core/base/track.hpp"
 
 namespace swiftlet {
 
@@ -26,11 +27,9 @@ struct MotionBelief {
 /// Filter state of one target. A filter with several motion models also has one state and one probability per model;
 /// `belief` then is the mean and covariance of their mixture.
 struct MotionState {
-  /// [-] Maximum number of motion models of a filter; capacity of the arrays.
-  static constexpr int kMaxModes = 3;
   MotionBelief belief;
-  std::array<MotionBelief, kMaxModes> modes;
-  std::array<double, kMaxModes> mode_probability{1.0, 0.0, 0.0};
+  std::array<MotionBelief, TrackModes::kModels> modes;
+  std::array<double, TrackModes::kModels> mode_probability{1.0, 0.0, 0.0};
 };
 
 /// Standard deviations per axis of the process noise in one step of `period_s`, eq. (34). Larger values follow
