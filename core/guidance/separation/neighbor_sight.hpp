@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -17,10 +16,9 @@ class NeighborSight {
   explicit NeighborSight(std::vector<NeighborView> views) : views_(std::move(views)) {}
 
   /// Heading [rad] that keeps neighbors out of the blind sector, with priority for those unseen for longest and closest
-  /// in time, and then the flight direction in view. It turns to azimuths that were not viewed for long; in flight,
-  /// only as far as the flight direction stays in view.
+  /// in time, and then the flight direction in view.
   double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                 double last_yaw_rad, TimeNs now);
+                 double last_yaw_rad, TimeNs now) const;
 
   /// True if neighbors in the flight direction would be in view. Tolerates directions slightly outside the view.
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;
@@ -32,11 +30,8 @@ class NeighborSight {
   bool sees(const Vector3& p_body_m) const;
   /// True if a unit direction is in view, or slightly outside.
   bool sees_beside(const Vector3& direction_body) const;
-  void look(const Matrix3& R_local_body, TimeNs now);
 
   std::vector<NeighborView> views_;
-  std::array<TimeNs, kHeadings> looked_{};  // last time in view, by azimuth in the local frame
-  int glance_ = -1;                         // azimuth to be viewed next; -1: none
 };
 
 }  // namespace swiftlet
