@@ -109,5 +109,5 @@ def draw_times(panels):
         axes.set(title=title, xlabel="vehicles", xticks=NUMBERS, ylim=(0, None))
         axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("mean time to the goal [s]")
-    figure.axes[1].legend()
+    figure.axes[1].legend(loc="lower right")
     return figure
