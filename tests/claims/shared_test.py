@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Evaluations that experiments share, on flights with results in closed form. Usage: shared_test.py SOURCE_DIR"""
+"""Evaluations that experiments share, on flights with results in closed form, and a start of SLAM in flight. Usage: shared_test.py SOURCE_DIR"""
 import itertools
 import json
 import math
@@ -19,6 +19,7 @@ except ImportError as missing:
     sys.exit(77)
 
 sys.path.insert(0, str(pathlib.Path(sys.argv[1]).resolve() / "tools/experiments"))
+import slam_faults  # noqa: E402
 from shared import crossing, detection, guidance, point_noise, rbl_prediction, slam  # noqa: E402
 from shared.rotations import rotations  # noqa: E402
 
@@ -121,6 +122,14 @@ class Slam(unittest.TestCase):
         near(np.diff(flight["course"]["t_s"]), [0.5, 0.5])
         self.assertTrue(np.isnan(log.p_gnss_m[0]).all(), "no fix yet")
         self.assertGreater(len(np.unique(log.p_gnss_m[np.isfinite(log.p_gnss_m[:, 0])], axis=0)), 3, "each fix replaces the one before")
+
+
+class SlamStart(unittest.TestCase):
+    def test_motion_is_not_taken_for_standstill(self):
+        for seed in (9106, 9107):  # rings of a Puck LITE look alike while the vehicle flies along walls; 18 m are flown
+            flight = slam_faults.fly_fault("campus", "puck_lite", "start at 3 m/s", seed, 6.0)
+            self.assertEqual(flight["valid_share"], 1.0, flight)
+            self.assertLess(flight["final_m"], 1.5, flight)
 
 
 class Guidance(unittest.TestCase):
