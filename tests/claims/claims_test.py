@@ -16,10 +16,11 @@ except ImportError as missing:
     sys.exit(77)
 
 SOURCE, VERSION = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
-QUICK = ["uncertainty-table", "occupancy-filters", "slam-faults"]
-FULL = QUICK + ["voxel-probability", "expected-error", "communication", "gap-success", "forest-guidance", "narrow-gap",
-                "guidance-timing", "rbl-circle-printed", "rbl-sphere", "rbl-forest", "rbl-real", "rbl-ghosts", "detection-ideal",
+QUICK = ["uncertainty-table", "occupancy-filters", "slam-faults", "voxel-probability", "expected-error", "communication", "narrow-gap",
+         "forest-guidance", "guidance-timing", "submap-navigation", "safe-loop-closure"]
+FULL = QUICK + ["gap-success", "rbl-circle-printed", "rbl-sphere", "rbl-forest", "rbl-real", "rbl-ghosts", "detection-ideal",
                 "detection-noisy", "detection-multi", "detection-real"]
+
 
 
 class Claims(unittest.TestCase):
