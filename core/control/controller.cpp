@@ -57,8 +57,8 @@ ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& co
   const double attitude = given_or(config.attitude_radps, rate / kRatePerAttitude);
   const double position =
       given_or(config.position_radps, std::min(attitude / kAttitudePerPosition, kFastestPosition_radps));
-  const double yaw_rate = given_or(config.yaw_rate_radps, rate / kRatePerYawRate);
-  const double yaw_attitude = given_or(config.yaw_attitude_radps, yaw_rate / kRatePerAttitude);
+  const double yaw_rate = rate / kRatePerYawRate;
+  const double yaw_attitude = yaw_rate / kRatePerAttitude;
 
   ControlGains gains;
   gains.position = position * position;
@@ -111,22 +111,13 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
   const Range range = Range::non_negative();
   v.field("position_radps", position_radps, "[rad/s] natural frequency of the position loop; 0: from the airframe",
           range);
-  v.field("position_damping", position_damping, "[-] damping ratio of the position loop", Range::positive());
-  v.field("integral_time_s", integral_time_s, "[s] integral time of the position loop; 0: no integral part", range);
   v.field("integral_max_mps2", integral_max_mps2, "[m/s^2] limit of the integral part, which compensates wind", range);
   v.field("attitude_radps", attitude_radps, "[rad/s] commanded rate per rad of tilt error; 0: from the airframe",
           range);
   v.field("rate_radps", rate_radps, "[1/s] angular acceleration per error of roll or pitch rate; 0: from the airframe",
           range);
-  v.field("yaw_attitude_radps", yaw_attitude_radps, "[rad/s] rate per rad of heading error; 0: from the airframe",
-          range);
-  v.field("yaw_rate_radps", yaw_rate_radps,
-          "[1/s] angular acceleration per error of the yaw rate; 0: from the airframe", range);
   v.field("tilt_max_deg", tilt_max_deg, "[deg] limit of the angle between thrust and vertical",
           Range{0.0, 85.0, true, false});
-  v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] limit of commanded roll and pitch rates",
-          Range::positive());
-  v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] limit of the commanded yaw rate", Range::positive());
 }
 
 MultirotorController::MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s)

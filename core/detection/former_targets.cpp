@@ -9,12 +9,17 @@ namespace {
 
 using Limits = TrackBeforeDetectLimits;
 
+/// [1/m^3] Density of targets seen for the first time. Larger values give reappearing targets a new identity more
+/// often.
+constexpr double kNew_per_m3 = 2e-6;
+/// [m] Largest standard deviation of the position, on any axis, at which a lost target is remembered, so that it keeps
+/// its identity when it reappears. Larger values remember it longer.
+constexpr double kSigmaHidden_m = 20.0;
+
 }  // namespace
 
 FormerTargets::FormerTargets(const TrackBeforeDetectConfig& config)
-    : target_(config.target),
-      sigma_hidden_m_(config.sigma_hidden_m),
-      max_hidden_(static_cast<std::size_t>(config.max_hypotheses)) {
+    : target_(config.target), max_hidden_(static_cast<std::size_t>(config.max_hypotheses)) {
   hidden_.reserve(max_hidden_);
 }
 
@@ -44,7 +49,7 @@ double FormerTargets::remember(std::span<const Hypothesis> hypotheses, const Tar
   };
   for (const Hypothesis& h : hypotheses) weigh(h);
   for (const Hypothesis& h : hidden_) weigh(h);
-  if (!(likeliest.density_per_m3 >= 0.5 * (sum_per_m3 + target_.new_per_m3))) return sum_per_m3;
+  if (!(likeliest.density_per_m3 >= 0.5 * (sum_per_m3 + kNew_per_m3))) return sum_per_m3;
   if (likeliest.former == nullptr) return sum_per_m3;
   const Hypothesis& h = *likeliest.former;
   new_hypothesis.former_identity = h.identity;
@@ -91,8 +96,8 @@ void FormerTargets::add(const Hypothesis& dropped) {
 }
 
 void FormerTargets::forget() {
-  std::erase_if(hidden_, [&](const Hypothesis& h) {
-    return !(h.position_covariance().diagonal().maxCoeff() <= sigma_hidden_m_ * sigma_hidden_m_);
+  std::erase_if(hidden_, [](const Hypothesis& h) {
+    return !(h.position_covariance().diagonal().maxCoeff() <= kSigmaHidden_m * kSigmaHidden_m);
   });
 }
 

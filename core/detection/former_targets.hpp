@@ -19,7 +19,7 @@ class FormerTargets {
   void predict(TimeNs t);
   /// Associates a new hypothesis with a former target, dropped or without returns in this sweep. The density of each at
   /// the measurement follows from its existence and predicted position. The densest one is accepted if it exceeds half
-  /// of the sum of all and of new targets (new_per_m3). Within the gate, the new hypothesis continues its state.
+  /// of the sum of all and of new targets. Within the gate, the new hypothesis continues its state.
   /// @return density [1/m^3] of all former targets at the measurement
   double remember(std::span<const Hypothesis> hypotheses, const TargetMeasurement& measurement,
                   Hypothesis& new_hypothesis) const;
@@ -28,12 +28,11 @@ class FormerTargets {
   void inherit(std::span<Hypothesis> hypotheses);
   /// Remembers a dropped target.
   void add(const Hypothesis& dropped);
-  /// Drops former targets whose position has become too uncertain (sigma_hidden_m).
+  /// Drops former targets whose position has become too uncertain.
   void forget();
 
  private:
   ExpectedTarget target_;
-  double sigma_hidden_m_;
   std::size_t max_hidden_;
   std::vector<Hypothesis> hidden_;
 };

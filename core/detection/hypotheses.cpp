@@ -13,6 +13,8 @@ using Limits = TrackBeforeDetectLimits;
 /// [-] Largest extent of the returns assigned to a body in a sweep, relative to its known size. Larger values let a
 /// body absorb returns from its surroundings.
 constexpr double kMaxGrowth = 2.0;
+/// [s] Mean duration of an occlusion of a target. Larger values keep targets without returns longer.
+constexpr double kHiddenFor_s = 2.0;
 
 }  // namespace
 
@@ -51,7 +53,7 @@ void Hypotheses::predict() {
   for (Hypothesis& h : hypotheses_) {
     const double dt_s = to_seconds(middle() - h.t);
     h.predict(middle(), config_.target);
-    h.sight.predict(dt_s, 1.0 / config_.target.seen_for_s, 1.0 / config_.target.hidden_for_s);
+    h.sight.predict(dt_s, 1.0 / config_.target.seen_for_s, 1.0 / kHiddenFor_s);
     h.num_returns = 0;
   }
   former_.predict(middle());

@@ -59,8 +59,8 @@ struct TrackBeforeDetectLimits {
   /// [-] Least factor of the size of a body from sweep to sweep. Smaller values shrink a body that is seen only in
   /// part.
   static constexpr double kSizeMemory = 0.998;
-  /// [m] Size of the reference body in the comparison of bodies of different sizes. Values up to 4 sigma_sampling_m are
-  /// equivalent; larger ones draw returns from targets of usual size to large bodies.
+  /// [m] Size of the reference body in the comparison of bodies of different sizes. Values up to four times the scatter
+  /// of returns are equivalent; larger ones draw returns from targets of usual size to large bodies.
   static constexpr double kSmallest_m = 0.04;
   /// [body_m] Largest size of a body merged from parts. Larger values let a body absorb its neighbors.
   static constexpr double kMaxSize = 1.5;

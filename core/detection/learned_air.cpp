@@ -13,6 +13,9 @@ using Limits = TrackBeforeDetectLimits;
 
 /// [m] Length up to which a beam without return clears air. Larger values clear air where dark objects return nothing.
 constexpr double kEmptyRay_m = 40.0;
+/// [m] Radius around a new hypothesis in which hardly any beam may have ended so far, so that it lies in free air;
+/// extended by the noise of the attitude. Larger values begin no hypotheses near the background.
+constexpr double kFreeReach_m = 1.0;
 
 }  // namespace
 
@@ -20,7 +23,6 @@ LearnedAir::LearnedAir(const TrackBeforeDetectConfig& config)
     : background_share_(config.background_share),
       free_share_(config.free_share),
       hit_share_(config.hit_share),
-      free_reach_m_(config.free_reach_m),
       learning_delay_(from_seconds(config.learning_delay_s)),
       rays_per_sweep_(config.rays_per_sweep),
       map_(config.air),
@@ -37,7 +39,7 @@ bool LearnedAir::is_free(const Vector3& p_local_m, double blur_m) const {
   const auto reach = [&](double reach_m) {
     return static_cast<int>(std::min(std::ceil(reach_m / map_.voxel_m()), Limits::kMaxVoxels));
   };
-  const int near = std::max(1, reach(blur_m)), far = reach(free_reach_m_ + blur_m);
+  const int near = std::max(1, reach(blur_m)), far = reach(kFreeReach_m + blur_m);
   return map_.is_free_around(p_local_m, near, free_share_) &&
          !map_.is_hit_around(p_local_m, std::max(near, far), hit_share_);
 }

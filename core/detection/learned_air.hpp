@@ -46,7 +46,7 @@ class LearnedAir {
   void learn_oldest(std::span<const Hypothesis> all);
   void clear_beam(const Vector3& from_local_m, const Vector3& direction_local, double range_m, const BeamIndex& beams);
 
-  double background_share_, free_share_, hit_share_, free_reach_m_;
+  double background_share_, free_share_, hit_share_;
   TimeNs learning_delay_;
   int rays_per_sweep_;
   AirMap map_;

@@ -16,6 +16,10 @@ using Limits = TrackBeforeDetectLimits;
 /// [m] Least range that divides, for returns and targets at the sensor itself. Larger values distort near targets.
 constexpr double kLeastRange_m = 1e-3;
 
+/// [m] Standard deviation of single returns about the center of a target, per axis. Larger values trust single returns
+/// less, so that tracks follow turns later.
+constexpr double kSigmaSampling_m = 0.15;
+
 Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   MeasurementNoise noise;
   noise.sigma_range_m = config.sigma_range_m;
@@ -31,7 +35,6 @@ SweepReturns::SweepReturns(const TrackBeforeDetectConfig& config)
       sigma_attitude_rad_(config.noise.sigma_attitude_rad),
       cluster_distance_m_(config.cluster_distance_m),
       seen_side_m_(config.target.seen_side_m),
-      sigma_sampling_m_(config.target.sigma_sampling_m),
       of_(static_cast<std::size_t>(config.max_hypotheses)) {
   candidates_.reserve(Limits::kMaxCandidates);
 }
@@ -163,7 +166,7 @@ TargetMeasurement SweepReturns::measure(const LocalCloud& cloud, std::span<const
 
 // Variance [m^2] of single returns about the center, per axis. On a uniform bar, the deviation is 0.29 of its length.
 double SweepReturns::sampling_sq(double size_m) const {
-  const double sigma_m = std::max(sigma_sampling_m_, 0.25 * size_m);
+  const double sigma_m = std::max(kSigmaSampling_m, 0.25 * size_m);
   return sigma_m * sigma_m;
 }
 

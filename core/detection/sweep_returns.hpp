@@ -81,7 +81,7 @@ class SweepReturns {
   double sampling_sq(double size_m) const;
 
   Eigen::Matrix<double, 7, 7> Sigma_w_;
-  double sigma_attitude_rad_, cluster_distance_m_, seen_side_m_, sigma_sampling_m_;
+  double sigma_attitude_rad_, cluster_distance_m_, seen_side_m_;
   BeamIndex beams_;
   std::vector<Candidate> candidates_;
   std::vector<std::vector<std::uint32_t>> of_;  // candidates, by hypothesis

@@ -22,15 +22,8 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           "[m] distance between two targets below which they are merged into one body if beams return from between "
           "them; 0: never",
           Range::between(0.0, 20.0));
-  v.field("sigma_sampling_m", sigma_sampling_m,
-          "[m] standard deviation of single returns about the center of a target, per axis", Range::non_negative());
   v.field("sigma_velocity_mps", sigma_velocity_mps,
           "[m/s] standard deviation of the velocity of a new hypothesis, per axis", Range::positive());
-  v.field("new_per_m3", new_per_m3,
-          "[1/m^3] density of targets seen for the first time; larger values give reappearing targets a new identity "
-          "more often",
-          Range{0.0, 1.0, true});
-  v.field("hidden_for_s", hidden_for_s, "[s] mean duration of an occlusion of a target", Range::positive());
 }
 
 void ExpectedNoise::visit(ConfigVisitor& v) {
@@ -50,20 +43,12 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
   v.object("noise", noise, "Sigma_w: noise of range and pose");
   v.field("reported_existence", reported_existence,
           "[-] existence probability from which a hypothesis is reported as a detection", Range::probability());
-  v.field("free_reach_m", free_reach_m,
-          "[m] radius around a new hypothesis in which hardly any beam may have ended so far, so that it lies in free "
-          "air; extended by the noise of the attitude",
-          Range::between(0.0, 20.0));
   v.field("free_air_share", free_air_share,
           "[-] clutter share: share of the beams through a voxel of free air that return from insects, rain or false "
           "alarms",
           Range{0.0, 1.0, true});
   v.field("cluster_distance_m", cluster_distance_m, "[m] largest distance between neighboring returns of one target",
           Range{0.0, 100.0, true});
-  v.field("sigma_hidden_m", sigma_hidden_m,
-          "[m] largest standard deviation of the position, on any axis, at which a lost target is remembered, so that "
-          "it keeps its identity when it reappears; 0: never",
-          Range::non_negative());
   v.field("max_hypotheses", max_hypotheses, "[-] largest number of hypotheses; the most likely ones are kept",
           Range::between(1.0, 4096.0));
   v.field("latency_s", latency_s,

@@ -53,12 +53,6 @@ Vector3 projected_to_walls(Vector3 p_m, const ChaseAim& aim) {
 
 }  // namespace
 
-void ChaseMpcConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] largest number of iterations of the solver", Range::between(1, 100000));
-  v.field("tolerance", tolerance, "[-] violation of the limits, as a share of them, at which the solver stops",
-          Range::positive());
-}
-
 ChaseMpc::ChaseMpc(const ChaseMpcConfig& config, const MotionLimits& limits, int num_steps)
     : config_(config), num_steps_(num_steps) {
   ENSURE(num_steps > 0 && num_steps <= kMaxSteps, num_steps);

@@ -12,6 +12,7 @@ struct PlannerTuning {
   double limit_share = 0.985;
   double step_grain_s = 0.0125;     ///< [s] grain of the step length; successive plans of equal steps start warm
   double beyond_meeting = 1.3;      ///< [-] horizon in multiples of the time to go
+  double meeting_s = 0.5;           ///< [s] duration of the meeting; larger values stay with the target longer
   double meeting_grain_s = 0.05;    ///< [s] resolution of the time to go
   double crossing_grain_s = 0.025;  ///< [s] resolution of the time at which a disc crosses the target's height
   double rounding = 1e-9;           ///< [-] share of a grain that is a rounding error; larger values shorten steps
@@ -65,7 +66,7 @@ void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, 
     const double above_m = crossing ? config_.crossing_mps * (*crossing - t_s) : config_.hold_m;
     aim.p_m.z() += side * std::clamp(above_m, -config_.through_m, config_.hold_m);
     aim.v_mps = then.v_mps;
-    const bool meets = t_s >= meeting_s && t_s < meeting_s + std::max(config_.meeting_s, 1.01 * step_s);
+    const bool meets = t_s >= meeting_s && t_s < meeting_s + std::max(kPlanner.meeting_s, 1.01 * step_s);
     aim.weight = t_s < meeting_s ? config_.weight_before : meets ? 1.0 : config_.weight_after;
     aim.velocity_weight = meets ? config_.velocity_weight : 0.0;
     // Walls are needed where the vehicle will be: on its last plan, else on the straight line.

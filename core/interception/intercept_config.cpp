@@ -6,12 +6,10 @@ namespace swiftlet {
 
 void ChasePlanConfig::visit(ConfigVisitor& v) {
   v.field("steps", steps, "[-] number of steps of the plan", Range::between(2, ChaseMpc::kMaxSteps));
-  v.field("meeting_s", meeting_s, "[s] duration of the meeting", Range::positive());
   v.field("reach_share", reach_share,
           "[-] share of the net's radius within which plans meet the target; larger values meet earlier, but nearer to "
           "the rim",
           Range{0.0, 1.0, true, false});
-  v.object("solver", solver, "solver of the condensed problem");
 }
 
 void InterceptConfig::visit(ConfigVisitor& v) {

@@ -15,7 +15,11 @@
 namespace swiftlet {
 namespace {
 
+/// [m] Least distance between successive points of line, random and evasive. Smaller values turn more often.
+constexpr double kLegMin_m = 15.0;
+
 struct EvasionTuning {
+  double cruise = 0.6;  ///< [-] share of speed_mps while an evasive target does not flee; smaller: easier to intercept
   double min_speed_mps = 0.5;    ///< [m/s] slower velocities give no heading
   double reached_m = 3.0;        ///< [m] distance at which an evasive target reaches its goal
   double turn_gain_per_s = 2.5;  ///< [1/s] gain from the velocity error to acceleration
@@ -110,7 +114,7 @@ class TargetFlight : public Guidance {
       agile.acceleration_max_mps2 = a_mps2;
       agile.area_min_m = config_.area_min_m;
       agile.area_max_m = config_.area_max_m;
-      agile.leg_min_m = config_.leg_min_m;
+      agile.leg_min_m = kLegMin_m;
       spline_.emplace(agile, start_world_m, limits_.vertical_speed_mps, limits_.vertical_acceleration_mps2);
     }
   }
@@ -144,7 +148,7 @@ class TargetFlight : public Guidance {
         place_m[i] = random_.uniform(config_.area_min_m[i], config_.area_max_m[i], num_legs_,
                                      4 * kLegs + 16 + static_cast<std::uint32_t>(i));
       }
-      if ((place_m - leg_world_m_).norm() >= config_.leg_min_m) break;
+      if ((place_m - leg_world_m_).norm() >= kLegMin_m) break;
     }
     return place_m;
   }
@@ -169,7 +173,7 @@ class TargetFlight : public Guidance {
   Reference evade(const GuidanceInput& input, const FrameChange& to_world) {
     const Vector3 p_m = governor_.state().position_m;
     if ((leg_world_m_ - p_m).norm() < kEvasion.reached_m) leg_world_m_ = drawn_place();
-    Vector3 v_mps = config_.cruise * config_.speed_mps * (leg_world_m_ - p_m).normalized();
+    Vector3 v_mps = kEvasion.cruise * config_.speed_mps * (leg_world_m_ - p_m).normalized();
     const Track* pursuer = nullptr;
     double nearest_m = config_.alarm_m;
     for (const Track& track : input.tracks) {
@@ -236,10 +240,7 @@ void TargetConfig::visit(ConfigVisitor& v) {
   v.field("area_max_m", area_max_m, "[m] corner of largest coordinates of that box, world frame");
   v.field("radius_m", radius_m, "[m] radius of circle and figure eight; larger if the speed requires it",
           Range::positive());
-  v.field("leg_min_m", leg_min_m, "[m] minimum distance between successive points of line, random and evasive",
-          Range::non_negative());
   v.field("alarm_m", alarm_m, "[m] distance below which an evasive target flees from a track", Range::non_negative());
-  v.field("cruise", cruise, "[-] share of speed_mps while an evasive target does not flee", Range::between(0.05, 1.0));
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
 }
 

@@ -14,6 +14,7 @@ struct ParticleTuning {
   double min_weight = 1e-6;     ///< [-] lower bound, so that a position may become possible again
   double maneuver_per_s = 0.7;  ///< [1/s] rate at which a particle's acceleration changes
   double max_step_s = 1.0;      ///< [s] upper limit of a step
+  std::uint64_t seed = 1;       ///< [-] random seed of the particles; others search positions in another order
 };
 constexpr ParticleTuning kParticle;
 
@@ -29,13 +30,12 @@ void TargetSearchConfig::visit(ConfigVisitor& v) {
           Range::between(-89.0, 89.0));
   v.field("fov_top_deg", fov_top_deg, "[deg] upper edge of the level LiDAR's field of view",
           Range::between(-89.0, 89.0));
-  v.field("seed", seed, "[-] random seed of the particles");
   v.check(fov_top_deg > fov_bottom_deg, "fov_top_deg", "more than fov_bottom_deg");
 }
 
 TargetSearch::TargetSearch(const TargetSearchConfig& config)
     : config_(config),
-      random_(config.seed, "guidance.search"),
+      random_(kParticle.seed, "guidance.search"),
       tan_bottom_(elementary::tan(config.fov_bottom_deg * kRadPerDeg)),
       tan_top_(elementary::tan(config.fov_top_deg * kRadPerDeg)) {}
 

@@ -18,6 +18,9 @@ constexpr double kSmallStep = 1e-9;  // step [m, rad, s] below which a refinemen
 // [-] Largest number of hypotheses, each from two pairs. With 30 % false sightings, half of the hypotheses are right.
 // Larger values tolerate more false sightings and take longer.
 constexpr int kMaxHypotheses = 400;
+// [-] Residual in standard deviations beyond which a pair is a false sighting once the fit has converged. Larger values
+// let false sightings into the result.
+constexpr double kPairGate_sigma = 3.5;
 constexpr double kKnownClock_s = 1e-9;  // clock sigma that counts as exact
 // Information of the clock prior in the normal equations; a known clock is not estimated.
 double clock_information(const ClockPrior& clock) {
@@ -35,35 +38,12 @@ Vector3 z_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
-/// Weight of a residual of the given squared standard deviations, and its cost.
-double weight_of(RelativeAlignmentConfig::Loss loss, double scale, double squared) {
-  const double k2 = scale * scale;
-  switch (loss) {
-    case RelativeAlignmentConfig::Loss::kSquared:
-      return 1.0;
-    case RelativeAlignmentConfig::Loss::kHuber:
-      return squared <= k2 ? 1.0 : scale / std::sqrt(squared);
-    case RelativeAlignmentConfig::Loss::kCauchy:
-      return 1.0 / (1.0 + squared / k2);
-    case RelativeAlignmentConfig::Loss::kGemanMcclure:
-      return 1.0 / ((1.0 + squared / k2) * (1.0 + squared / k2));
-  }
-  return 1.0;
-}
+/// Weight of a residual of the given squared standard deviations by Cauchy's loss, and its cost.
+double weight_of(double scale, double squared) { return 1.0 / (1.0 + squared / (scale * scale)); }
 
-double cost_of(RelativeAlignmentConfig::Loss loss, double scale, double squared) {
+double cost_of(double scale, double squared) {
   const double k2 = scale * scale;
-  switch (loss) {
-    case RelativeAlignmentConfig::Loss::kSquared:
-      return squared;
-    case RelativeAlignmentConfig::Loss::kHuber:
-      return squared <= k2 ? squared : 2.0 * scale * std::sqrt(squared) - k2;
-    case RelativeAlignmentConfig::Loss::kCauchy:
-      return k2 * elementary::log(1.0 + squared / k2);
-    case RelativeAlignmentConfig::Loss::kGemanMcclure:
-      return squared / (1.0 + squared / k2);
-  }
-  return squared;
+  return k2 * elementary::log(1.0 + squared / k2);
 }
 
 }  // namespace
@@ -104,19 +84,6 @@ std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_lo
   if (!(elementary::hypot(dot, cross) > 0.0)) return std::nullopt;
   out.yaw_rad = elementary::atan2(cross, dot);
   return out;
-}
-
-void RelativeAlignmentConfig::visit(ConfigVisitor& v) {
-  v.choice("loss", loss, {"squared", "huber", "cauchy", "geman_mcclure"},
-           "[-] loss of the residuals until the fit converges; pairs beyond gate_sigma are then excluded");
-  v.field("gate_sigma", gate_sigma, "[-] residual in standard deviations beyond which a pair is a false sighting",
-          Range::positive());
-  v.field(
-      "min_spread_m", min_spread_m,
-      "[m] horizontal RMS distance of the window's positions from their mean below which the heading is unobservable",
-      Range::non_negative());
-  v.field("heading_sigma_max_deg", heading_sigma_max_deg,
-          "[deg] standard deviation of the heading above which it is not reported", Range::positive());
 }
 
 RelativeAlignment::RelativeAlignment(const RelativeAlignmentConfig& config, const OdometryDriftConfig& drift)
@@ -226,7 +193,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
     widest_sq = std::max(widest_sq, (pair.p_other_m - pairs_.front().p_other_m).head<2>().squaredNorm());
   }
   const double apart_m = 0.5 * std::sqrt(widest_sq);
-  const double gate_sq = config_.gate_sigma * config_.gate_sigma;
+  const double gate_sq = kPairGate_sigma * kPairGate_sigma;
   std::optional<Guess> best;
   double least = std::numeric_limits<double>::infinity();
   int num_hypotheses = 0;
@@ -238,7 +205,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
       const double reported = reported_m.head<2>().norm(), seen = seen_m.head<2>().norm();
       if (!(reported >= apart_m && reported > 0.0 && seen > 0.0)) continue;
       const double sigma_m = std::sqrt(3.0 / information_[i].trace() + 3.0 / information_[i + offset].trace());
-      if (std::abs(reported - seen) > config_.gate_sigma * sigma_m) continue;  // one of the two is an outlier
+      if (std::abs(reported - seen) > kPairGate_sigma * sigma_m) continue;  // one of the two is an outlier
       ++num_hypotheses;
       Guess guess;
       guess.clock_s = clock_.clock_s;
@@ -282,7 +249,7 @@ RelativeAlignment::Guess RelativeAlignment::refine(Guess guess, bool robust) con
       if (!robust && !inlier_[i]) continue;
       const Vector3 r = residual(pairs_[i], guess);
       const Matrix35 J = jacobian(pairs_[i], guess);
-      const double w = robust ? weight_of(config_.loss, config_.loss_scale, r.dot(information_[i] * r)) : 1.0;
+      const double w = robust ? weight_of(config_.loss_scale, r.dot(information_[i] * r)) : 1.0;
       const Matrix35 WJ = w * (information_[i] * J);
       H += J.transpose() * WJ;
       g += WJ.transpose() * r;
@@ -316,13 +283,13 @@ double RelativeAlignment::cost(const Guess& guess, bool robust) const {
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     if (!robust && !inlier_[i]) continue;
     const double squared = squared_sigmas(i, guess);
-    sum += robust ? cost_of(config_.loss, config_.loss_scale, squared) : squared;
+    sum += robust ? cost_of(config_.loss_scale, squared) : squared;
   }
   return sum;
 }
 
 void RelativeAlignment::take_inliers(const Guess& guess) {
-  const double gate_sq = config_.gate_sigma * config_.gate_sigma;
+  const double gate_sq = kPairGate_sigma * kPairGate_sigma;
   inlier_.assign(pairs_.size(), 0);
   num_inliers_ = 0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {

@@ -47,8 +47,6 @@ void RelativeFilterConfig::visit(ConfigVisitor& v) {
       "[m] standard deviation per axis of the error common to all sightings; added to the covariance of each estimate, "
       "because averaging over sightings does not reduce it",
       Range::non_negative());
-  v.field("gate_sigma", gate_sigma, "[-] residual in standard deviations beyond which a sighting is rejected",
-          Range::positive());
   v.field("drift_factor_max", drift_factor_max,
           "[-] upper bound of the estimated ratio of actual to configured odometry drift; 1: drift as configured",
           Range::between(1.0, 1000.0));

@@ -23,6 +23,9 @@ constexpr int kMinMatched = 20;         // fewest matched sightings, at five a s
 constexpr double kRefuted_sigma = 2.0;  // residual above which an odometry does not explain a chain
 constexpr double kChainGap_s = 1.5;     // time without a sighting after which a chain ends
 constexpr double kBody_m = 0.8;         // radius around a known vehicle within which bright returns belong to it
+// [s] Time after its last bright return for which a track counts as the marked vehicle. Larger values follow it farther
+// away, and other bodies that a track changes to longer.
+constexpr double kMarkerMemory_s = 2.0;
 
 class SlidingWindow : public RelativeLocalizer {
  public:
@@ -96,7 +99,7 @@ class SlidingWindow : public RelativeLocalizer {
   /// True for a track that was bright recently: far away, few beams meet a marker.
   bool is_marked(const Track& track) {
     if (config_.marker_reflectivity <= 0.0) return true;
-    const TimeNs memory = from_seconds(config_.marker_memory_s);
+    const TimeNs memory = from_seconds(kMarkerMemory_s);
     std::erase_if(marked_, [&](const MarkedTrack& m) { return track.t - m.bright > memory; });
     const auto known =
         std::find_if(marked_.begin(), marked_.end(), [&](const MarkedTrack& m) { return m.id == track.id; });
@@ -295,9 +298,6 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.field("body_radius_m", body_radius_m,
           "[m] with markers: radius around a vehicle's center in which all returns belong to it",
           Range{0.0, 2.0, true});
-  v.field("marker_memory_s", marker_memory_s,
-          "[s] with tracks: time after its last bright return for which a track counts as the marked vehicle",
-          Range::non_negative());
   v.field("center_behind_m", center_behind_m,
           "[m] distance from the middle of the returns to the center of the other, along the line of sight: only its "
           "near side is seen",
@@ -309,11 +309,6 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
            "message");
   v.field("position_sigma_max_m", position_sigma_max_m,
           "[m] standard deviation of its position above which the other vehicle is lost", Range::positive());
-  v.field(
-      "reacquire_s", reacquire_s,
-      "[s] time with bright sightings elsewhere, but none at the expected position, after which the vehicle is lost",
-      Range::positive());
-  v.object("alignment", alignment, "sliding window that estimates the transform between the local frames");
   v.object("filter", filter, "Kalman filter of position, velocity and alignment of the other vehicle");
   v.object("drift", drift, "drift of the other vehicle's odometry");
   v.check(source != Source::kMarkers || marker_reflectivity > 0.0, "marker_reflectivity", "more than 0 with markers");

@@ -95,7 +95,8 @@ class LogOddsMap final : public BlockOccupancy<OccupancyMap> {
 };
 
 LogOddsMap::LogOddsMap(const OccupancyMapConfig& config)
-    : BlockOccupancy(config.edge_m, config.distance_max_m),
+    : BlockOccupancy(config.edge_m,
+                     std::min(config.distance_max_m, OccupancyMapConfig::kMaxDistance_cells * config.edge_m)),
       config_(config),
       hit_(log_odds_of(config.p_hit)),
       miss_(log_odds_of(config.p_miss)),
@@ -352,15 +353,11 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true});
   v.field("keep_radius_m", keep_radius_m, "[m] distance from the vehicle above which cells are dropped",
           Range{0.0, 1e5, true});
-  v.field("distance_max_m", distance_max_m,
-          "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
-          Range{0.0, 1000.0, true});
   v.check((p_occupied > p_miss || p_miss == 0.5) && p_occupied < kProbabilityMax, "p_occupied",
           "more than p_miss and less than 0.971");
   v.check(range_max_m <= kMaxRadius_cells * edge_m, "range_max_m", "at most 480 times edge_m");
   v.check(keep_radius_m >= range_max_m, "keep_radius_m", "at least range_max_m");
   v.check(keep_radius_m <= kMaxRadius_cells * edge_m, "keep_radius_m", "at most 480 times edge_m");
-  v.check(distance_max_m <= kMaxDistance_cells * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
 // Slots per axis for the blocks around a vehicle between two blocks, and for the reach of a scan before blocks are

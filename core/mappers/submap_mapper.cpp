@@ -26,6 +26,9 @@ constexpr int kNewest = 2;             // newest pieces, which are never thinned
 // [-] Largest number of pieces of one submap; more are merged into one. Larger values keep more votes on cells that
 // changed, and take more memory.
 constexpr std::size_t kMaxOfSubmap = 4;
+// [m] Largest distance to the nearest occupied cell that is cached; larger distances are searched on request. Larger
+// values take more memory around changed cells.
+constexpr double kDistanceMax_m = 2.0;
 // Submap of a piece from before the first submap.
 constexpr int kNoSubmap = -1;
 
@@ -319,7 +322,6 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
           "none",
           Range::non_negative());
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
-  v.field("p_hit", p_hit, "[-] probability that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});
   v.field("p_miss", p_miss, "[-] probability that a cell is occupied that rays only passed",
           Range{0.0, 0.5, true, true});
   v.field("p_occupied", p_occupied,
@@ -334,21 +336,19 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
           Range::probability());
   v.field("pieces_max", pieces_max, "[-] largest number of pieces; a further one replaces the oldest",
           Range::between(2, 1'000'000));
-  v.field("distance_max_m", distance_max_m,
-          "[m] largest distance to the nearest occupied cell that is cached; larger distances are searched on request",
-          Range{0.0, 1000.0, true});
   v.check(p_occupied < OccupancyMapConfig::kProbabilityMax, "p_occupied", "less than 0.971");
   v.check(clear_range_m <= range_max_m, "clear_range_m", "at most range_max_m");
   v.check(range_max_m + kPiece_m + kPathMargin_m <= OccupancyMapConfig::kMaxRadius_cells * edge_m, "range_max_m",
           "with 14 m more at most 480 times edge_m");
-  v.check(distance_max_m <= OccupancyMapConfig::kMaxDistance_cells * edge_m, "distance_max_m",
-          "at most 64 times edge_m");
+}
+
+SubmapMapConfig SubmapMapperConfig::whole() const {
+  return {edge_m, outvoted_by, std::min(kDistanceMax_m, OccupancyMapConfig::kMaxDistance_cells * edge_m)};
 }
 
 OccupancyMapConfig SubmapMapperConfig::growing() const {
   OccupancyMapConfig config;
   config.edge_m = edge_m;
-  config.p_hit = p_hit;
   config.p_miss = p_miss;
   config.range_max_m = range_max_m;
   config.keep_radius_m = range_max_m + kPiece_m + kPathMargin_m;

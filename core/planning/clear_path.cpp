@@ -247,15 +247,19 @@ bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const 
   return false;
 }
 
-void ClearPathConfig::visit(ConfigVisitor& v) {
+void ClearPathConfig::visit_limits(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m,
           "[m] minimum distance between cells of the path and occupied cells, center to center",
           Range{0.0, 20.0, true});
-  v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));
-  v.field("max_expansions", max_expansions, "[-] largest number of expanded cells", Range::between(1, 1e9));
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
+}
+
+void ClearPathConfig::visit(ConfigVisitor& v) {
+  visit_limits(v);
+  v.field("unknown_is_free", unknown_is_free, "[-] whether a path may lead through unknown space");
+  v.field("max_expansions", max_expansions, "[-] largest number of expanded cells", Range::between(1, 1e9));
 }
 
 }  // namespace swiftlet

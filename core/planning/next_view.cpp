@@ -50,7 +50,7 @@ class ViewSearch {
       const int next = open_.top().node;
       open_.pop();
       if (met_[next].closed) continue;
-      const double path_length_m = met_[next].cost * config_.step_m;
+      const double path_length_m = met_[next].cost * NextViewConfig::kStep_m;
       if (value(1.0, path_length_m) <= best_) break;  // no view farther away is better
       if (static_cast<int>(expansions_) == config_.max_expansions) {
         if (end_ < 0) found.status = NextViewStatus::kBudgetSpent;
@@ -74,7 +74,7 @@ class ViewSearch {
   double value(double share, double path_length_m) const {
     return share * elementary::exp(-config_.path_decay_per_m * path_length_m);
   }
-  Vector3 place_of(const Cell& cell) const { return start_local_m_ + config_.step_m * cell.cast<double>(); }
+  Vector3 place_of(const Cell& cell) const { return start_local_m_ + NextViewConfig::kStep_m * cell.cast<double>(); }
 
   /// Evaluates every second lattice point along each axis, which costs an eighth and finds equally good views.
   void consider(int node, double path_length_m) {
@@ -177,8 +177,6 @@ void NextViewConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 90.0));
   v.field("share_min", share_min, "[-] minimum share of a view's rays that meet unknown space for a flight to the view",
           Range{0.0, 1.0, true});
-  v.field("step_m", step_m, "[m] spacing of the lattice that is searched", Range{0.0, 100.0, true});
-  v.field("grain_m", grain_m, "[m] edge of the cubes in which unknown space is abandoned", Range{0.0, 100.0, true});
   v.field("max_expansions", max_expansions, "[-] largest number of expanded points", Range::between(1, 1e9));
   v.object("path", path, "limits of the path");
   v.check(up_deg + down_deg > 0.0, "up_deg", "more than 0, or down_deg");

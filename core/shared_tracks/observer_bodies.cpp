@@ -9,6 +9,9 @@ namespace {
 /// [-] Squared Mahalanobis distance (six degrees of freedom) above which a track is an observer no longer. Larger
 /// values hide targets that pass near an observer.
 constexpr double kNotBody_sq = 40.0;
+/// [m] Radius around an observer in which a second track belongs to the same body. Larger values hide targets that pass
+/// near an observer.
+constexpr double kBody_m = 0.8;
 
 }  // namespace
 
@@ -44,7 +47,7 @@ void ObserverBodies::mark(VehicleId vehicle, const MotionEstimate& place, TimeNs
     mark_body(*nearest, vehicle, t);
     // A second track at the same position belongs to the same body.
     for (const ObservedTrack& duplicate : tracks) {
-      const bool is_near = (duplicate.estimate.p_m() - place.p_m()).norm() < body_m_;
+      const bool is_near = (duplicate.estimate.p_m() - place.p_m()).norm() < kBody_m;
       if (duplicate.observer == o.observer && is_near) mark_body(duplicate, vehicle, t);
     }
     nearest = nullptr;

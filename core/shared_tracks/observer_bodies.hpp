@@ -13,7 +13,7 @@ namespace swiftlet {
 /// matches that of the observer.
 class ObserverBodies {
  public:
-  explicit ObserverBodies(const SharedTracksConfig& config) : body_m_(config.body_m), gate_sq_(config.fusion.gate_sq) {}
+  explicit ObserverBodies(const SharedTracksConfig& config) : gate_sq_(config.fusion.gate_sq) {}
 
   void forget_before(TimeNs oldest);
   /// Marks the tracks of each observer that are this vehicle. `tracks` is ordered by observer.
@@ -31,7 +31,6 @@ class ObserverBodies {
   std::vector<Body>::iterator body_of(const ObservedTrack& track);
   void mark_body(const ObservedTrack& track, VehicleId vehicle, TimeNs t);
 
-  double body_m_;   // radius around an observer in which a second track belongs to the same body
   double gate_sq_;  // squared Mahalanobis distance up to which a track is an observer
   std::vector<Body> bodies_;
 };

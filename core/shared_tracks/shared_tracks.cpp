@@ -381,8 +381,6 @@ void SharedTracksConfig::visit(ConfigVisitor& v) {
           Range::between(0, 500));
   v.field("timeout_s", timeout_s, "[s] time after the newest message for which an observer's tracks are used",
           Range::positive());
-  v.field("body_m", body_m, "[m] radius around an observer in which a second track belongs to the same body",
-          Range::positive());
   v.object("drift", drift, "drift of each observer's odometry");
   v.object("fusion", fusion, "fusion of tracks of one target");
 }

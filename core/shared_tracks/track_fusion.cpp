@@ -9,15 +9,15 @@ namespace {
 /// [-] Maximum number of identities of a target over all observers; the newest are kept. Larger values link older
 /// identities.
 constexpr std::ptrdiff_t kMaxKeys = 64;
+/// [-] Share of false tracks that all observers have in common. Larger values give a second observer less weight; at 1
+/// it adds no evidence.
+constexpr double kCommonClutter = 0.1;
 
 }  // namespace
 
 void TrackFusionConfig::visit(ConfigVisitor& v) {
   v.field("reported_existence", reported_existence, "[-] minimum probability of existence of targets that are reported",
           Range::probability());
-  v.field("common_clutter", common_clutter,
-          "[-] share of false tracks that all observers have in common; at 1 a second observer adds no evidence",
-          Range{0.0, 1.0, true});
 }
 
 void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {
@@ -112,7 +112,7 @@ void TrackFusion::fuse(Target& target, std::span<const ObservedTrack> observed) 
     existences.push_back(observed[m].existence);
   }
   target.estimate = covariance_intersection(estimates);
-  target.existence = joint_existence(existences, config_.prior_existence, config_.common_clutter);
+  target.existence = joint_existence(existences, config_.prior_existence, kCommonClutter);
 }
 
 bool TrackFusion::disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const {

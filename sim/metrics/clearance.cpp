@@ -19,7 +19,7 @@ constexpr MetricDefinition kSeparationPair = {"min_separation_pair", "",
                                               "the two vehicles of the least separation of the run, or none"};
 constexpr MetricDefinition kSurface = {"min_clearance_surface_m", "m",
                                        "least distance from the circumscribed sphere of the vehicle to a surface of "
-                                       "the world, from its first positive value on; at most metrics.clearance_max_m"};
+                                       "the world, from its first positive value on; at most 20 m"};
 constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s",
                                            "time at which that distance is first reached"};
 constexpr MetricDefinition kOther = {
@@ -99,7 +99,7 @@ class ClearanceMetric final : public Metric {
     Vehicle& vehicle = vehicles_[i];
     if (vehicle.crashed) return;
     vehicle.was_clear = vehicle.was_clear || clearance.surface_m > 0.0;
-    if (vehicle.was_clear) vehicle.surface.add(std::min(clearance.surface_m, setup().config.clearance_max_m), tick.t);
+    if (vehicle.was_clear) vehicle.surface.add(std::min(clearance.surface_m, MetricsConfig::kClearanceMax_m), tick.t);
     if (clearance.nearest_vehicle != kNoVehicle)
       vehicle.other.add(clearance.vehicle_m, tick.t, clearance.nearest_vehicle);
   }

@@ -31,8 +31,6 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 }  // namespace
 
 void MetricsConfig::visit(ConfigVisitor& v) {
-  v.field("clearance_max_m", clearance_max_m, "[m] clearances above this value are reported as this value",
-          Range::positive());
   v.field("true_positive_m", true_positive_m,
           "[m] largest distance of a detection or track from the vehicle that it is assigned to", Range::positive());
   v.field("detection_range_m", detection_range_m, "[m] distance up to which vehicles count for recall",

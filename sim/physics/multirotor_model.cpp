@@ -105,7 +105,7 @@ MultirotorModel::Acceleration MultirotorModel::accelerate(const RotorLoad& load,
   // Drag of the body by its velocity relative to the air: -1/2 rho C_d A_i |v| v_i. Without body drag, only the
   // additional drag due to the downwash of other vehicles applies.
   const auto drag = [&](const Vector3& v_air_body) -> Vector3 {
-    return (-0.5 * config_.air_density_kgpm3 * v_air_body.norm()) *
+    return (-0.5 * PhysicsConfig::kAirDensity_kgpm3 * v_air_body.norm()) *
            airframe_.body_drag_area_m2.cwiseProduct(v_air_body);
   };
   const Vector3 v_air_body = R_world_body.transpose() * (v_world - air.wind_world_mps - air.downwash_world_mps);
@@ -130,7 +130,7 @@ MultirotorModel::Acceleration MultirotorModel::accelerate(const RotorLoad& load,
   // Euler: J w' = torque - w x (J w + H), H the rotors' angular momentum.
   Vector3 momentum = inertia_.cwiseProduct(omega_body);
   momentum.z() += load.momentum_z;
-  return {config_.gravity_mps2 + R_world_body * force_body / airframe_.mass_kg,
+  return {config_.gravity_world_mps2 + R_world_body * force_body / airframe_.mass_kg,
           inertia_inverse_.cwiseProduct(torque_body - omega_body.cross(momentum))};
 }
 

@@ -5,8 +5,6 @@ namespace swiftlet::sim {
 
 void PhysicsConfig::visit(ConfigVisitor& v) {
   v.field("step_s", step_s, "[s] physics step, a whole number of nanoseconds", Range{1e-6, 0.02});
-  v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravity in the world frame", Range::between(-100.0, 100.0));
-  v.field("air_density_kgpm3", air_density_kgpm3, "[kg/m^3]", Range{0.0, 100.0, true});
   v.field("motor_lag", motor_lag, "[-] rotors follow their command with a first-order lag");
   v.field("gyroscopic_torque", gyroscopic_torque, "[-] the rotors' angular momentum acts on the body");
   v.field("rotor_drag", rotor_drag, "[-] in-plane drag of the rotors acts on the body");

@@ -184,7 +184,7 @@ struct PhysicsWorld::Impl {
     state.t = 0;
     state.q_world_body.normalize();
     if (vehicle.motors_on) {
-      const double hover = std::clamp(airframe.hover_rotor_speed_radps(config.gravity_mps2.norm()),
+      const double hover = std::clamp(airframe.hover_rotor_speed_radps(config.gravity_world_mps2.norm()),
                                       airframe.rotor_speed_min_radps, airframe.rotor_speed_max_radps);
       std::fill_n(state.rotor_speed_radps.begin(), airframe.num_rotors(), hover);
     }
@@ -197,7 +197,7 @@ struct PhysicsWorld::Impl {
     entry.circumscribed_m = airframe.circumscribed_radius_m();
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
     entry.acceleration_bound_mps2 =
-        kAccelerationMargin * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
+        kAccelerationMargin * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_world_mps2.norm());
     vehicles.push_back(std::move(entry));
     states.push_back(state);
   }
@@ -250,7 +250,7 @@ struct PhysicsWorld::Impl {
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       const MultirotorModel& model = vehicles[i].model;
       wakes[i] = make_wake(model.airframe(), positions[i], states[i].q_world_body.toRotationMatrix(),
-                           model.thrust_N(states[i]), config.air_density_kgpm3);
+                           model.thrust_N(states[i]), PhysicsConfig::kAirDensity_kgpm3);
     }
   }
 

@@ -316,11 +316,7 @@ View CameraController::top(const PictureScene& picture) const {
     top_m = std::max(top_m, state.p_world_m.z() + 2.0);
     bottom_m = std::min(bottom_m, state.p_world_m.z() - 2.0);
   }
-  if (!config_.perspective) return top_view(center, span, bottom_m, top_m, width_px_, height_px_);
-  const double height = 0.5 * span / std::tan(radians(0.5 * config_.fov_deg));
-  const double ground_m = std::max(bottom_m, 0.0);
-  return perspective_view({center.x(), center.y(), ground_m + height}, {center.x(), center.y(), ground_m},
-                          config_.fov_deg, width_px_, height_px_, Eigen::Vector3d::UnitY());
+  return top_view(center, span, bottom_m, top_m, width_px_, height_px_);
 }
 
 View CameraController::on_vehicle(const PictureScene& picture) const {

@@ -24,8 +24,6 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.field("fov_deg", fov_deg, "[deg] vertical field of view", Range::between(5.0, 150.0));
   v.field("span_m", span_m, "[m] top: height of the area shown; 0: all vehicles with their trails",
           Range::non_negative());
-  v.field("perspective", perspective,
-          "top: whether the view is a perspective from high above instead of a parallel projection");
   v.field("width_px", width_px, "[px] width of the picture", Range::between(64, 8192));
   v.field("height_px", height_px, "[px] height of the picture", Range::between(64, 8192));
   v.choice("style", style, {"screen", "paper"},

@@ -27,7 +27,6 @@ Team::Team(const Scenario& scenario, const World& world, const std::vector<Physi
     : sensors(make_sensors(scenario, world, shapes)),
       agents(make_agents(scenario, vehicles, *world.scene)),
       names(vehicle_names(scenario)),
-      clearance_max_m(scenario.metrics.clearance_max_m),
       observations(agents.size()),
       actions(agents.size(), &idle_),
       commands(agents.size()),
@@ -80,7 +79,7 @@ void Team::sense(VehicleId i, const Truth& truth) try {
     for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
   }
   ensure_finite(observations[i]);
-  clearances[i] = truth.physics.clearance(i, clearance_max_m);
+  clearances[i] = truth.physics.clearance(i, MetricsConfig::kClearanceMax_m);
   least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(truth.physics.state(i)), hash_of(observations[i]));
 } catch (const std::bad_alloc&) {

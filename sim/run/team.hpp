@@ -53,7 +53,6 @@ struct Team {
   std::vector<std::vector<std::unique_ptr<Sensor>>> sensors;
   std::vector<std::unique_ptr<Agent>> agents;
   std::vector<std::string> names;
-  double clearance_max_m;
 
   TimeNs now = 0;
   std::vector<Observation> observations;

@@ -16,7 +16,7 @@ struct RetiredKey {
 inline constexpr RetiredKey kRetiredKeys[] = {
     {"global.locate", "global.closures"},     {"global.share.search", "global.closures"},
     {"told_existence", "reported_existence"}, {"max_told", "max_sent"},
-    {"strangers_per_m3", "new_per_m3"},       {"tell_rays_to", "send_rays_to"},
+    {"tell_rays_to", "send_rays_to"},
 };
 
 /// `; replaced by "global.closures"` for the path of a retired key, otherwise empty.

@@ -233,7 +233,7 @@ std::string kilograms(double mass_kg, double (*round)(double)) {
 
 /// Checks that the rotors can lift the vehicle, and that it can descend.
 void check_thrust(ConfigVisitor& v, const Scenario& scenario) {
-  const double gravity_mps2 = scenario.physics.gravity_mps2.norm();
+  const double gravity_mps2 = scenario.physics.gravity_world_mps2.norm();
   for (std::size_t i = 0; gravity_mps2 > 0.0 && i < scenario.vehicles.size(); ++i) {
     const VehicleConfig& vehicle = scenario.vehicles[i];
     const Airframe& airframe = vehicle.airframe;

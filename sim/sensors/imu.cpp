@@ -6,6 +6,7 @@
 
 #include "sim/sensors/noise.hpp"
 #include "sim/sensors/rotor_vibration.hpp"
+#include "swiftlet/core/base/gravity.hpp"
 
 namespace swiftlet::sim {
 
@@ -33,8 +34,6 @@ void ImuConfig::visit(ConfigVisitor& v) {
   v.field("accel_turn_on_bias_mps2", accel_turn_on_bias_mps2, "[m/s^2] standard deviation of the constant bias",
           Range::non_negative());
   v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation per axis", Range::positive());
-  v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravitational acceleration in the specific force",
-          Range::non_negative());
   v.object("mount_error", mount_error, "true mounting relative to that known to the agent");
   v.object("vibration", vibration, "vibration by the rotors");
   v.field("dropout_probability", dropout_probability, "[-] probability that a sample is lost", Range::probability());
@@ -77,7 +76,7 @@ class ImuSensor final : public Sensor {
         p_body_imu_(config.position_m + config.mount_error.position_m),
         R_body_imu_(rotation_of_rpy(config.rotation_rpy_deg * kRadPerDeg)),
         true_R_body_imu_(config.mount_error.applied_to(R_body_imu_)),
-        gravity_world_(0.0, 0.0, -config.gravity_mps2),
+        gravity_world_(0.0, 0.0, -kGravity_mps2),
         gyro_(setup_, "gyro", config.gyro_noise_density_radps_psqrthz, config.gyro_bias_walk_radps2_psqrthz,
               config.gyro_bias_time_s, config.gyro_turn_on_bias_radps, config.gyro_max_radps),
         accel_(setup_, "accel", config.accel_noise_density_mps2_psqrthz, config.accel_bias_walk_mps3_psqrthz,

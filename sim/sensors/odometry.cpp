@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/sensors/odometry.hpp"
 
+#include <array>
+
 #include "sim/sensors/noise.hpp"
 
 namespace swiftlet::sim {
@@ -11,8 +13,6 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.choice("frame", frame, {"start", "world", "random"},
            "[-] the local frame at the start: the body's pose (without tilt), the world, or anything");
-  v.field("initial_offset_m", initial_offset_m,
-          "[m] frame: random. Half-width of the uniform distribution of the first position", Range::non_negative());
   v.field("initial_yaw_deg", initial_yaw_deg,
           "[deg] frame: random. Half-width of the uniform distribution of the heading against the world",
           Range::between(0.0, 180.0));
@@ -38,6 +38,9 @@ namespace {
 
 // [m] Length of path of the keys drift_percent and yaw_drift_deg.
 constexpr double kDriftReference_m = 100.0;
+// [m] Half-widths of the uniform distribution of the first position along x, y and z for the choice frame: random.
+// Larger values start farther from the origin.
+constexpr std::array kFirstPosition_m = {10.0, 10.0, 1.0};
 // [s] Correlation time of the error of roll and pitch. Larger values keep an error longer.
 constexpr double kTiltTime_s = 5.0;
 
@@ -102,7 +105,7 @@ class OdometrySensor final : public Sensor {
       const double limit_rad = config_.initial_yaw_deg * kRadPerDeg;
       yaw_local_world_rad_ = random.uniform(-limit_rad, limit_rad, 0, 0);
       for (int axis = 0; axis < 3; ++axis) {
-        const double limit_m = config_.initial_offset_m[axis];
+        const double limit_m = kFirstPosition_m[axis];
         p_local_m_[axis] = random.uniform(-limit_m, limit_m, 0, 1 + axis);
       }
     }

@@ -26,6 +26,9 @@ constexpr double kPaneInset_m = 0.12;
 // [m] Overhang of the roof beyond the walls, and height of the kerbs.
 constexpr double kEaves_m = 0.6;
 constexpr double kKerbHeight_m = 0.12;
+// [m] Distance of the paved path from the walls, and its width. Larger values leave less lawn in the free ring.
+constexpr double kPathDistance_m = 3.0;
+constexpr double kPathWidth_m = 2.0;
 // [m] Width of the ring around the walls without obstacles taller than a kerb or a doorstep.
 constexpr double kFreeRing_m = 9.0;
 // [m] Smallest distance between trees, lamp posts and cars. Larger values let fewer of them fit.
@@ -187,13 +190,13 @@ void add_path(SceneBuilder& scene, const CampusConfig& config) {
   constexpr double kKerb_m = 0.12;
   constexpr double kPathHeight_m = 0.01;
   Mesh path, kerbs;
-  const double end_m = config.path_distance_m + config.path_width_m;
-  for_each_side(config, config.path_distance_m, end_m,
+  const double end_m = kPathDistance_m + kPathWidth_m;
+  for_each_side(config, kPathDistance_m, end_m,
                 [&](const Vector2d& low, const Vector2d& high) { add_floor(path, low, high, kPathHeight_m); });
   const auto add_kerb = [&](const Vector2d& low, const Vector2d& high) {
     add_building_box(kerbs, {low.x(), low.y(), -0.1}, {high.x(), high.y(), kKerbHeight_m});
   };
-  for_each_side(config, config.path_distance_m - kKerb_m, config.path_distance_m, add_kerb);
+  for_each_side(config, kPathDistance_m - kKerb_m, kPathDistance_m, add_kerb);
   for_each_side(config, end_m, end_m + kKerb_m, add_kerb);
   scene.add(std::move(path), materials::asphalt(), SurfaceClass::kGround);
   scene.add(std::move(kerbs), materials::concrete(), SurfaceClass::kKerb, scene.next_instance(SurfaceClass::kKerb));
@@ -292,9 +295,6 @@ void CampusConfig::visit(ConfigVisitor& v) {
           Range::between(4.0, 1000.0));
   v.field("wall_height_m", wall_height_m, "[m] height of the walls below the roof", Range::between(2.0, 100.0));
   v.field("roof_height_m", roof_height_m, "[m] height of the ridge above the walls", Range::positive());
-  v.field("path_distance_m", path_distance_m, "[m] distance of the paved path from the walls",
-          Range::between(0.2, 100.0));
-  v.field("path_width_m", path_width_m, "[m]", Range::positive());
   v.field("num_trees", num_trees, "[-] largest number of trees, limited by space", Range::between(0, 10000));
   v.field("num_lamps", num_lamps, "[-] largest number of lamp posts, limited by space", Range::between(0, 10000));
   v.field("num_cars", num_cars, "[-] largest number of parked cars, limited by space", Range::between(0, 10000));
@@ -302,7 +302,7 @@ void CampusConfig::visit(ConfigVisitor& v) {
   v.object("foliage", foliage, "motion of leaves in wind, visible to LiDARs");
   v.object("clutter", clutter, "posts, people and signs on the ground");
   v.object("keep_clear", keep_clear, "zones kept free for flights");
-  v.check((building_size_m.array() + 2.0 * (path_distance_m + path_width_m) < size_m.array()).all(), "size_m",
+  v.check((building_size_m.array() + 2.0 * (kPathDistance_m + kPathWidth_m) < size_m.array()).all(), "size_m",
           "a ground larger than the building with its path");
 }
 
@@ -329,7 +329,7 @@ Scene make_campus(const CampusConfig& config, std::uint64_t seed) {
   add_clutter(scene, config.clutter, seed,
               {[](const Vector2d&) { return 0.0; },
                [&](const Vector2d& p) {
-                 return distance_to_building_m(config, p) > config.path_distance_m &&
+                 return distance_to_building_m(config, p) > kPathDistance_m &&
                         config.keep_clear.distance_m(p) > kClutterReach_m;
                }});
   scene.move_foliage(config.foliage, seed);

@@ -286,7 +286,6 @@ void ForestConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("broadleaf_share", broadleaf_share, "[-] weight in the mixture: wide crowns on forked boughs",
           Range::non_negative());
-  v.field("lean_max_deg", lean_max_deg, "[deg] largest lean of the trunks", Range::between(0.0, 20.0));
   v.field("leaf_area_density_per_m", leaf_area_density_per_m,
           "[m^2/m^3] one-sided leaf area in a volume of crown; a ray passes a crown of depth s with probability "
           "exp(-density s / 2)",

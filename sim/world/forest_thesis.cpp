@@ -2,7 +2,6 @@
 #include "swiftlet/sim/world/forest_thesis.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
@@ -31,20 +30,14 @@ struct ThesisTree {
   double crown_radius_m = 0.0;
 };
 
-// mean +- spread: uniform within, or normal with this standard deviation truncated at two of them.
-double draw(Dice& dice, ForestThesisConfig::Spread spread, double mean, double half_width) {
-  if (spread == ForestThesisConfig::Spread::kUniform) return dice.uniform(mean - half_width, mean + half_width);
-  double deviate = dice.normal();
-  while (std::abs(deviate) > 2.0) deviate = dice.normal();
-  return mean + half_width * deviate;
-}
+double draw(Dice& dice, double mean, double half_width) { return dice.uniform(mean - half_width, mean + half_width); }
 
 ThesisTree draw_tree(const ForestThesisConfig& config, const Random& random, int i_tree) {
   Dice dice(random, i_tree);
   ThesisTree tree;
-  tree.trunk_radius_m = draw(dice, config.spread, config.trunk_radius_m, config.trunk_radius_spread_m);
-  tree.height_m = draw(dice, config.spread, config.tree_height_m, config.tree_height_spread_m);
-  tree.crown_radius_m = draw(dice, config.spread, config.crown_radius_m, config.crown_radius_spread_m);
+  tree.trunk_radius_m = draw(dice, config.trunk_radius_m, config.trunk_radius_spread_m);
+  tree.height_m = draw(dice, config.tree_height_m, config.tree_height_spread_m);
+  tree.crown_radius_m = draw(dice, config.crown_radius_m, config.crown_radius_spread_m);
   return tree;
 }
 
@@ -76,25 +69,21 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
   v.field("min_distance_m", min_distance_m, "[m] smallest distance between the axes of two trunks",
           Range::non_negative());
   v.field("trunk_radius_m", trunk_radius_m, "[m] mean radius of the trunks", Range::positive());
-  v.field("trunk_radius_spread_m", trunk_radius_spread_m, "[m] spread of the radius of the trunks, see spread",
+  v.field("trunk_radius_spread_m", trunk_radius_spread_m, "[m] half-width of the uniform distribution of that radius",
           Range::non_negative());
   v.field("tree_height_m", tree_height_m, "[m] mean height of the trunks, and of the centers of the crowns",
           Range::positive());
-  v.field("tree_height_spread_m", tree_height_spread_m, "[m] spread of the height, see spread", Range::non_negative());
-  v.field("crown_radius_m", crown_radius_m, "[m] mean radius of the crowns", Range::positive());
-  v.field("crown_radius_spread_m", crown_radius_spread_m, "[m] spread of the radius of the crowns, see spread",
+  v.field("tree_height_spread_m", tree_height_spread_m, "[m] half-width of the uniform distribution of that height",
           Range::non_negative());
-  v.choice("spread", spread, {"uniform", "normal"},
-           "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions truncated at "
-           "two of them");
+  v.field("crown_radius_m", crown_radius_m, "[m] mean radius of the crowns", Range::positive());
+  v.field("crown_radius_spread_m", crown_radius_spread_m, "[m] half-width of the uniform distribution of that radius",
+          Range::non_negative());
   v.object("keep_clear", keep_clear, "zones kept free for flights");
-  const double widest = spread == ForestThesisConfig::Spread::kNormal ? 2.0 : 1.0;
   v.check(area_max_m.x() > area_min_m.x() && area_max_m.y() > area_min_m.y(), "area_max_m", "more than area_min_m");
-  v.check(trunk_radius_m > widest * trunk_radius_spread_m, "trunk_radius_spread_m",
+  v.check(trunk_radius_m > trunk_radius_spread_m, "trunk_radius_spread_m",
           "a spread that leaves every radius positive");
-  v.check(tree_height_m > widest * tree_height_spread_m, "tree_height_spread_m",
-          "a spread that leaves every height positive");
-  v.check(crown_radius_m > widest * crown_radius_spread_m, "crown_radius_spread_m",
+  v.check(tree_height_m > tree_height_spread_m, "tree_height_spread_m", "a spread that leaves every height positive");
+  v.check(crown_radius_m > crown_radius_spread_m, "crown_radius_spread_m",
           "a spread that leaves every radius positive");
 }
 

@@ -81,7 +81,6 @@ void add_crates(SceneBuilder& scene, const HallConfig& config, std::uint64_t see
 void HallConfig::visit(ConfigVisitor& v) {
   v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
-  v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("hide_center_m", hide_center_m, "[m] center of the free-standing wall");
   v.field("hide_length_m", hide_length_m, "[m] length of the free-standing wall", Range::positive());
   v.field("hide_height_m", hide_height_m, "[m] height of the free-standing wall; 0: up to the ceiling",
@@ -102,13 +101,11 @@ Scene make_hall(const HallConfig& config, std::uint64_t seed) {
   add_floor(floor, -half_m, half_m, 0.0);
   scene.add(std::move(floor), materials::concrete(), SurfaceClass::kGround);
   scene.add(make_walls(config), materials::plaster(), SurfaceClass::kWall, scene.next_instance(SurfaceClass::kWall));
-  if (config.ceiling) {
-    Mesh ceiling;
-    const Vector3f low = Vector3d(-half_m.x(), -half_m.y(), config.size_m.z()).cast<float>();
-    const Vector3f high = Vector3d(half_m.x(), half_m.y(), config.size_m.z() + 0.2).cast<float>();
-    add_box(ceiling, low, high);
-    scene.add(std::move(ceiling), materials::concrete(), SurfaceClass::kCeiling, 1);
-  }
+  Mesh ceiling;
+  const Vector3f low = Vector3d(-half_m.x(), -half_m.y(), config.size_m.z()).cast<float>();
+  const Vector3f high = Vector3d(half_m.x(), half_m.y(), config.size_m.z() + 0.2).cast<float>();
+  add_box(ceiling, low, high);
+  scene.add(std::move(ceiling), materials::concrete(), SurfaceClass::kCeiling, 1);
 
   const auto [start_m, end_m] = hide_ends(config);
   Mesh hide;

@@ -2,7 +2,6 @@
 #include "swiftlet/sim/world/two_rooms_gap.hpp"
 
 #include "sim/world/building.hpp"
-#include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -35,9 +34,7 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
   v.field("room_size_m", room_size_m, "[m] inner size of each room: along the path through the gap, and across it",
           Range::positive());
   v.field("height_m", height_m, "[m] inner height of the rooms", Range::positive());
-  v.field("ceiling", ceiling, "[-] whether the building has a ceiling");
   v.field("yaw_deg", yaw_deg, "[deg] direction of the path through the gap, in the world");
-  v.field("random_yaw", random_yaw, "[-] whether a random angle, drawn from the seed, is added to yaw_deg");
   v.field("position_m", position_m, "[m] position of the center of the gap, world frame");
   v.check(gap_width() + 2.0 * std::abs(gap_offset_m) < room_size_m.y(), "gap_width_m", "a gap that fits into its wall");
   v.check(gap_height_m <= height_m, "gap_height_m", "at most height_m");
@@ -47,9 +44,8 @@ double TwoRoomsGapConfig::gap_width() const {
   return gap_width_m > 0.0 ? gap_width_m : kSafeDistances * safe_distance_m + kMapResolutions * map_resolution_m;
 }
 
-Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
-  const double random_yaw_rad = config.random_yaw ? Dice(Random(seed, "world.two_rooms_gap.yaw"), 0).angle_rad() : 0.0;
-  const double yaw_rad = radians(config.yaw_deg) + random_yaw_rad;
+Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t /*seed*/) {
+  const double yaw_rad = radians(config.yaw_deg);
   const Eigen::Vector2d& room_m = config.room_size_m;
   const double thickness_m = kRoomWall_m;
   const double gap_top_m = config.gap_height_m > 0.0 ? config.gap_height_m : config.height_m;
@@ -71,9 +67,8 @@ Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
   const Eigen::Vector2d margin_m(kFloorMargin_m, kFloorMargin_m);
   add_floor(floor, Eigen::Vector2d(-end_x, low_y) - margin_m, Eigen::Vector2d(end_x, high_y) + margin_m, 0.0);
   Mesh ceiling;
-  if (config.ceiling)
-    add_wall(ceiling, {-end_x - corner_m, config.gap_offset_m}, {end_x + corner_m, config.gap_offset_m}, kCeiling_m,
-             room_m.y() + 2.0 * thickness_m, {}, config.height_m);
+  add_wall(ceiling, {-end_x - corner_m, config.gap_offset_m}, {end_x + corner_m, config.gap_offset_m}, kCeiling_m,
+           room_m.y() + 2.0 * thickness_m, {}, config.height_m);
 
   SceneBuilder scene;
   const Eigen::Vector3d gap_foot_m(config.position_m.x(), config.position_m.y(), 0.0);

@@ -29,7 +29,6 @@ Scenario guided_gap(const Changes& changes) {
                  {"vehicles[1].start.known", "pose"},
                  {"vehicles[1].agent.localization", "{type: ground_truth}"},
                  {kGuide + "retries", "1"},
-                 {kGuide + "retry_after_s", "0.5"},
                  {kGuide + "stage_timeout_s", "20"}};
   all.insert(all.end(), changes.begin(), changes.end());
   return load_scenario("guided_gap", all);

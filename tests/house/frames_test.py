@@ -8,6 +8,7 @@ three numbers, or a list of them: its name has a word of FRAMES (`p_world_m`), o
 - a member that a user sees by a key of its own name, whose text states the frame: `v.field("position_m", position_m, ...`;
 - whatever follows a comment with one of PHRASES: a class or a function, or the whole file when it stands before the namespace.
 """
+import functools
 import pathlib
 import re
 import sys
@@ -99,12 +100,17 @@ def violations(root):
                 yield f"{path.relative_to(root)}:{line}: {name}"
 
 
+@functools.cache
+def sources(root):
+    return tracked(root, "*.cpp")
+
+
 def source(root, header):
     """The sources of a header's room, in which its configurations are visited."""
     room = header.parent
     if room.is_relative_to(root / "include"):
         room = root / room.relative_to(root / "include" / "swiftlet")
-    return "".join(path.read_text() for path in sorted(room.rglob("*.cpp")))
+    return "".join(path.read_text() for path in sources(root) if path.is_relative_to(room))
 
 
 def class_around(code, at):

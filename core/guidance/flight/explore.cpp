@@ -13,6 +13,8 @@ constexpr int kMoreRays = 16;
 /// [-] share of a view's unknown rays that are known before arrival, at which the flight to it ends. Smaller values
 /// plan more often.
 constexpr double kSeenEnough = 0.5;
+/// [m] edge of the cubes in which unknown space is abandoned. Larger values also abandon space that a later view shows.
+constexpr double kGrain_m = 0.5;
 
 class Explore : public PlannedFlight {
  public:
@@ -25,7 +27,7 @@ class Explore : public PlannedFlight {
                        .first = State::kLooking},
                       PathFollower(config.view.path, config.visited_m)),
         config_(config),
-        given_up_(config.view.grain_m) {}
+        given_up_(kGrain_m) {}
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
     const std::vector<Vector3>& corners_local_m = follower_.corners_local_m();
@@ -144,7 +146,6 @@ void ExploreConfig::visit(ConfigVisitor& v) {
   v.field("stage_timeout_s", stage_timeout_s, "[s] time after which a flight to a view has failed", Range::positive());
   v.field("retries", retries, "[-] new plans after failures; the next failure then fails the mission",
           Range::between(0, 1e6));
-  v.field("retry_after_s", retry_after_s, "[s] delay after a failure until the next plan", Range::non_negative());
   v.object("view", view, "evaluation and search of views");
   v.check((box_max_world_m.array() > box_min_world_m.array()).all(), "box_max_m",
           "more than box_min_m along each axis");

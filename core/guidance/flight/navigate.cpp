@@ -152,7 +152,6 @@ void NavigateConfig::visit(ConfigVisitor& v) {
           "[s] duration of planning, or of a flight to a goal, after which it has failed", Range::positive());
   v.field("retries", retries, "[-] new plans after failures; the next failure then fails the mission",
           Range::between(0, 1e6));
-  v.field("retry_after_s", retry_after_s, "[s] delay after a failure until the next plan", Range::non_negative());
   v.object("planner", planner, "limits of the path, and search by a_star");
   v.object("sampling", sampling, "search by rrt and informed_rrt_star");
   v.object("separation", separation, "separation from neighbors, in addition to the avoidance of the guidance itself");

@@ -11,10 +11,12 @@
 namespace swiftlet {
 namespace {
 
+/// [m/s] Speed of descent at the end of the flight. Larger values land sooner and touch down harder.
+constexpr double kLandingSpeed_mps = 0.5;
+
 class Waypoints : public Guidance {
  public:
-  Waypoints(const WaypointsConfig& config, const GuidanceSetup& setup)
-      : config_(config), landing_(config.landing_speed_mps) {
+  Waypoints(const WaypointsConfig& config, const GuidanceSetup& setup) : config_(config), landing_(kLandingSpeed_mps) {
     const Pose& T_local_start = setup.agent.T_local_body_start;
     const double start_yaw = yaw_of(T_local_start.linear());
     leg_start_m_ = T_local_start.translation();
@@ -113,7 +115,6 @@ void WaypointsConfig::visit(ConfigVisitor& v) {
   v.field("dwell_s", dwell_s, "[s] time of hovering at each waypoint", Range::non_negative());
   v.field("loop", loop, "[-] whether the first waypoint follows the last");
   v.field("land_at_end", land_at_end, "[-] whether the vehicle lands at the last waypoint and stops the motors");
-  v.field("landing_speed_mps", landing_speed_mps, "[m/s]", Range::positive());
   v.choice("yaw", yaw, {"along_path", "at_next", "fixed"},
            "[-] heading: along the leg, at the next waypoint as seen from the vehicle, or yaw_deg");
   v.field("yaw_deg", yaw_deg, "[deg] heading, if the choice is fixed");

@@ -289,10 +289,6 @@ void RblDetourConfig::visit(ConfigVisitor& v) {
   v.field("planning_latency_s", planning_latency_s,
           "[s] delay from the start of a search until its path is flown, as of the onboard computer",
           Range::between(0.0, 1000.0));
-  v.field("retry_after_s", retry_after_s, "[s] delay after a search without a path before the next one",
-          Range::non_negative());
-  v.field("retries", retries, "[-] searches without a path, after the first one, before the mission has failed",
-          Range::between(0, 1e6));
   v.object("planner", planner, "limits and search of the path");
 }
 

@@ -142,7 +142,7 @@ class Guide : public Guidance {
 
   /// Retries with the next vehicle, which may have blocked the path.
   void retry(const GuidanceInput& input) {
-    if (has_failed() || !waited(config_.retry_after_s)) return;
+    if (has_failed() || !waited(GuideConstants::kRetryAfter_s)) return;
     if (team_.vehicles().size() > 1 && team_.choose_next()) {
       take_goal(input);
     } else {

@@ -47,17 +47,12 @@ void GuideConfig::visit(ConfigVisitor& v) {
           "[m] standard deviation of the guided vehicle's position, along its most uncertain axis, above which both "
           "vehicles hover",
           Range::positive());
-  v.field("search_after_s", search_after_s,
-          "[s] time without an estimate of the guided vehicle after which the guide requests a motion that makes this "
-          "vehicle observable",
-          Range::positive());
   v.field("stage_timeout_s", stage_timeout_s,
           "[s] time limit of each stage: search for the guided vehicle, planning, motion; a longer stage has failed",
           Range::positive());
   v.field("retries", retries,
           "[-] number of failures after which the guide plans again; one more failure ends the mission",
           Range::between(0, 1e6));
-  v.field("retry_after_s", retry_after_s, "[s] delay from a failure to the next planning", Range::non_negative());
   v.object("planner", planner, "paths of both vehicles and the viewpoint");
   v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",
           "as many as goals_m, or none");

@@ -21,6 +21,11 @@ struct GuideConstants {
   /// [m] remaining length of the guided vehicle's path at which the next leg is planned ahead. Larger values plan from
   /// an older map.
   static constexpr double kPlanAhead_m = 1.5;
+  /// [s] delay from a failure to the next planning. Larger values wait longer for obstacles to move away.
+  static constexpr double kRetryAfter_s = 2.0;
+  /// [s] time without an estimate of the guided vehicle after which the guide requests a motion that makes this vehicle
+  /// observable. Larger values interrupt fewer flights and find a lost vehicle later.
+  static constexpr double kSearchAfter_s = 3.0;
 };
 
 }  // namespace swiftlet

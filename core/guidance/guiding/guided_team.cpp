@@ -50,7 +50,7 @@ void GuidedTeam::update(const GuidanceInput& input) {
   // figure, as before it was first found.
   const GuidedVehicle& lost = moving();
   const bool searches =
-      !lost.estimate && lost.was_known && now - lost.last_known >= from_seconds(config_.search_after_s);
+      !lost.estimate && lost.was_known && now - lost.last_known >= from_seconds(GuideConstants::kSearchAfter_s);
   const double room_m = searches ? room_for_figure_m(input) : 0.0;
   figure_m_ = room_m >= GuideConstants::kFigureMin_m ? room_m : 0.0;
 }

@@ -51,7 +51,6 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
       "remember_hidden", remember_hidden,
       "[-] whether the timeout counts only while the neighbor should be in view: a neighbor in the blind sector is not "
       "forgotten");
-  v.field("predict", predict, "[-] whether positions are predicted to the present with the filtered velocity");
 }
 
 void NeighborMemory::update(const GuidanceInput& input) {
@@ -70,7 +69,7 @@ void NeighborMemory::update(const GuidanceInput& input) {
   if (config_.source == NeighborSourceConfig::Source::kTracks) {
     known_.clear();
     for (const Track& track : input.tracks) {
-      const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
+      const double ahead_s = to_seconds(now - track.t);
       known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t,
                         track.covariance.topLeftCorner<3, 3>(), track.covariance.block<3, 3>(3, 3)});
       known_.back().seen_local_m = track.position_m;
@@ -100,7 +99,7 @@ std::span<const Neighbor> NeighborMemory::neighbors() {
 }
 
 Vector3 NeighborMemory::position_now_local_m(const Filter& filter) const {
-  const TimeNs ahead = config_.predict ? std::min(now_, filter.t + kLongestAhead) - filter.t : 0;
+  const TimeNs ahead = std::min(now_, filter.t + kLongestAhead) - filter.t;
   return ahead > 0 ? Vector3(filter.x.head<3>() + to_seconds(ahead) * filter.x.tail<3>()) : filter.x.head<3>();
 }
 
@@ -117,7 +116,6 @@ Neighbor NeighborMemory::now_of(const Filter& filter) const {
   neighbor.seen_covariance_local_m2 = filter.P.topLeftCorner<3, 3>();
   neighbor.own_seen_local_m = filter.own_local_m;
   neighbor.in_view = filter.in_view;
-  if (!config_.predict) return neighbor;
   Filter ahead = filter;
   predict(ahead, std::min(now, filter.t + kLongestAhead));
   neighbor.position_local_m = ahead.x.head<3>();

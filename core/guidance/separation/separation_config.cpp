@@ -23,10 +23,6 @@ void SeparationConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] vertical distance to keep between two vehicles, because of the downwash",
           Range::positive());
-  v.field("pledge_share", pledge_share,
-          "[-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles. 0: no "
-          "pledges",
-          Range::between(0.0, 0.49));
   v.field("acceleration_mps2", acceleration_mps2,
           "[m/s^2] upper limit below the motion limits, so that the controller follows within margin_m",
           Range::positive());

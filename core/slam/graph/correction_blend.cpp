@@ -187,8 +187,6 @@ void CorrectionBlendConfig::visit(ConfigVisitor& v) {
   v.field("speed_max_mps", speed_max_mps, "[m/s] speed limit of the limited form", Range::positive());
   v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] acceleration limit of the limited form",
           Range::positive());
-  v.field("lever_m", lever_m, "[m] distance from the vehicle up to which points keep the limits",
-          Range::non_negative());
 }
 
 }  // namespace swiftlet

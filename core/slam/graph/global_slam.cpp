@@ -179,7 +179,6 @@ std::size_t GlobalSlam::num_points() const {
 }
 
 void GlobalSlamConfig::visit(ConfigVisitor& v) {
-  const Range positive = Range::positive();
   v.field("enabled", enabled, "[-] whether closures and GNSS fixes correct the pose of the local frame in the world");
   v.field("latency_s", latency_s, "[s] time from a scan to its correction, for search and optimization",
           Range::between(0.0, 60.0));
@@ -194,20 +193,12 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
   v.field("searches", searches, "[-] largest number of searches for a finished submap", Range::between(0, 100));
   v.field("use_gnss", use_gnss, "[-] whether GNSS fixes constrain the trajectory");
   v.field("optimize_every_s", optimize_every_s,
-          "[s] interval of optimizations for new fixes; a closure is optimized at once", positive);
-  v.field("fit_spread_m", fit_spread_m, "[m] extent of the path from which an unknown start is fitted to GNSS",
-          positive);
+          "[s] interval of optimizations for new fixes; a closure is optimized at once", Range::positive());
   v.file("map", map,
          "map of an earlier flight, as written by the recorder `slam_map`, in which the vehicle localizes itself");
-  v.field("locate_every_m", locate_every_m,
-          "[m] flown distance between searches in the map of the earlier flight, for a vehicle of unknown start",
-          positive);
-  v.field("locate_every_s", locate_every_s,
-          "[s] interval of those searches for a hovering vehicle; at most ten from one place", positive);
   v.object("gnss", gnss, "weight of a fix");
   v.object("closures", closures,
            "search for closures and their verification, also in a saved map and between vehicles");
-  v.object("graph", graph, "optimization of the pose graph");
   v.object("blend", blend, "transition to a new correction");
   v.object("share", share, "joining the map with those of other vehicles");
 }

@@ -19,6 +19,9 @@ constexpr double kScanLate_s = 2.0;
 constexpr std::size_t kMaxMatched = 2000;
 // [-] Fewest pairs to fit an unknown start. Larger values fit it later.
 constexpr std::size_t kMinMatched = 5;
+// [m] Extent of the path from which an unknown start is fitted to GNSS. Larger values fit it later, with a smaller
+// error of the heading.
+constexpr double kFitSpread_m = 5.0;
 
 }  // namespace
 
@@ -85,7 +88,7 @@ void GnssFactors::fit_start(TrajectoryGraph& trajectory) {
   const TrajectoryNode& first = trajectory.nodes().front();
   const Pose T_world_local = level_pose(trajectory.graph().pose(first.pose) * first.T_local_body.inverse());
   const double yaw_rad = yaw_of(T_world_local.linear());
-  const Pose fitted = fit_to_world(matched_, yaw_rad, config_.fit_spread_m);
+  const Pose fitted = fit_to_world(matched_, yaw_rad, kFitSpread_m);
   if (yaw_of(fitted.linear()) == yaw_of(level_alignment(yaw_rad, Vector3::Zero(), Vector3::Zero()).linear()))
     return;  // fixes too near to each other
   fits_start_ = false;

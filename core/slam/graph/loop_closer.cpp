@@ -17,6 +17,9 @@ constexpr double kMaxGuessError_m = 3.0;
 // [-] Largest number of searches of the saved map from one place. Further searches have no new data; larger values only
 // take longer.
 constexpr int kMaxSearchesFromPlace = 10;
+// [m], [s] Flown distance between searches of the saved map for a vehicle of unknown start, and their interval while it
+// hovers. Larger values save time and relocalize later.
+constexpr double kLocateEvery_m = 4.0, kLocateEvery_s = 1.5;
 
 }  // namespace
 
@@ -79,7 +82,7 @@ std::vector<OlderSubmap> LoopCloser::close_loops(TrajectoryGraph& trajectory) {
 
 bool LoopCloser::is_search_due(TimeNs t, double path_length_m, const TrajectoryGraph& trajectory) const {
   return trajectory.num_given_poses() > 0 && !located_ && !search_failed(trajectory) &&
-         path_length_m - hovers_at_m_ < config_.node_every_m && to_seconds(t - searched_at_) >= config_.locate_every_s;
+         path_length_m - hovers_at_m_ < config_.node_every_m && to_seconds(t - searched_at_) >= kLocateEvery_s;
 }
 
 bool LoopCloser::search_failed(const TrajectoryGraph& trajectory) const {
@@ -89,7 +92,7 @@ bool LoopCloser::search_failed(const TrajectoryGraph& trajectory) const {
 void LoopCloser::relocalize(TimeNs t, TrajectoryGraph& trajectory) {
   if (located_ || trajectory.num_given_poses() == 0) return;
   const double path_length_m = trajectory.nodes().back().path_length_m;
-  const bool moved_on = trajectory.nodes().size() == 1 || path_length_m - searched_at_m_ >= config_.locate_every_m;
+  const bool moved_on = trajectory.nodes().size() == 1 || path_length_m - searched_at_m_ >= kLocateEvery_m;
   if (!moved_on && !is_search_due(t, path_length_m, trajectory)) return;
   num_searches_here_ = moved_on ? 1 : num_searches_here_ + 1;
   searched_at_ = t;

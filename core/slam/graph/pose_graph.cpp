@@ -338,8 +338,4 @@ void GnssFactorConfig::visit(ConfigVisitor& v) {
   v.field("huber", huber, "[-] Huber threshold of weighted residuals; larger ones count less", Range::positive());
 }
 
-void GraphSolverConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] largest number of iterations of one optimization", Range::between(1, 1000));
-}
-
 }  // namespace swiftlet

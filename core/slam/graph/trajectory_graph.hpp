@@ -81,7 +81,7 @@ class TrajectoryGraph {
   void move_flight(const Pose& T_new_old);
   /// Adds the start pose as a guess.
   void add_start_guess();
-  GraphReport optimize() { return graph_.optimize(config_.graph, workspace_); }
+  GraphReport optimize() { return graph_.optimize({}, workspace_); }
 
   const PoseGraph& graph() const { return graph_; }
   const std::vector<TrajectoryNode>& nodes() const { return nodes_; }

@@ -43,8 +43,4 @@ double AdaptiveVoxelFilter::thin(std::span<const Eigen::Vector3f> points_m, cons
   return narrow_m;
 }
 
-void AdaptiveVoxelConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] distance above which points are ignored", Range::between(0.5, 1000.0));
-}
-
 }  // namespace swiftlet

@@ -154,8 +154,4 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
   return match;
 }
 
-void GridMatchConfig::visit(ConfigVisitor& v) {
-  v.field("iterations", iterations, "[-] maximum number of iterations of the least squares", Range::between(1, 100));
-}
-
 }  // namespace swiftlet

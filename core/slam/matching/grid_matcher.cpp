@@ -13,6 +13,8 @@ namespace {
 // [-] Share of the cells in the variance of a scan's evidence: scans that meet the same cells share their errors.
 // Larger values report a larger covariance.
 constexpr double kMapShare = 0.5;
+// [-] Least probability of a cell that counts as a surface. Larger values compare start velocities by fewer points.
+constexpr double kSurface = 0.5;
 // [-] Scatter in directions without evidence, as a share of the trace. Larger values weigh scans less.
 constexpr double kTinyScatter = 1e-12;
 // [m] Edge of the cubes that contribute one point each to the planes for the test of open directions. Smaller cubes
@@ -103,7 +105,9 @@ void GridMatcher::count_known(ScanFit& fit, const Pose& T_local_body) const {
   fit.num_points = static_cast<int>(low_body_m_.size());
   for (const Eigen::Vector3f& point : low_body_m_) {
     const Vector3 at_m = T_local_body * point.cast<double>() - submap.origin_local_m;
-    fit.num_known += submap.low.value(submap.low.cell_at(at_m)) != grid_value::kUnknown;
+    const std::uint16_t value = submap.low.value(submap.low.cell_at(at_m));
+    fit.num_known += value != grid_value::kUnknown;
+    fit.num_near += grid_value::probability_of(value) >= kSurface;
   }
 }
 
@@ -142,9 +146,6 @@ void GridMatcher::clear() {
 void GridMatchingConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] range below which returns are ignored", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
-  v.object("high", high, "points that are matched to the finer grid");
-  v.object("low", low, "points that are matched to the coarser grid");
-  v.object("cost", cost, "cost of a pose");
   v.object("submaps", submaps, "alternating pairs of grids into which scans are inserted");
 }
 

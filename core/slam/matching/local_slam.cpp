@@ -282,7 +282,6 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
           "[-] number of first scans that are matched again with the biases and the time offset estimated from them; "
           "0: none",
           Range::between(0, 100));
-  v.field("iterations", iterations, "[-] maximum number of iterations of the update by a scan", Range::between(1, 50));
   v.field("known_share_min", known_share_min,
           "[-] minimum share of a scan's points near surfaces of the map for the scan to be used",
           Range::probability());

@@ -19,6 +19,9 @@ namespace {
 // [-] Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the
 // others. Larger values weigh scans less then.
 constexpr double kOpenFloor = 60.0;
+// [m] Largest distance of a point from its plane. Larger values match scans with worse predictions, and more wrong
+// pairs.
+constexpr double kReach_m = 0.5;
 // [m^2] Upper bound of the floor in the variance of a map plane. A wider floor accepts points farther away, but does
 // not make the planes less certain.
 constexpr double kFlat_m2 = 1e-4;
@@ -389,7 +392,7 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
     const Vector3 off = at - cell->mean_m.cast<double>();
     if (cell->planar) {
       const PlaneDistance d = distance_from_plane(*cell, off, floor_m2);
-      if (std::abs(d.r_m) > config.reach_m) continue;
+      if (std::abs(d.r_m) > kReach_m) continue;
       const double distance_sq = d.r_m * d.r_m / d.variance_m2;
       if (distance_sq < kernel_sq) ++fit.num_near;
       met_->at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
@@ -429,7 +432,6 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
 }
 
 void ScanToMapConfig::visit(ConfigVisitor& v) {
-  v.field("reach_m", reach_m, "[m] largest distance of a point from its plane", Range::between(0.01, 10.0));
   v.field("degenerate_share", degenerate_share,
           "[-] share of the planes' information below which a direction counts as open", Range::between(0.0, 0.3));
   v.field("standing_points", standing_points,

@@ -16,7 +16,7 @@ struct ScanFit {
   PoseEvidence evidence;
   int num_points = 0;      ///< points of the scan
   int num_known = 0;       ///< points where the map has a surface
-  int num_near = 0;        ///< known points within the width of the kernel; 0 for grids
+  int num_near = 0;        ///< known points within the width of the kernel, or in occupied cells
   int num_degenerate = 0;  ///< pose directions (of six) that the scan does not constrain
   int num_held = 0;        ///< directions constrained by free-standing points alone
   /// Share of the map's planes in the variance of the evidence. Common to all scans on these planes, so it does not

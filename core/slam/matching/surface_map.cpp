@@ -187,7 +187,6 @@ std::size_t SurfaceMap::bytes() const {
 
 void SurfaceMapConfig::visit(ConfigVisitor& v) {
   v.field("cell_m", cell_m, "[m] edge of the largest cells", Range::between(0.1, 10.0));
-  v.field("levels", levels, "[-] number of cell sizes, each half of the next larger one", Range::between(1, 6));
   v.field("keep_radius_m", keep_radius_m, "[m] distance from the vehicle above which cells are dropped",
           Range::between(5.0, 2000.0));
 }

@@ -11,6 +11,8 @@ namespace {
 
 /// [scans] First scans that all enter the map: a single scan has few planes. Fewer of them leave gaps between beams.
 constexpr int kEveryScanFirst = 10;
+/// [-] Largest number of iterations of the update by a scan. Larger values correct worse predictions and cost time.
+constexpr int kUpdates = 5;
 /// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
 constexpr double kCropEvery_m = 10.0;
 /// [m] Edges of the cubes that contribute one return each to the map and to the coarse alignment. Smaller cubes keep
@@ -48,7 +50,7 @@ ScanMatcher::Match SurfaceMatcher::match(InertialFilter& filter, const Uncertain
         if (match.fit.num_known < uncertainty.known_share_min * match.fit.num_points) match.fit.evidence = {};
         return match.fit.evidence;
       },
-      config_.iterations);
+      kUpdates);
   return match;
 }
 

@@ -102,8 +102,8 @@ bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size
 }  // namespace
 
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_m,
-                                               const CompactCloudConfig& config) {
-  std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, config.range_max_m);
+                                               const CompactCloudConfig& config, double range_max_m) {
+  std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, range_max_m);
   // Thins by whole columns, so that upright structure can be detected in the rest.
   const auto one_in = static_cast<std::int64_t>(shared_m.size()) / config.upright_points + 1;
   std::erase_if(shared_m, [&](const Eigen::Vector3f& p) {
@@ -114,7 +114,7 @@ std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> 
   std::vector<Eigen::Vector3f> all_m;
   all_m.reserve(points_m.size());
   for (const Eigen::Vector3f& p : points_m) {
-    if (p.head<2>().norm() <= static_cast<float>(config.range_max_m)) all_m.push_back(p);
+    if (p.head<2>().norm() <= static_cast<float>(range_max_m)) all_m.push_back(p);
   }
   std::vector<std::uint32_t> kept;
   VoxelThinner().thin(all_m, static_cast<float>(config.flat_voxel_m), kept);

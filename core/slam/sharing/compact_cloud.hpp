@@ -19,8 +19,10 @@ struct PackedPoints {
 
 /// Selects the points of a submap to send: one per voxel of upright structure, of which whole columns are left out
 /// above a limit, and one per larger voxel of all points.
+///
+/// @param range_max_m  distance from the submap's center above which points are left out
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_submap_m,
-                                               const CompactCloudConfig& config);
+                                               const CompactCloudConfig& config, double range_max_m);
 
 /// Encodes points as an octree of occupied voxels around the origin of the frame, with the position of one point in
 /// each voxel. The first point of a voxel is kept; points beyond the octree are dropped.

@@ -170,7 +170,7 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
                              other_poses[static_cast<std::size_t>(closure.other)], closure.T_own_other,
                              join_information(closure_sigmas(config)), config.closure_huber});
   }
-  graph.optimize(config.graph);
+  graph.optimize({});
 
   MapJoin joined;
   joined.T_local_other.resize(others.size(), Pose::Identity());
@@ -194,7 +194,6 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
 
 void MapJoinConfig::visit(ConfigVisitor& v) {
   v.field("closures_min", closures_min, "[-] consistent closures required to join two maps", Range::between(2, 64));
-  v.object("graph", graph, "optimization of both trajectories");
 }
 
 }  // namespace swiftlet

@@ -165,7 +165,7 @@ bool MapSender::send_chunk(VehicleId to, const OwnMap& own, PeerMap& other, Outb
   sent.submap = static_cast<std::uint32_t>(other.requested_submap);
   sent.chunk = static_cast<std::uint16_t>(number);
   sent.num_points = chunk.num_points;
-  sent.bits = static_cast<std::uint16_t>(config_.cloud.bits);
+  sent.bits = static_cast<std::uint16_t>(CompactCloudConfig::kBits);
   sent.voxel_m = static_cast<float>(config_.cloud.voxel_m);
   sent.data = chunk.data;
   write_message(sent, outbox.add(to));

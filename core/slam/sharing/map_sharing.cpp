@@ -54,8 +54,9 @@ void MapSharing::describe_own(const SubmapProvider& own) {
     const std::span<const Eigen::Vector3f> points_m = own.points_submap_m(static_cast<int>(own_.submaps.size()));
     const CompactCloudConfig& cloud = config_.cloud;
     OwnSubmap& finished = own_.submaps.emplace_back();
-    finished.look = look_of(points_m, cloud.voxel_m, cloud.range_max_m);
-    finished.chunks = pack_points(points_to_share_m(points_m, cloud), cloud.voxel_m, cloud.bits, cloud.chunk_bytes);
+    finished.look = look_of(points_m, cloud.voxel_m, closures_.range_max_m);
+    finished.chunks = pack_points(points_to_share_m(points_m, cloud, closures_.range_max_m), cloud.voxel_m,
+                                  CompactCloudConfig::kBits, cloud.chunk_bytes);
     if (finished.chunks.size() > MapMessageLimits::kChunks) finished.chunks.resize(MapMessageLimits::kChunks);
     for (const PackedPoints& chunk : finished.chunks) finished.num_points += chunk.num_points;
     for (PeerMap& other : peers_) {
@@ -263,18 +264,11 @@ void MapSharing::append_counters(std::vector<Counter>& counters) const {
   counts_.append_counters("searches for another vehicle's submap", counters);
 }
 
-void CompactCloudConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] distance from the submap's center above which points are ignored",
-          Range::between(2.0, 200.0));
-  v.field("bits", bits, "[-] bits of each coordinate within its voxel", Range::between(1, 10));
-}
-
 void MapSharingConfig::visit(ConfigVisitor& v) {
-  const Range positive = Range::positive();
   v.field("enabled", enabled, "[-] whether the map is joined with those of other vehicles by radio");
   v.field("latency_s", latency_s, "[s] duration of a search for one submap", Range::between(0.0, 60.0));
-  v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included", positive);
-  v.object("cloud", cloud, "part of a submap that is transmitted");
+  v.field("budget_kbps", budget_kbps, "[kbit/s] data rate of all messages about maps, headers included",
+          Range::positive());
   v.object("join", join, "tests of closures and estimation of the transform between the maps");
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/guidance/guiding/guide_constants.hpp"
 #include "tests/core/guidance/guide_support.hpp"
 
 namespace swiftlet {
@@ -87,7 +88,7 @@ TEST(GuideChoices, RetriesTheSameGoal) {
   place_at_viewpoint(pair);
   fly_to(pair, 1.0);
   hold_until(pair, "the guided vehicle does not reach its goal", 4.0);
-  hold_for(pair, config.retry_after_s + config.settle_s + 0.3);
+  hold_for(pair, GuideConstants::kRetryAfter_s + config.settle_s + 0.3);
   EXPECT_EQ(pair.counter().of, 2U);
   const std::vector<Vector3> path_local_m = shown_path(pair, "guide.secondary_path");
   ASSERT_FALSE(path_local_m.empty());

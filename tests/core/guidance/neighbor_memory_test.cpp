@@ -140,18 +140,14 @@ TEST(NeighborMemory, CovarianceTurnsWithTheBody) {
   EXPECT_NEAR(p_m.y(), 3.0, 1e-3);
 }
 
-TEST(NeighborMemory, PredictsToNowOnlyIfConfigured) {
-  for (const bool predict : {true, false}) {
-    NeighborSourceConfig config = from(Source::kSensor);
-    config.predict = predict;
-    Listener listener(config);
-    for (int i = 0; i <= 20; ++i) listener.sees(1, {0.2 * i, 0.0, 0.0}, 0.1 * i, 1e-8 * Matrix3::Identity());
-    const auto known = listener.update(2.5);
-    ASSERT_EQ(known.size(), 1U);
-    EXPECT_NEAR(known[0].velocity_local_mps.x(), 2.0, 1e-3);
-    EXPECT_NEAR(known[0].position_local_m.x(), predict ? 5.0 : 4.0, 2e-3);
-    EXPECT_EQ(known[0].seen, from_seconds(2.0));
-  }
+TEST(NeighborMemory, PredictsToNow) {
+  Listener listener(from(Source::kSensor));
+  for (int i = 0; i <= 20; ++i) listener.sees(1, {0.2 * i, 0.0, 0.0}, 0.1 * i, 1e-8 * Matrix3::Identity());
+  const auto known = listener.update(2.5);
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_NEAR(known[0].velocity_local_mps.x(), 2.0, 1e-3);
+  EXPECT_NEAR(known[0].position_local_m.x(), 5.0, 2e-3);
+  EXPECT_EQ(known[0].seen, from_seconds(2.0));
 }
 
 TEST(NeighborMemory, ForgetsNeighborsExactlyAfterTheTimeout) {
@@ -272,23 +268,19 @@ TEST(NeighborMemory, BroadcastsWorldPositionByRadioOnly) {
   }
 }
 
-TEST(NeighborMemory, PredictsTracksOnlyIfConfigured) {
-  for (const bool predict : {true, false}) {
-    NeighborSourceConfig config = from(Source::kTracks);
-    config.predict = predict;
-    Listener listener(config);
-    Track track;
-    track.id = 11;
-    track.t = from_seconds(1.0);
-    track.position_m = {1.0, 0.0, 0.0};
-    track.velocity_mps = {0.0, 2.0, 0.0};
-    listener.tracks = {track};
-    const auto known = listener.update(1.5);
-    ASSERT_EQ(known.size(), 1U);
-    EXPECT_EQ(known[0].key, 11);
-    EXPECT_LT((known[0].position_local_m - Vector3(1.0, predict ? 1.0 : 0.0, 0.0)).norm(), 1e-12);
-    EXPECT_EQ(known[0].velocity_local_mps, track.velocity_mps);
-  }
+TEST(NeighborMemory, PredictsTracksToNow) {
+  Listener listener(from(Source::kTracks));
+  Track track;
+  track.id = 11;
+  track.t = from_seconds(1.0);
+  track.position_m = {1.0, 0.0, 0.0};
+  track.velocity_mps = {0.0, 2.0, 0.0};
+  listener.tracks = {track};
+  const auto known = listener.update(1.5);
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known[0].key, 11);
+  EXPECT_LT((known[0].position_local_m - Vector3(1.0, 1.0, 0.0)).norm(), 1e-12);
+  EXPECT_EQ(known[0].velocity_local_mps, track.velocity_mps);
 }
 
 TEST(NeighborMemory, StaysEmptyWithoutASource) {

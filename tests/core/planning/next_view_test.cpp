@@ -76,7 +76,7 @@ double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector
   const ClearSpace space(map, config.path, start_m);
   using Key = std::tuple<int, int, int>;
   const auto place = [&](const Key& k) {
-    return Vector3(start_m + config.step_m * Vector3(std::get<0>(k), std::get<1>(k), std::get<2>(k)));
+    return Vector3(start_m + NextViewConfig::kStep_m * Vector3(std::get<0>(k), std::get<1>(k), std::get<2>(k)));
   };
   std::map<Key, double> way_m;  // Dijkstra
   std::set<std::pair<double, Key>> open = {{0.0, {0, 0, 0}}};
@@ -89,7 +89,7 @@ double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector
       const Key to{std::get<0>(from) + dx, std::get<1>(from) + dy, std::get<2>(from) + dz};
       if (way_m.count(to) != 0 || !space.is_clear(place(to)) || !space.is_clear_segment(place(from), place(to)))
         continue;
-      open.insert({cost_m + config.step_m * std::sqrt(dx * dx + dy * dy + dz * dz), to});
+      open.insert({cost_m + NextViewConfig::kStep_m * std::sqrt(dx * dx + dy * dy + dz * dz), to});
     }
   }
   double best = 0.0;

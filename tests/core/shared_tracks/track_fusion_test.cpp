@@ -202,7 +202,7 @@ TEST(TrackFusion, ReportsWeakTracksThatAgree) {
     reported = scene.fuse().size();
   }
   ASSERT_EQ(reported, 1U);
-  EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds 0.25, times 1 / common_clutter = 10 at most
+  EXPECT_NEAR(scene.fusion.reported()[0].existence, 0.714, 0.01);  // odds 0.25, times 1 / kCommonClutter = 10 at most
 }
 
 TEST(TrackFusion, ThreeObserversSeeOneTarget) {

@@ -38,7 +38,7 @@ TestConfig quick_config() {
   config.latency_s = 0.1;
   config.report_interval_s = 2.0;
   config.retry_after_s = 0.5;
-  config.cloud.range_max_m = config.closures.range_max_m = 14.0;
+  config.closures.range_max_m = 14.0;
   config.closures.search_radius_m = 4.0;
   return config;
 }

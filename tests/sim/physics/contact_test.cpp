@@ -171,7 +171,7 @@ TEST(Crash, KeepsMotorsRunningWhenConfigured) {
 
 TEST(Crash, BreaksTurningPropellersAtAnySpeed) {
   PhysicsConfig config = contact_physics();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   for (const bool strict : {true, false}) {
     config.propeller_contact_is_crash = strict;
     PhysicsVehicle vehicle = vehicle_at({1.5, 0, 0});
@@ -192,7 +192,7 @@ TEST(Crash, BreaksTurningPropellersAtAnySpeed) {
 
 TEST(Crash, ConservesMomentumOfBothVehicles) {
   PhysicsConfig config = contact_physics();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   PhysicsVehicle left = vehicle_at({-1, 0, 0}, test_quad(), "left");
   PhysicsVehicle right = vehicle_at({1, 0.05, 0}, test_quad(), "right");
   left.start.v_world_mps = {3, 0, 0};
@@ -234,7 +234,7 @@ TEST(Crash, IsIndependentOfAdvanceIntervals) {
 TEST(Crash, RequiresTheCrashSpeedForBodies) {
   for (const double speed_mps : {0.45, 0.55}) {  // 0.5 m/s by default
     PhysicsConfig config = contact_physics();
-    config.gravity_mps2.setZero();
+    config.gravity_world_mps2.setZero();
     PhysicsVehicle vehicle = vehicle_at({0, 0, test_quad().leg_height_m + 0.1});
     vehicle.start.v_world_mps = {0, 0, -speed_mps};
     Flight flight(config, {vehicle}, flat_ground());
@@ -248,7 +248,7 @@ TEST(Crash, BreaksBothAtATurningPropeller) {
   for (const bool turning : {false, true}) {
     PhysicsConfig config = contact_physics();
     config.motor_lag = true;
-    config.gravity_mps2.setZero();
+    config.gravity_world_mps2.setZero();
     Airframe weak = test_quad();
     weak.thrust_constant_N_per_radps2 = 1e-12;
     weak.rotor_speed_min_radps = 1.0;
@@ -277,7 +277,7 @@ PhysicsVehicle standing(const Airframe& airframe = test_quad()) {
 
 TEST(Rest, IsNotFoundInTheAir) {
   PhysicsConfig config = smooth_ground();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   PhysicsVehicle vehicle = vehicle_at({0, 0, test_quad().leg_height_m + 0.1});
   vehicle.start.v_world_mps = {0.004, 0, 0};
   Flight flight(config, {vehicle}, flat_ground());
@@ -287,7 +287,7 @@ TEST(Rest, IsNotFoundInTheAir) {
 
 TEST(Rest, EndsWhenAnotherVehicleComesNear) {
   PhysicsConfig config = smooth_ground();
-  config.gravity_mps2 = {0.02, 0, -9.81};
+  config.gravity_world_mps2 = {0.02, 0, -9.81};
   PhysicsVehicle resting = standing(),
                  coming = vehicle_at({9, 0.1, test_quad().leg_height_m + 1.0}, test_quad(), "coming");
   coming.motors_on = true;

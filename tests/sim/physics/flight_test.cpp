@@ -46,7 +46,7 @@ TEST(BodyDrag, FallApproachesTerminalVelocity) {
   config.body_drag = true;
   const Airframe airframe = test_quad();
   const double terminal =
-      std::sqrt(2 * airframe.mass_kg * kGravity / (config.air_density_kgpm3 * airframe.body_drag_area_m2.z()));
+      std::sqrt(2 * airframe.mass_kg * kGravity / (PhysicsConfig::kAirDensity_kgpm3 * airframe.body_drag_area_m2.z()));
   Flight flight(config, {vehicle_at({0, 0, 1000})});
   flight.run(2.0);
   EXPECT_NEAR(flight.state().v_world_mps.z(), -terminal * std::tanh(kGravity * 2.0 / terminal), 1e-8);
@@ -57,14 +57,14 @@ TEST(BodyDrag, FallApproachesTerminalVelocity) {
 TEST(BodyDrag, ActsOnVelocityRelativeToAir) {
   PhysicsConfig config = bare_physics();
   config.body_drag = true;
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   WindConfig wind;
   wind.mean_mps = {8, 0, 0};
   const Airframe airframe = test_quad();
   Flight flight(config, {vehicle_at({0, 0, 10})}, nullptr, wind);
   flight.run(5.0);
   // v' = k (8 - v)^2 from rest: 8 - v = 8 / (1 + 8 k t).
-  const double k = 0.5 * config.air_density_kgpm3 * airframe.body_drag_area_m2.x() / airframe.mass_kg;
+  const double k = 0.5 * PhysicsConfig::kAirDensity_kgpm3 * airframe.body_drag_area_m2.x() / airframe.mass_kg;
   EXPECT_NEAR(flight.state().v_world_mps.x(), 8.0 - 8.0 / (1.0 + 8.0 * k * 5.0), 1e-9);
   EXPECT_EQ(flight.world.wind_world_mps(0), Vector3(8, 0, 0));
 }
@@ -170,7 +170,7 @@ Vector3 angular_momentum(const VehicleState& state, const Airframe& airframe) {
 
 TEST(Momentum, IsKeptWithoutForces) {
   PhysicsConfig config = bare_physics();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   Airframe airframe = test_quad();
   airframe.inertia_diagonal_kgm2 = {0.02, 0.03, 0.045};  // tumbles about its middle axis
   PhysicsVehicle vehicle = vehicle_at({0, 0, 0}, airframe);
@@ -202,7 +202,7 @@ Airframe flywheel_quad() {
 
 TEST(Momentum, PassesFromSpinningRotorsToBody) {
   PhysicsConfig config = bare_physics();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   config.motor_lag = config.gyroscopic_torque = true;
   Airframe airframe = flywheel_quad();
   PhysicsVehicle vehicle = vehicle_at({0, 0, 0}, airframe);
@@ -217,7 +217,7 @@ TEST(Momentum, PassesFromSpinningRotorsToBody) {
 
 TEST(Gyroscope, SpinningRotorsMakeTheBodyPrecess) {
   PhysicsConfig config = bare_physics();
-  config.gravity_mps2.setZero();
+  config.gravity_world_mps2.setZero();
   config.gyroscopic_torque = true;
   Airframe airframe = flywheel_quad();
   for (Rotor& rotor : airframe.rotors) rotor.spin = Rotor::Spin::kCcw;

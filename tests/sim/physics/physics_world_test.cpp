@@ -129,7 +129,7 @@ TEST(Clearance, IsExactWhereverTheVehicleGoes) {
   builder.add_box({4, -1, 0}, {6, 1, 8}, SurfaceClass::kPillar, 3);
   PhysicsConfig config = bare_physics();
   config.contacts = true;
-  config.gravity_mps2 = {0, 0, -0.4};
+  config.gravity_world_mps2 = {0, 0, -0.4};
   PhysicsVehicle vehicle = vehicle_at({-20, 2.4, 5});
   vehicle.start.v_world_mps = {6, 0, 1};
   Flight flight(config, {vehicle}, std::make_shared<StaticScene>(builder.scene()));
@@ -249,7 +249,7 @@ TEST(Clearance, IsThatOfAllVehiclePairs) {
     vehicles.back().start.v_world_mps = 3.0 * Vector3(n[0], n[1], 0.3 * n[2]);
   }
   PhysicsConfig config = bare_physics();
-  config.gravity_mps2 = {0, 0, -1.0};
+  config.gravity_world_mps2 = {0, 0, -1.0};
   Flight flight(config, vehicles, flat_ground());
   for (int k = 0; k < 60; ++k) {
     flight.run(0.05);

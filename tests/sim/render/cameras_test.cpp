@@ -247,23 +247,5 @@ TEST(CameraController, StepsBackForNarrowerPictures) {
   EXPECT_NEAR(controller.view(picture).eye_world_m.norm(), usual_m, 1e-9);
 }
 
-TEST(CameraController, SpansTheGroundInTopPerspective) {
-  for (const double bottom_m : {-6.0, 3.0}) {
-    CameraConfig config;
-    config.width_px = 300;
-    config.height_px = 200;
-    config.span_m = 40.0;
-    config.fov_deg = 50.0;
-    config.perspective = true;
-    const Eigen::AlignedBox3d bounds(Vector3d(-9, -9, bottom_m), Vector3d(9, 9, 20));
-    const View view = CameraController(config, kNoVehicle, {}, bounds).view(PictureScene());
-    EXPECT_FALSE(view.orthographic);
-    const double ground_m = std::max(0.0, bottom_m);
-    EXPECT_TRUE(view.project({0, 0, ground_m})->head<2>().isApprox(Eigen::Vector2d(150, 100), 1e-9));
-    EXPECT_NEAR(view.project({0, 20, ground_m})->y(), 0.0, 1e-6);
-    EXPECT_NEAR(view.project({30, 0, ground_m})->x(), 300.0, 1e-6);
-  }
-}
-
 }  // namespace
 }  // namespace swiftlet::sim

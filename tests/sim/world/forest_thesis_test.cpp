@@ -52,22 +52,6 @@ TEST(ForestThesis, SizesAreUniformWithinTheirSpreads) {
   EXPECT_NEAR(sum_height_sq / n, 4.0 / 3.0, 0.1);
 }
 
-TEST(ForestThesis, TruncatesNormalSpreadAtTwoSigma) {
-  ForestThesisConfig config;
-  config.spread = ForestThesisConfig::Spread::kNormal;
-  double beyond_one_sigma = 0;
-  constexpr int kSeeds = 20;
-  for (int seed = 0; seed < kSeeds; ++seed) {
-    for (const WorldObject& tree : objects_of(make_forest_thesis(config, seed), SurfaceClass::kTrunk)) {
-      const double deviate = (attribute(tree, "height_m") - 7.5) / 2.0;
-      EXPECT_LE(std::abs(deviate), 2.0);
-      beyond_one_sigma += std::abs(deviate) > 1.0;
-    }
-  }
-  // P(1 < |z| < 2 given |z| < 2) = (0.9545 - 0.6827) / 0.9545 = 0.2848
-  EXPECT_NEAR(beyond_one_sigma / (100.0 * kSeeds), 0.2848, 5 * std::sqrt(0.2848 * 0.7152 / (100.0 * kSeeds)));
-}
-
 TEST(ForestThesis, RaysMatchTrunksAndCrowns) {
   const Scene scene = make_forest_thesis({}, 5);
   const WorldObject tree = objects_of(scene, SurfaceClass::kTrunk)[17];

@@ -183,14 +183,6 @@ TEST(TwoRoomsGap, RoomsAreClosedAllAround) {
   }
 }
 
-TEST(TwoRoomsGap, RandomYawComesFromTheSeed) {
-  TwoRoomsGapConfig config;
-  config.random_yaw = true;
-  const double a = make_two_rooms_gap(config, 1).objects[0].yaw_rad;
-  EXPECT_EQ(a, make_two_rooms_gap(config, 1).objects[0].yaw_rad);
-  EXPECT_NE(a, make_two_rooms_gap(config, 2).objects[0].yaw_rad);
-}
-
 TEST(Hall, WallHidesWhatIsBehindIt) {
   const HallConfig config;
   const Scene scene = make_hall(config, 1);

@@ -3,7 +3,7 @@
 
 namespace swiftlet {
 
-/// Gravitational acceleration that the simulated world has by default and that the onboard software assumes.
+/// Gravitational acceleration of the simulated world, which the onboard software assumes.
 inline constexpr double kGravity_mps2 = 9.81;
 
 /// The unit g of accelerometers: 1 g = 9.80665 m/s^2 (ISO 80000-3). For conversion of units only.

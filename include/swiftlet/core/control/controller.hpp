@@ -13,17 +13,17 @@ namespace swiftlet {
 /// Gains of the cascade. A gain of 0 is derived from the airframe: the motor time constants bound the rate loop, which
 /// bounds the attitude loop, which bounds the position loop. Gains act on accelerations, so mass and inertia cancel.
 struct ControlGainsConfig {
-  double position_radps = 0.0;  ///< natural frequency of the position loop
-  double position_damping = 1.0;
-  double integral_time_s = 2.0;    ///< 0: no integral part
+  double position_radps = 0.0;    ///< natural frequency of the position loop
+  double position_damping = 1.0;  ///< [-] damping ratio of the position loop; smaller values overshoot
+  /// [s] integral time of the position loop; smaller values compensate wind sooner and overshoot; 0: no integral part
+  double integral_time_s = 2.0;
   double integral_max_mps2 = 3.0;  ///< limit of the integral part; larger values compensate stronger wind
   double attitude_radps = 0.0;     ///< commanded rate per tilt error
   double rate_radps = 0.0;         ///< angular acceleration per error of roll or pitch rate
-  double yaw_attitude_radps = 0.0;
-  double yaw_rate_radps = 0.0;
   double tilt_max_deg = 60.0;
+  /// [deg/s] limit of the commanded roll and pitch rates together; smaller values turn the thrust later
   double tilt_rate_max_degps = 570.0;
-  double yaw_rate_max_degps = 170.0;
+  double yaw_rate_max_degps = 170.0;  ///< [deg/s] limit of the commanded yaw rate; smaller values turn more slowly
 
   void visit(ConfigVisitor& v);
 };

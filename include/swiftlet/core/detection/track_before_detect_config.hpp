@@ -35,14 +35,11 @@ struct ExpectedTarget {
   double max_size_m = 4.0;
   double body_m = 2.0;
   double seen_side_m = 0.05;  ///< [m] distance from the mean of the returns to the center of a target, along the beam
-  double sigma_sampling_m = 0.15;
   double sigma_velocity_mps = 4.0;
   double acceleration_density = 1.5;  ///< [m^2/s^3] spectral density of a target's white acceleration, per axis
   double birth_per_m3 = 2e-4;         ///< [1/m^3] density of unknown targets
-  double new_per_m3 = 2e-6;
-  double lifetime_s = 60.0;  ///< [s] mean lifetime of a target
-  double seen_for_s = 5.0;   ///< [s] mean time until an obstruction that the beams do not show hides a target
-  double hidden_for_s = 2.0;
+  double lifetime_s = 60.0;           ///< [s] mean lifetime of a target
+  double seen_for_s = 5.0;            ///< [s] mean time until an obstruction that the beams do not show hides a target
 
   void visit(ConfigVisitor& v);
 };
@@ -68,15 +65,13 @@ struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   /// [-] largest share of beams that end in the voxels around a new hypothesis; the prior of `air` determines how many
   /// must have passed
   double free_share = 0.001;
-  /// [-] largest share of beams that end in any voxel within free_reach_m of a new hypothesis
+  /// [-] largest share of beams that end in any voxel within 1 m of a new hypothesis
   double hit_share = 0.01;
-  double free_reach_m = 1.0;
   double free_air_share = 1e-6;
   double learning_delay_s = 1.0;  ///< [s] delay until returns that are no target become background
   double cluster_distance_m = 0.7;
   /// [m] standard deviation of the position, on any axis, above which a hypothesis is dropped
   double sigma_lost_m = 1.3;
-  double sigma_hidden_m = 20.0;
   int rays_per_sweep = 10000;  ///< [-] largest number of beams of a sweep that clear air; the next sweep uses others
   int max_hypotheses = 128;    ///< [-] largest number of hypotheses; the most likely ones are kept
   double latency_s = 0.08;

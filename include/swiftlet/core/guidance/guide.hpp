@@ -50,10 +50,8 @@ struct GuideConfig : ModuleConfigOf<GuideConfig> {
   double settle_s = 1.0;
   double link_timeout_s = 1.5;
   double sigma_max_m = 0.4;
-  double search_after_s = 3.0;
   double stage_timeout_s = 60.0;
   int retries = 5;
-  double retry_after_s = 2.0;
   TeamPlannerConfig planner;
 
   void visit(ConfigVisitor& v) override;

@@ -24,6 +24,7 @@ struct NavigateConfig : ModuleConfigOf<NavigateConfig> {
   double planning_latency_s = 0.5;
   double stage_timeout_s = 60.0;
   int retries = 5;
+  /// [s] delay after a failure until the next plan; larger values wait longer for obstacles to move away
   double retry_after_s = 2.0;
   ClearPathConfig planner;
   SamplingConfig sampling;

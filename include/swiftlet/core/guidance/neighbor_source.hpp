@@ -13,7 +13,6 @@ struct NeighborSourceConfig {
   double acceleration_sigma_mps2 = 2.0;
   double first_speed_sigma_mps = 2.0;
   bool remember_hidden = true;
-  bool predict = true;
 
   /// Neighbors are dropped one second after their last measurement, as flocking models assume.
   static NeighborSourceConfig without_memory();

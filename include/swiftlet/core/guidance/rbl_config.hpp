@@ -77,8 +77,9 @@ struct RblDetourConfig {
   double patience_s = 3.0;
   double climb_m = 1.0;  ///< [m] largest height difference of the path to the vehicle; near the goal, also to the goal
   double planning_latency_s = 0.5;
+  /// [s] delay after a search without a path before the next one; larger values wait longer for others to move away
   double retry_after_s = 2.0;
-  int retries = 3;
+  int retries = 3;  ///< [-] searches without a path, after the first one, before the mission has failed
   ClearPathConfig planner;
 
   /// The exit of a dead end is not in view, so unknown space counts as free. Any path suffices, so the search is

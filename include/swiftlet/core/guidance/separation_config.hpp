@@ -13,6 +13,8 @@ struct SeparationConfig {
   double margin_m = 0.1;
   double sigmas = 2.0;
   double vertical_m = 1.5;
+  /// [-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles, below 0.5;
+  /// smaller values slow vehicles down near each other; 0: no pledges
   double pledge_share = 0.45;
   double acceleration_mps2 = 2.5;
   double jerk_mps3 = 15.0;

@@ -20,7 +20,6 @@ struct WaypointsConfig : ModuleConfigOf<WaypointsConfig> {
   double dwell_s = 0.0;
   bool loop = false;
   bool land_at_end = false;
-  double landing_speed_mps = 0.5;
   enum class Yaw { kAlongPath, kAtNext, kFixed };
   Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;

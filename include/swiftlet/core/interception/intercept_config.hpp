@@ -10,12 +10,10 @@
 namespace swiftlet {
 
 struct ChaseMpcConfig {
-  int iterations = 80;
-  double tolerance = 1e-3;
+  int iterations = 80;         ///< [-] largest number of iterations of the solver; larger values cost time
+  double tolerance = 1e-3;     ///< [-] violation of the limits, as a share of them, at which the solver stops
   double jerk_weight = 1e-3;   ///< [m^2] cost of full jerk, as a squared distance
   double wall_weight = 200.0;  ///< [1/m^2] weight of squared distances beyond a wall
-
-  void visit(ConfigVisitor& v);
 };
 
 /// Flight area of an interceptor: a box in the world, and the waiting time for a target that has left it.
@@ -55,7 +53,6 @@ struct TargetSearchConfig {
   double fov_bottom_deg = -22.5;
   double fov_top_deg = 22.5;
   double detection_rate_per_s = 3.0;  ///< [1/s] rate of detections of a visible target
-  std::uint64_t seed = 1;
 
   void visit(ConfigVisitor& v);
 };
@@ -68,7 +65,6 @@ struct ChasePlanConfig {
   double weight_before = 0.02;  ///< [-] weight of squared distances before the meeting; 1: as at the meeting
   /// [-] weight after the meeting; at 1 the vehicle stays with the target, and arrives later
   double weight_after = 0.02;
-  double meeting_s = 0.5;
   double reach_share = 0.48;
   double velocity_weight = 0.0;  ///< [s^2] weight of the squared difference of velocities at the meeting
   double hold_m = 0.2;           ///< [m] vertical distance that a disc keeps from the target until they meet

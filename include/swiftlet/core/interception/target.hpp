@@ -18,9 +18,7 @@ struct TargetConfig : ModuleConfigOf<TargetConfig> {
   Eigen::Vector3d area_min_m = {-30.0, -30.0, 5.0};
   Eigen::Vector3d area_max_m = {30.0, 30.0, 15.0};
   double radius_m = 8.0;
-  double leg_min_m = 15.0;
   double alarm_m = 12.0;
-  double cruise = 0.6;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -51,21 +51,17 @@ std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_lo
                                                    std::span<const Vector3> p_other_m, std::span<const double> weights);
 
 struct RelativeAlignmentConfig {
-  enum class Loss { kSquared, kHuber, kCauchy, kGemanMcclure };
   int window_size = 60;  ///< [-] pairs of sighting and odometry in the window
   /// [m] distance flown by the other vehicle between pairs; while it rests, the newest pair is replaced
   double window_step_m = 0.1;
-  Loss loss = Loss::kCauchy;
-  double loss_scale = 2.0;  ///< [-] residual in standard deviations at which the loss departs from a square
-  double gate_sigma = 3.5;
+  double loss_scale = 2.0;         ///< [-] residual in standard deviations at which Cauchy's loss departs from a square
   int min_pairs = 8;               ///< [-] fewest inliers of an alignment
   double min_inlier_share = 0.65;  ///< [-] least share of inliers in the window
   /// [-] largest RMS residual of the inliers per axis, in standard deviations; above it another vehicle was seen
   double residual_sigma_max = 1.25;
+  /// [m] horizontal RMS distance of the window's positions from their mean below which the heading is unobservable
   double min_spread_m = 0.25;
-  double heading_sigma_max_deg = 5.0;
-
-  void visit(ConfigVisitor& v);
+  double heading_sigma_max_deg = 5.0;  ///< [deg] standard deviation of the heading above which it is not reported
 };
 
 /// Prior of the other vehicle's clock offset, before any motion constrains it.

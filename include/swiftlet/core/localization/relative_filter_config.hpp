@@ -13,6 +13,7 @@ struct RelativeFilterConfig {
   double odometry_yaw_sigma_deg = 0.5;        ///< [deg] white noise of the heading of that odometry
   double yaw_rate_sigma_degps = 10.0;  ///< [deg/s] growth of the heading's standard deviation since the newest sample
   double bias_sigma_m = 0.02;
+  /// [-] residual in standard deviations beyond which a sighting is rejected; larger values accept false sightings
   double gate_sigma = 4.0;
   double drift_factor_max = 10.0;
 

@@ -58,7 +58,6 @@ struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
   Source source = Source::kTracks;
   double marker_reflectivity = 3.0;
   double body_radius_m = 0.3;
-  double marker_memory_s = 2.0;
   double center_behind_m = 0.0;
   double center_above_m = 0.0;
   Clock clock = Clock::kSynchronized;
@@ -66,8 +65,10 @@ struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
   double least_delay_s = 0.01;   ///< [s] with one_way: delay of the fastest message
   double odometry_gap_max_s = 2.0;  ///< [s] longest gap of the other vehicle's odometry in which sightings are paired
   double position_sigma_max_m = 1.0;
+  /// [s] time with bright sightings elsewhere, but none at the expected position, after which the vehicle is lost;
+  /// larger values follow a wrong estimate longer
   double reacquire_s = 3.0;
-  RelativeAlignmentConfig alignment;
+  RelativeAlignmentConfig alignment;  ///< sliding window that estimates the transform between the local frames
   RelativeFilterConfig filter;
   OdometryDriftConfig drift;
 

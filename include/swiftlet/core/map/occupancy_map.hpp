@@ -18,7 +18,7 @@ struct OccupancyMapConfig {
   /// [-] Limits of a cell's probability, as the library's. Wider limits let a cell change later.
   static constexpr double kProbabilityMin = 0.1192, kProbabilityMax = 0.971;
 
-  /// [cells] Upper limit of distance_max_m.
+  /// [cells] Upper limit of cached distances. Larger values take more memory around changed cells.
   static constexpr int kMaxDistance_cells = 64;
   /// [cells] Upper limit of range_max_m and keep_radius_m. Larger values take more memory.
   static constexpr int kMaxRadius_cells = 480;
@@ -29,6 +29,8 @@ struct OccupancyMapConfig {
   double p_occupied = 0.5;
   double range_max_m = 20.0;
   double keep_radius_m = 30.0;
+  /// [m] largest distance to the nearest occupied cell that is cached, at most kMaxDistance_cells; larger distances are
+  /// searched on request
   double distance_max_m = 1.5;
 
   void visit(ConfigVisitor& v);

@@ -19,17 +19,15 @@ struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
   double clear_range_m = 8.0;
   double tracked_radius_m = 1.0;
   double edge_m = 0.2;
-  double p_hit = 0.7;
   double p_miss = 0.4;
   double p_occupied = 0.7;
   int outvoted_by = 2;
   double covered_share = 0.9;
   int pieces_max = 300;
-  double distance_max_m = 2.0;
 
   void visit(ConfigVisitor& v) override;
   OccupancyMapConfig growing() const;
-  SubmapMapConfig whole() const { return {edge_m, outvoted_by, distance_max_m}; }
+  SubmapMapConfig whole() const;
   /// Estimated memory: pieces_max pieces, a quarter of the reachable volume of each observed.
   double bytes() const;
 };

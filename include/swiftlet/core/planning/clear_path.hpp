@@ -23,6 +23,7 @@ struct ClearPathConfig {
   int max_shortenings = 5;  ///< [-] largest number of passes that cut corners
 
   void visit(ConfigVisitor& v);
+  void visit_limits(ConfigVisitor& v);  ///< clearance and heights only
 };
 
 enum class ClearPathStatus { kFound, kStartEnclosed, kGoalBlocked, kGoalUnknown, kGoalTooFar, kNoPath, kBudgetSpent };

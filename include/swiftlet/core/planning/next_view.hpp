@@ -13,18 +13,24 @@
 /// Next-best views for exploration.
 namespace swiftlet {
 
+/// Limits of the path to a view. The lattice search has a budget of its own and never enters unknown space.
+struct ViewPathConfig : ClearPathConfig {
+  void visit(ConfigVisitor& v) { visit_limits(v); }
+};
+
 /// Search of views. Budgets are counted, never timed, so results do not depend on the machine.
 struct NextViewConfig {
+  /// [m] Spacing of the lattice that is searched. Larger values search faster and miss narrow passages.
+  static constexpr double kStep_m = 0.5;
+
   double range_m = 5.0;
   double up_deg = 45.0;
   double down_deg = 45.0;
   int num_rays = 200;  ///< [-] number of rays that evaluate a view
   double share_min = 0.1;
   double path_decay_per_m = 0.1;  ///< [1/m] lambda: decay of a view's worth with the length of its path
-  double step_m = 0.5;
-  double grain_m = 0.5;
   int max_expansions = 200'000;
-  ClearPathConfig path;
+  ViewPathConfig path;
 
   void visit(ConfigVisitor& v);
 };

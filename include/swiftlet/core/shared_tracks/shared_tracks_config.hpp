@@ -36,7 +36,6 @@ struct FrameLinkConfig {
 struct TrackFusionConfig {
   double reported_existence = 0.5;
   double prior_existence = 2e-4;  ///< [-] prior probability of a target at a reported position
-  double common_clutter = 0.1;
   /// [-] squared Mahalanobis distance of position and velocity up to which two tracks may be one target
   double gate_sq = 22.5;
   double merge_sq = 12.6;  ///< [-] squared Mahalanobis distance up to which two tracks agree on one target
@@ -58,7 +57,6 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   double certainty = 0.9;  ///< [-] probability of existence of own tracks whose detector reports none
   double timeout_s = 1.0;
   double acceleration_density = 3.0;  ///< [m^2/s^3] white acceleration of a target per axis, since the track's report
-  double body_m = 0.8;
   FrameLinkConfig frame;
   OdometryDriftConfig drift;
   TrackFusionConfig fusion;

@@ -24,6 +24,7 @@ struct CorrectionBlendConfig {
   BlendForm form = BlendForm::kLimited;
   double speed_max_mps = 0.25;
   double acceleration_max_mps2 = 0.1;
+  /// [m] distance from the vehicle up to which points keep the limits; larger values turn the map more slowly
   double lever_m = 10.0;
 
   void visit(ConfigVisitor& v);
@@ -50,14 +51,10 @@ struct GlobalSlamConfig {
   double gravity_sigma_deg = 0.2;  ///< [deg] standard deviation of the tilt from local SLAM
   bool use_gnss = true;
   double optimize_every_s = 10.0;
-  double fit_spread_m = 5.0;
   std::string map;
   std::shared_ptr<const SavedMap> loaded_map;  ///< content of the file `map`, read by the creator of the vehicle
-  double locate_every_m = 4.0;
-  double locate_every_s = 1.5;
   GnssFactorConfig gnss;
   ClosureConfig closures;
-  GraphSolverConfig graph;
   CorrectionBlendConfig blend;
   MapSharingConfig share;
 

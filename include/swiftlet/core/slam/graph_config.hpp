@@ -22,10 +22,8 @@ struct GnssFactorConfig {
 };
 
 struct GraphSolverConfig {
-  int iterations = 20;
+  int iterations = 20;     ///< [-] largest number of iterations of one optimization; larger values cost time
   double step_min = 1e-6;  ///< [m, rad] step size below which the optimization ends
-
-  void visit(ConfigVisitor& v);
 };
 
 }  // namespace swiftlet

@@ -6,11 +6,9 @@
 namespace swiftlet {
 
 struct AdaptiveVoxelConfig {
-  double edge_max_m = 2.0;  ///< [m] largest edge of the cubes that keep one point each
-  int points_min = 150;     ///< [-] the edge shrinks until at least this many points are left
-  double range_max_m = 15.0;
-
-  void visit(ConfigVisitor& v);
+  double edge_max_m = 2.0;    ///< [m] largest edge of the cubes that keep one point each
+  int points_min = 150;       ///< [-] the edge shrinks until at least this many points are left
+  double range_max_m = 15.0;  ///< [m] points farther away are ignored; larger values match more points
 };
 
 struct GridMatchConfig {
@@ -18,9 +16,7 @@ struct GridMatchConfig {
   double low_weight = 6.0;              ///< [-] weight of occupied space in the coarser grid
   double translation_weight_1_m = 5.0;  ///< [1/m] weight of the displacement from the prediction
   double rotation_weight = 400.0;       ///< [-] weight of half the angle from the prediction
-  int iterations = 12;
-
-  void visit(ConfigVisitor& v);
+  int iterations = 12;  ///< [-] largest number of iterations of the least squares; larger values cost time
 };
 
 struct GridSubmapConfig {
@@ -38,9 +34,9 @@ struct GridSubmapConfig {
 struct GridMatchingConfig {
   double range_min_m = 1.0;
   double range_max_m = 60.0;
-  double voxel_m = 0.15;  ///< [m] one return in a cube of this edge goes into the map
-  AdaptiveVoxelConfig high{2.0, 150, 15.0};
-  AdaptiveVoxelConfig low{4.0, 200, 60.0};
+  double voxel_m = 0.15;                     ///< [m] one return in a cube of this edge goes into the map
+  AdaptiveVoxelConfig high{2.0, 150, 15.0};  ///< points that are matched to the finer grid
+  AdaptiveVoxelConfig low{4.0, 200, 60.0};   ///< points that are matched to the coarser grid
   GridMatchConfig cost;
   GridSubmapConfig submaps;
   double insert_after_m = 0.1;     ///< [m] motion after which a scan goes into the map

@@ -26,8 +26,8 @@ struct InertialConfig : ImuNoise {
 
 struct SurfaceMapConfig {
   double cell_m = 2.0;
-  int levels = 4;
-  double fineness = 0.01;       ///< [-] smallest edge of a cell, as a share of the range of its points
+  int levels = 4;          ///< [-] number of cell sizes, each half of the next larger one; more resolve smaller planes
+  double fineness = 0.01;  ///< [-] smallest edge of a cell, as a share of the range of its points
   int points_per_cell = 300;    ///< [-] largest number of points of a cell; further ones are ignored
   double plane_sigma_m = 0.06;  ///< [m] largest scatter of the points about a plane
   bool two_faced = true;        ///< a plane holds only points seen from its side; needs the origins of the rays
@@ -40,7 +40,6 @@ struct ScanToMapConfig {
   /// [-] residual in standard deviations beyond which points lie on no surface and hardly count; larger values let
   /// wrong pairs attract
   double kernel_sigma = 3.0;
-  double reach_m = 0.5;
   double surface_sigma_m = 0.005;  ///< [m] roughness assumed for the smoothest surface
   double point_weight = 0.02;      ///< [-] weight of points where the map has no plane; 0: they are left out
   double degenerate_share = 0.003;
@@ -55,9 +54,8 @@ struct ScanToMapConfig {
 };
 
 struct SurfaceMatchingConfig {
-  int map_points = 20000;   ///< [-] largest number of points of a scan that go into the map
-  int match_points = 4000;  ///< [-] largest number of points of a scan that are matched
-  int iterations = 5;
+  int map_points = 20000;         ///< [-] largest number of points of a scan that go into the map
+  int match_points = 4000;        ///< [-] largest number of points of a scan that are matched
   double insert_after_m = 0.3;    ///< [m] motion after which a scan goes into the map
   double insert_after_deg = 8.0;  ///< [deg] rotation after which a scan goes into the map
   double insert_after_s = 1.0;    ///< [s] time after which a scan goes into the map without motion

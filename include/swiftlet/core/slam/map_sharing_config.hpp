@@ -2,21 +2,20 @@
 #pragma once
 
 #include "swiftlet/core/base/config.hpp"
-#include "swiftlet/core/slam/graph_config.hpp"
 
 namespace swiftlet {
 
 /// Transmitted part of a submap.
 struct CompactCloudConfig {
+  /// [-] Bits of each coordinate within its voxel. Larger values place points more precisely and take more of the data
+  /// rate.
+  static constexpr int kBits = 5;
+
   double voxel_m = 0.5;       ///< [m] edge of the cubes that keep one point of upright structure
   double flat_voxel_m = 1.5;  ///< [m] edge of the cubes that keep one point of the ground and all else
-  double range_max_m = 25.0;
   /// [-] approximate limit of points of upright structure; whole columns beyond it are left out
   int upright_points = 1200;
-  int bits = 5;
   int chunk_bytes = 1000;  ///< [B] largest size of the cloud in one message
-
-  void visit(ConfigVisitor& v);
 };
 
 /// Acceptance of closures between two vehicles.
@@ -32,7 +31,6 @@ struct MapJoinConfig {
   double odometry_attitude_deg_sqrt_m = 0.05;
   double closure_huber = 3.0;  ///< [-] Huber threshold of closures, in standard deviations; larger residuals count less
   double gravity_sigma_deg = 0.2;  ///< [deg] standard deviation of a submap's tilt
-  GraphSolverConfig graph;
 
   void visit(ConfigVisitor& v);
 };

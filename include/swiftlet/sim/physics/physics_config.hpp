@@ -8,9 +8,12 @@ namespace swiftlet::sim {
 
 /// Simulated physical effects. Each can be switched off alone.
 struct PhysicsConfig {
+  /// [kg/m^3] Density of air at sea level. Larger values increase the drag of bodies and weaken the wakes of rotors.
+  static constexpr double kAirDensity_kgpm3 = 1.225;
+
   double step_s = 0.001;
-  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -kGravity_mps2};
-  double air_density_kgpm3 = 1.225;
+  /// [m/s^2] gravity; larger magnitudes need more thrust to hover
+  Eigen::Vector3d gravity_world_mps2 = {0.0, 0.0, -kGravity_mps2};
   bool motor_lag = true;
   bool gyroscopic_torque = true;
   bool rotor_drag = true;

@@ -36,9 +36,8 @@ struct CameraConfig {
   /// - top: target is the center, when span_m is given.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
-  double fov_deg = 60.0;     ///< vertical field of view
-  double span_m = 0.0;       ///< top: height of the area shown; 0: fits vehicles and trails
-  bool perspective = false;  ///< top: perspective view from high above instead of a parallel projection
+  double fov_deg = 60.0;  ///< vertical field of view
+  double span_m = 0.0;    ///< top: height of the area shown; 0: fits vehicles and trails
   int width_px = 1280;
   int height_px = 720;
   PictureMedium style = PictureMedium::kScreen;

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "swiftlet/core/base/gravity.hpp"
 #include "swiftlet/sim/sensors/mount_error_config.hpp"
 #include "swiftlet/sim/sensors/outage_config.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
@@ -28,7 +27,6 @@ struct ImuConfig : SensorConfigOf<ImuConfig> {
   double accel_bias_time_s = 300.0;
   double accel_turn_on_bias_mps2 = 0.196;
   double accel_max_mps2 = 176.6;
-  double gravity_mps2 = kGravity_mps2;
   MountErrorConfig mount_error;
   VibrationConfig vibration;
   double dropout_probability = 0.0;  ///< samples that are not delivered

@@ -18,7 +18,6 @@ struct OdometryConfig : SensorConfigOf<OdometryConfig> {
   double rate_hz = 30.0;
   enum class Frame { kStart, kWorld, kRandom };
   Frame frame = Frame::kStart;
-  Eigen::Vector3d initial_offset_m = {10.0, 10.0, 1.0};
   double initial_yaw_deg = 180.0;
   double drift_percent = 1.0;
   double drift_per_turn_m = 0.05;

@@ -16,8 +16,6 @@ struct CampusConfig : ModuleConfigOf<CampusConfig> {
   Eigen::Vector2d building_size_m = {14.0, 9.0};
   double wall_height_m = 4.5;
   double roof_height_m = 2.8;
-  double path_distance_m = 3.0;
-  double path_width_m = 2.0;
   int num_trees = 22;
   int num_lamps = 8;
   int num_cars = 5;

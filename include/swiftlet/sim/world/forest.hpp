@@ -24,7 +24,7 @@ struct ForestConfig : ModuleConfigOf<ForestConfig> {
   double pine_share = 0.4;
   double spruce_share = 0.35;
   double broadleaf_share = 0.25;
-  double lean_max_deg = 3.0;
+  double lean_max_deg = 3.0;  ///< [deg] largest lean of the trunks; larger values spread the crowns of tall trees
   double leaf_area_density_per_m = 0.5;
   int variants = 8;
   double bushes_per_ha = 400.0;

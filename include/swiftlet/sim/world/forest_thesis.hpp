@@ -8,7 +8,7 @@
 namespace swiftlet::sim {
 
 /// The forest of [Kamler 2025, sec. 3.4]: 100 trees at least 3 m apart on a flat area, trunks as cylinders, crowns as
-/// spheres. The thesis gives "0.5 +- 0.2 m" without naming a distribution; the default is uniform with that half-width.
+/// spheres. The thesis gives "0.5 +- 0.2 m" without naming a distribution; here it is uniform with that half-width.
 /// The distance between trees is that of their axes. The trunk is as long as the tree is high, and the crown is
 /// centered on its top. The flight from z = 2 m to 5 m thus passes below most of it, as Fig. 3.4 shows.
 struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
@@ -22,8 +22,6 @@ struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
   double tree_height_spread_m = 2.0;
   double crown_radius_m = 2.5;
   double crown_radius_spread_m = 0.5;
-  enum class Spread { kUniform, kNormal };
-  Spread spread = Spread::kUniform;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

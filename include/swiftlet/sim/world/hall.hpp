@@ -11,7 +11,6 @@ namespace swiftlet::sim {
 /// of the multi-UAV experiment (Table IV). Crates stand along the outer walls only.
 struct HallConfig : ModuleConfigOf<HallConfig> {
   Eigen::Vector3d size_m = {15.0, 10.0, 6.0};
-  bool ceiling = true;
   Eigen::Vector2d hide_center_m = {1.5, 0.0};
   double hide_length_m = 4.0;
   double hide_height_m = 0.0;

@@ -17,9 +17,7 @@ struct TwoRoomsGapConfig : ModuleConfigOf<TwoRoomsGapConfig> {
   double gap_offset_m = 0.0;
   Eigen::Vector2d room_size_m = {9.0, 10.0};
   double height_m = 4.0;
-  bool ceiling = true;
   double yaw_deg = 0.0;
-  bool random_yaw = false;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
 
   void visit(ConfigVisitor& v) override;
