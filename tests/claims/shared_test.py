@@ -131,6 +131,10 @@ class SlamStart(unittest.TestCase):
             self.assertEqual(flight["valid_share"], 1.0, flight)
             self.assertLess(flight["final_m"], 1.5, flight)
 
+    def test_a_turned_lidar_is_not_explained_by_late_stamps(self):
+        flight = slam_faults.fly_fault("forest", "os1_128", "LiDAR turned by 180 deg", 9105, 3.0)
+        self.assertLess(flight["worst_m"], 0.6, flight)
+
 
 class Guidance(unittest.TestCase):
     def test_passes_lead_from_side_to_side(self):

@@ -53,7 +53,11 @@ void LocalSlam::begin_again() {
         find_time_offset();
     }
   }
-  innovations_.begin(contradicted && start_.agreement.mean_innovation() > InnovationMonitor::kAgreement);
+  // A time offset outside of the tried range explains no contradiction.
+  const double shift_s = std::abs(filter_.state().time_offset_s - config_.imu.time_offset_s);
+  const bool explained = start_.agreement.mean_innovation() <= InnovationMonitor::kAgreement &&
+                         shift_s <= kTriedSteps * kTriedStep * config_.imu.time_offset_sigma_s;
+  innovations_.begin(contradicted && !explained);
   start_ = {.over = true, .keeps_offset = false};
 }
 
