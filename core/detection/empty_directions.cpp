@@ -22,7 +22,7 @@ struct Quiet {
 };
 
 // [bins] Step of the position within a bin from sweep to sweep, along the row; across rows its square: the evenly
-// distributed sequence R2 of Roberts 2018.
+// distributed sequence R2 of Roberts 2018. Other steps test some places of a bin again and leave others out.
 constexpr double kStepTurn = 0.7548776662466927;
 
 double fraction(double x) { return x - std::floor(x); }
