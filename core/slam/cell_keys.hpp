@@ -43,6 +43,20 @@ struct KeyTable {
     if (2 * keys.size() > slots_.size()) rebuild(2 * slots_.size());
     return static_cast<std::uint32_t>(keys.size() - 1);
   }
+  /// Removes the keys, and what a vector has at their numbers, for which drop(key, entry) holds. The others move up.
+  template <class Entry, class Drop>
+  void erase_if(std::vector<Entry>& entries, Drop drop) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (drop(keys[i], entries[i])) continue;
+      keys[kept] = keys[i];
+      entries[kept++] = entries[i];
+    }
+    if (kept == keys.size()) return;
+    keys.resize(kept);
+    entries.resize(kept);
+    rebuild();
+  }
   /// Fills the table anew after a change of `keys`.
   void rebuild() { rebuild(slots_.size()); }
   /// Keeps the memory.

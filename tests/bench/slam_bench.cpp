@@ -33,7 +33,8 @@ struct Flown {
 };
 
 constexpr double kFlight_s = 12.0;
-constexpr int kStartScans = 12;
+/// Scans that are not timed: the first ones are matched again after the start.
+const int kStartScans = LocalSlamConfig{}.start_scans + 2;
 
 Flown fly(const std::string& scenario_file, const std::string& lidar) {
   sim::Scenario scenario = sim::load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/" + scenario_file,

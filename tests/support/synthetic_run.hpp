@@ -212,9 +212,9 @@ class SyntheticRun {
     }
     o.altimeter.push_back({view_.t, 6.0 + number(), 0.1});
     o.compass.push_back({view_.t, 0.5 * number(), 0.02});
-    const Pose told = pose();
+    const Pose reported = pose();
     const Vector3 velocity = vector();
-    o.pose.push_back({view_.t, told, velocity, vector()});
+    o.pose.push_back({view_.t, reported, velocity, vector()});
     const Vector3 seen = vector();
     o.neighbors.push_back({view_.t, 1 - v, seen, covariance()});
     Message& message = o.messages.emplace_back();

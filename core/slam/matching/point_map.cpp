@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/slam/cell_keys.hpp"
 #include "core/slam/matching/matching_limits.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
@@ -17,7 +16,8 @@ namespace {
 constexpr float kSpacing_m = 0.22F;
 // [-] Largest number of iterations. More of them cost time.
 constexpr int kIterations = 200;
-// [-] Distance of a pair up to which it counts, in widths of the kernel. Larger values cost time.
+// [-] Largest distance of a pair, in widths of the kernel; its weight there is 1 %. Larger values add distant pairs,
+// most of which are wrong.
 constexpr double kReach_widths = 3.0;
 
 std::int64_t index_of(double x) { return static_cast<std::int64_t>(std::floor(x / PointMap::kVoxel_m)); }
@@ -26,7 +26,9 @@ std::int64_t index_of(double x) { return static_cast<std::int64_t>(std::floor(x 
 
 void PointMap::insert(std::span<const Vector3> points_local_m) {
   for (const Vector3& p : points_local_m) {
-    Voxel& voxel = voxels_[cell_key(index_of(p.x()), index_of(p.y()), index_of(p.z()))];
+    const std::uint32_t number = table_.find_or_insert(cell_key(index_of(p.x()), index_of(p.y()), index_of(p.z())));
+    if (number == voxels_.size()) voxels_.emplace_back();
+    Voxel& voxel = voxels_[number];
     if (voxel.count == kCapacity) continue;
     const Eigen::Vector3f point = p.cast<float>();
     bool apart = true;
@@ -37,9 +39,14 @@ void PointMap::insert(std::span<const Vector3> points_local_m) {
 }
 
 void PointMap::keep_around(const Vector3& center_local_m, double radius_m) {
-  std::erase_if(voxels_, [&](const std::pair<const std::uint64_t, Voxel>& entry) {
-    return (entry.second.points_local_m[0].cast<double>() - center_local_m).squaredNorm() > radius_m * radius_m;
+  table_.erase_if(voxels_, [&](std::uint64_t, const Voxel& voxel) {
+    return (voxel.points_local_m[0].cast<double>() - center_local_m).squaredNorm() > radius_m * radius_m;
   });
+}
+
+void PointMap::clear() {
+  table_.clear();
+  voxels_.clear();
 }
 
 const Eigen::Vector3f* PointMap::nearest(const Vector3& p_local_m, double within_m) const {
@@ -50,13 +57,14 @@ const Eigen::Vector3f* PointMap::nearest(const Vector3& p_local_m, double within
   for (std::int64_t i = x - 1; i <= x + 1; ++i) {
     for (std::int64_t j = y - 1; j <= y + 1; ++j) {
       for (std::int64_t k = z - 1; k <= z + 1; ++k) {
-        const auto found = voxels_.find(cell_key(i, j, k));
-        if (found == voxels_.end()) continue;
-        for (int n = 0; n < found->second.count; ++n) {
-          const float square = (found->second.points_local_m[n] - p).squaredNorm();
+        const std::uint32_t found = table_.find(cell_key(i, j, k));
+        if (found == 0) continue;
+        const Voxel& voxel = voxels_[found - 1];
+        for (int n = 0; n < voxel.count; ++n) {
+          const float square = (voxel.points_local_m[n] - p).squaredNorm();
           if (square >= least) continue;
           least = square;
-          best = &found->second.points_local_m[n];
+          best = &voxel.points_local_m[n];
         }
       }
     }

@@ -6,8 +6,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <unordered_map>
+#include <vector>
 
+#include "core/slam/cell_keys.hpp"
 #include "swiftlet/core/base/frames.hpp"
 
 namespace swiftlet {
@@ -20,13 +21,13 @@ class PointMap {
   static constexpr double kVoxel_m = 1.0;
 
   bool empty() const { return voxels_.empty(); }
-  void clear() { voxels_.clear(); }
+  void clear();
   void insert(std::span<const Vector3> points_local_m);
   /// Removes voxels farther than radius_m from a position.
   void keep_around(const Vector3& center_local_m, double radius_m);
   /// Nearest point in the voxel of a position and in its 26 neighbors; nullptr if none is nearer than within_m.
   const Eigen::Vector3f* nearest(const Vector3& p_local_m, double within_m) const;
-  std::size_t bytes() const { return voxels_.size() * (sizeof(Voxel) + 4 * sizeof(void*)); }
+  std::size_t bytes() const { return voxels_.capacity() * sizeof(Voxel) + table_.bytes(); }
 
  private:
   /// [-] Largest number of points of a voxel. More of them cost time.
@@ -35,12 +36,14 @@ class PointMap {
     int count = 0;
     std::array<Eigen::Vector3f, kCapacity> points_local_m;
   };
-  std::unordered_map<std::uint64_t, Voxel> voxels_;
+  KeyTable table_;
+  std::vector<Voxel> voxels_;  // indexed by the number of the key
 };
 
 /// Pose at which a scan lies nearest to the points of the map: iterative closest points with the kernel of Geman and
 /// McClure [Vizzo 2023, sec. III-D]; empty if too few points have a neighbor in the map.
-/// @param width_m  of the kernel: distance at which the weight of a pair is a quarter; beyond three of them it is 0
+/// @param width_m  scale of the kernel: a pair at this distance has a weight of 1/4. Pairs beyond 3 width_m, or beyond
+///                 the reach of PointMap::nearest(), are ignored.
 std::optional<Pose> align_points(const PointMap& map, std::span<const Eigen::Vector3f> points_body_m,
                                  const Pose& T_local_body_guess, double width_m);
 

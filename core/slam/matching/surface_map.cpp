@@ -38,11 +38,9 @@ std::uint64_t SurfaceMap::Level::key_of(const Vector3& p_m) const {
   return cell_key(index(p_m.x()), index(p_m.y()), index(p_m.z()));
 }
 
-std::uint64_t SurfaceMap::Level::face_of(std::uint64_t key, const Vector3& origin_m) const {
-  const SurfaceCell* cell = find(key);
-  if (cell == nullptr || !cell->planar) return key;
-  const Eigen::Vector3f ray_m = cell->mean_m - origin_m.cast<float>();
-  return cell->normal.dot(ray_m) > kBehind * ray_m.norm() ? key | kOtherFace : key;
+const SurfaceCell* SurfaceMap::Level::find(std::uint64_t key) const {
+  const std::uint32_t found = table.find(key);
+  return found == 0 ? nullptr : &cells[found - 1];
 }
 
 std::uint32_t SurfaceMap::Level::find_or_make(std::uint64_t key) {
@@ -59,6 +57,13 @@ SurfaceMap::SurfaceMap(const SurfaceMapConfig& config) : config_(config), levels
   }
 }
 
+bool SurfaceMap::is_behind(const SurfaceCell& cell, const Vector3& origin_m) const {
+  if (!config_.two_faced || !cell.planar) return false;
+  const Eigen::Vector3f ray_m = cell.mean_m - origin_m.cast<float>();
+  const float along_m = cell.normal.dot(ray_m);
+  return along_m > 0.0F && along_m > kBehind * ray_m.norm();
+}
+
 void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin_m) {
   touched_.clear();
   for (const Vector3& p_m : points_m) {
@@ -66,8 +71,12 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
     const double least_edge_m = config_.fineness * (p_m - origin_m).norm();
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
-      const std::uint64_t key = key_in(level, p_m, origin_m);
-      const std::uint32_t index = level.find_or_make(key);
+      std::uint64_t key = level.key_of(p_m);
+      std::uint32_t index = level.find_or_make(key);
+      if (is_behind(level.cells[index], origin_m)) {
+        key |= kOtherFace;
+        index = level.find_or_make(key);
+      }
       SurfaceCell& cell = level.cells[index];
       if (cell.count < static_cast<float>(config_.points_per_cell)) {
         add(level, key, cell, p_m);
@@ -130,7 +139,9 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell, c
 const SurfaceCell* SurfaceMap::find(const Vector3& p_m, const Vector3& origin_m) const {
   const SurfaceCell* best = nullptr;
   for (const Level& level : levels_) {
-    const SurfaceCell* cell = level.find(key_in(level, p_m, origin_m));
+    const std::uint64_t key = level.key_of(p_m);
+    const SurfaceCell* cell = level.find(key);
+    if (cell != nullptr && is_behind(*cell, origin_m)) cell = level.find(key | kOtherFace);
     if (cell == nullptr) break;
     if (cell->count_fitted < kMinPoints) break;
     best = cell;
@@ -150,19 +161,10 @@ const SurfaceCell* SurfaceMap::find_pole(const Vector3& p_m) const {
 
 void SurfaceMap::keep_around(const Vector3& center_m) {
   for (Level& level : levels_) {
-    std::vector<std::uint64_t>& keys = level.table.keys;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      const Vector3 middle_m = corner_of(keys[i], level.edge_m) + Vector3::Constant(0.5 * level.edge_m);
-      if ((middle_m - center_m).squaredNorm() > config_.keep_radius_m * config_.keep_radius_m) continue;
-      keys[kept] = keys[i];
-      level.cells[kept] = level.cells[i];
-      ++kept;
-    }
-    if (kept == keys.size()) continue;
-    keys.resize(kept);
-    level.cells.resize(kept);
-    level.table.rebuild();
+    level.table.erase_if(level.cells, [&](std::uint64_t key, const SurfaceCell&) {
+      const Vector3 middle_m = corner_of(key, level.edge_m) + Vector3::Constant(0.5 * level.edge_m);
+      return (middle_m - center_m).squaredNorm() > config_.keep_radius_m * config_.keep_radius_m;
+    });
   }
 }
 

@@ -12,8 +12,9 @@
 
 namespace swiftlet {
 
-/// [m] Largest sigma across a pole: half of a stem 0.5 m thick. A larger cell without a plane mixes several objects.
-/// Larger values count crowns and corners as poles.
+/// [m] Largest standard deviation of a pole's points across its axis: that of points on the visible half of a stem 0.5
+/// m in diameter. A cell without a plane whose points scatter more contains several objects. Larger values accept tree
+/// crowns and corners as poles.
 inline constexpr double kPoleSigma_m = 0.15;
 
 /// The points of one cell as a Gaussian, and their plane if they have one.
@@ -46,8 +47,8 @@ struct SurfaceCell {
 /// observations stay the reference and the map does not creep along with the estimate. The two faces of a thin wall are
 /// surfaces of their own: points seen from behind a plane go to another cell at the same place.
 ///
-/// Any frame, the same for all arguments, its z axis up (only poles require it). Results depend on the order of the
-/// points only.
+/// Any frame, the same for all arguments, its z axis up (only poles require it). Equal points in equal order
+/// give equal results.
 class SurfaceMap {
  public:
   explicit SurfaceMap(const SurfaceMapConfig& config);
@@ -76,20 +77,13 @@ class SurfaceMap {
     std::vector<SurfaceCell> cells;
 
     std::uint64_t key_of(const Vector3& p_m) const;
-    const SurfaceCell* find(std::uint64_t key) const {
-      const std::uint32_t found = table.find(key);
-      return found == 0 ? nullptr : &cells[found - 1];
-    }
-    /// The key, or that of the other face if the origin of the ray lies behind the plane of its cell.
-    std::uint64_t face_of(std::uint64_t key, const Vector3& origin_m) const;
+    const SurfaceCell* find(std::uint64_t key) const;
     std::uint32_t find_or_make(std::uint64_t key);
   };
 
   void add(Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& p_m) const;
-  std::uint64_t key_in(const Level& level, const Vector3& p_m, const Vector3& origin_m) const {
-    const std::uint64_t key = level.key_of(p_m);
-    return config_.two_faced ? level.face_of(key, origin_m) : key;
-  }
+  /// True when rays from this origin meet the plane of the cell from behind: their points belong to its other face.
+  bool is_behind(const SurfaceCell& cell, const Vector3& origin_m) const;
   void fit(const Level& level, std::uint64_t key, SurfaceCell& cell, const Vector3& origin_m) const;
 
   SurfaceMapConfig config_;
