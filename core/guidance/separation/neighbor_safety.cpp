@@ -21,8 +21,6 @@ struct Rule {
   static constexpr double kLongUnseen_s = 5.0;
   /// [m] Smallest cell radius left by a neighbor unseen for kLongUnseen_s. At 0 the vehicle retreats indefinitely.
   static constexpr double kMinCellSize_m = 1.0;
-  /// [-] Standard deviations added to the speed of an approaching neighbor. Larger values evade earlier.
-  static constexpr double kFaster_sigmas = 0.5;
   /// [s] Time before the braking paths come too close at which the evasion begins. Larger values evade earlier.
   static constexpr double kEvade_s = 0.5;
   /// [s] Time after the last approach until a planar vehicle returns to its plane.
@@ -73,17 +71,17 @@ void NeighborSafety::update(const Situation& situation, bool certain) {
   for (const Neighbor& neighbor : situation.neighbors) {
     const Vector3 p_local_m = level(neighbor.position_local_m);
     const Encounter met{neighbor, p_local_m, level(neighbor.velocity_local_mps), p_local_m - self_.p_local_m};
-    add_braking_plane(met, situation);
-    maybe_evade(met, situation.now);
+    const Braking other =
+        braking_of(met.p_local_m, met.v_local_mps, reaction_s_ + neighbor.unpredicted_s, vehicle_.limits);
+    add_braking_plane(met, other, situation);
+    maybe_evade(met, other, situation.now);
     add_pledge_plane(met, situation);
   }
 }
 
 /// Plane between the braking paths. While a neighbor's pledge holds, only the uncertainty of its last measured position
 /// counts.
-void NeighborSafety::add_braking_plane(const Encounter& met, const Situation& situation) {
-  const Braking other =
-      braking_of(met.p_local_m, met.v_local_mps, reaction_s_ + met.neighbor.unpredicted_s, vehicle_.limits);
+void NeighborSafety::add_braking_plane(const Encounter& met, const Braking& other, const Situation& situation) {
   // Derivative of the neighbor's stopping distance v t + v^2 / 2a with respect to its closing speed.
   const double velocity_gain_s = reaction_s_ + met.closing_mps / vehicle_.limits.horizontal_acceleration_mps2;
   const double sigma_m = met.sigma(met.neighbor.covariance_local_m2) + velocity_gain_s * met.speed_sigma_mps();
@@ -99,16 +97,11 @@ void NeighborSafety::add_braking_plane(const Encounter& met, const Situation& si
   add(plane, cell_m);
 }
 
-/// Evades a neighbor that approaches without braking: a braking neighbor is already slow. A poorly measured neighbor is
-/// taken to be faster, because its filter starts at rest.
-void NeighborSafety::maybe_evade(const Encounter& met, TimeNs now) {
-  const double speed_sigma_mps = met.speed_sigma_mps();
+/// Evades a neighbor that approaches without braking: a braking neighbor is already slow.
+void NeighborSafety::maybe_evade(const Encounter& met, const Braking& other, TimeNs now) {
   if (met.closing_mps <= Encounter::kClosing_mps) return;
-  const double faster_mps = met.closing_mps + Rule::kFaster_sigmas * speed_sigma_mps;
-  const Braking faster = braking_of(met.p_local_m, faster_mps / met.closing_mps * met.v_local_mps,
-                                    reaction_s_ + met.neighbor.unpredicted_s, vehicle_.limits);
-  const double sure_m = braking_plane(self_, faster, distance_m_, vertical_m_, 0.0).offset_m;
-  if (sure_m >= 0.5 * Rule::kEvade_s * faster_mps) return;
+  const double sure_m = braking_plane(self_, other, distance_m_, vertical_m_, 0.0).offset_m;
+  if (sure_m >= 0.5 * Rule::kEvade_s * met.closing_mps) return;
   if (met.distance_m < passing_at_m_) {
     passing_at_m_ = met.distance_m;
     passing_ = {now, met.neighbor.position_local_m.z()};

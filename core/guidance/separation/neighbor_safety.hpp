@@ -86,8 +86,8 @@ class NeighborSafety {
   }
 
  private:
-  void add_braking_plane(const Encounter& met, const Situation& situation);
-  void maybe_evade(const Encounter& met, TimeNs now);
+  void add_braking_plane(const Encounter& met, const Braking& other, const Situation& situation);
+  void maybe_evade(const Encounter& met, const Braking& other, TimeNs now);
   void add_pledge_plane(const Encounter& met, const Situation& situation);
   void add(const HalfSpace& plane, double cell_offset_m);
 
