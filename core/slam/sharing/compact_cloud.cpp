@@ -6,20 +6,24 @@
 #include <limits>
 #include <utility>
 
+#include "core/slam/cell_keys.hpp"
 #include "core/slam/graph/closure_search.hpp"
 #include "core/slam/matching/sweep.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// [levels] Depth of the octree: 256 voxels along each axis. Deeper ones reach farther and take more bytes.
+/// [levels] Depth of the octree: 256 voxels along each axis, beyond which points are dropped. A level more doubles the
+/// extent and takes up to a byte more for each point.
 constexpr int kTreeDepth = 8;
 /// [voxels] Half of the octree along an axis: indices are relative to the origin of the frame.
 constexpr int kHalfTree = 1 << (kTreeDepth - 1);
+/// [-] Number of values of the hash that selects columns. With fewer, the selected share is less exact.
+constexpr std::size_t kHashes = 1 << 16;
 
 struct PackedPoint {
-  std::uint32_t path = 0;  // three bits for each level of the octree, the topmost first
-  std::uint32_t within = 0;
+  std::uint32_t path = 0;    // three bits for each level of the octree, the topmost first
+  std::uint32_t within = 0;  // position within the voxel: `bits` bits for each of x, y and z
 };
 
 int digit_of(std::uint32_t path, int level) { return static_cast<int>(path >> (3 * (kTreeDepth - 1 - level)) & 7U); }
@@ -84,7 +88,7 @@ void write_tree(std::span<const PackedPoint> points, int level, int bits, BitWri
   }
 }
 
-/// False when the bytes end early or the points exceed `most`.
+/// False when the bytes end early, a branch is empty, or there are more than `most` points.
 bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size_t most,
                std::vector<PackedPoint>& points) {
   if (level == kTreeDepth) {
@@ -104,12 +108,14 @@ bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_m,
                                                const CompactCloudConfig& config, double range_max_m) {
   std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, range_max_m);
-  // Thins by whole columns, so that upright structure can be detected in the rest.
-  const auto one_in = static_cast<std::int64_t>(shared_m.size()) / config.upright_points + 1;
+  // Keeps one in one_in columns whole, so that upright structure can be detected in the rest. A hash selects them: with
+  // a regular pattern, a wall along it would lose all of its columns.
+  const std::size_t one_in = shared_m.size() / static_cast<std::size_t>(config.upright_points) + 1;
   std::erase_if(shared_m, [&](const Eigen::Vector3f& p) {
-    const auto x = static_cast<std::int64_t>(std::floor(static_cast<double>(p.x()) / config.voxel_m));
-    const auto y = static_cast<std::int64_t>(std::floor(static_cast<double>(p.y()) / config.voxel_m));
-    return ((x + 2 * y) % one_in + one_in) % one_in != 0;
+    const auto index = [&](float x_m) {
+      return static_cast<std::int64_t>(std::floor(static_cast<double>(x_m) / config.voxel_m));
+    };
+    return first_slot(cell_key(index(p.x()), index(p.y()), 0), kHashes) % one_in != 0;
   });
   std::vector<Eigen::Vector3f> all_m;
   all_m.reserve(points_m.size());

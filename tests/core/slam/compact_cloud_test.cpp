@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <span>
 #include <tuple>
 
 #include "core/slam/sharing/submap_look.hpp"
@@ -50,6 +51,40 @@ TEST(CompactCloud, RestoresPointsToHalfAStep) {
     }
     const double bits_of_point = 8.0 * static_cast<double>(num_bytes) / static_cast<double>(read_m.size());
     EXPECT_LT(bits_of_point, 3.0 * bits + 8.0) << "a plain code of 256 voxels takes 24 more";
+  }
+}
+
+/// Number of columns that have most of their points, of a wall 30 m long and eight voxels high across the x or y axis.
+int num_full_columns(std::span<const Eigen::Vector3f> points_m, int axis, float at_m) {
+  std::map<int, int> num_points;
+  for (const Eigen::Vector3f& p : points_m) {
+    if (p[axis] == at_m) ++num_points[static_cast<int>(std::floor(p[1 - axis] / 0.5F))];
+  }
+  return static_cast<int>(std::ranges::count_if(num_points, [](const auto& column) { return column.second >= 6; }));
+}
+
+TEST(CompactCloud, ThinsEveryWallAlike) {
+  const std::vector<float> places_m = {-20.25F, 20.75F, -17.75F, 17.25F};  // in odd and even voxels
+  for (std::size_t num_places = 2; num_places <= places_m.size(); ++num_places) {
+    std::vector<Eigen::Vector3f> points_m;
+    for (std::size_t i = 0; i < num_places; ++i) {
+      for (int column = -30; column < 30; ++column) {
+        for (int level = 0; level < 8; ++level) {
+          const float along_m = 0.5F * static_cast<float>(column) + 0.3F, z_m = 0.5F * static_cast<float>(level) + 0.3F;
+          points_m.emplace_back(places_m[i], along_m, z_m);
+          points_m.emplace_back(along_m, places_m[i], z_m);
+        }
+      }
+    }
+    const std::vector<Eigen::Vector3f> shared_m = points_to_share_m(points_m, {}, 60.0);
+    const double expected = 60.0 / static_cast<double>(num_places);  // 960 points a place, of which 1200 may stay
+    for (std::size_t i = 0; i < num_places; ++i) {
+      for (const int axis : {0, 1}) {
+        const int found = num_full_columns(shared_m, axis, places_m[i]);
+        EXPECT_GT(found, 0.5 * expected) << places_m[i] << " m along axis " << axis << ", one in " << num_places;
+        EXPECT_LT(found, 2.0 * expected) << places_m[i] << " m along axis " << axis << ", one in " << num_places;
+      }
+    }
   }
 }
 
