@@ -16,12 +16,21 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kSmoothedMargin = 0.5;  // share of the margin that must remain after smoothing of corners
-constexpr double kSlowdown = 0.75;       // mean speed / cruise speed, for time estimates
-constexpr int kMaxPlaces = 60;           // draws for one goal
+// [-] Share of the margin that must remain after smoothing of corners. Larger values reject more paths.
+constexpr double kSmoothedMargin = 0.5;
+// [-] Mean speed of a leg / cruise speed, for estimates of durations. Larger values underestimate durations.
+constexpr double kMeanSpeedShare = 0.75;
+// [-] Planned duration / duration of the flight: above 1 / kMeanSpeedShare, so that a path at cruise speed lasts the
+// flight.
+constexpr double kDurationMargin = 1.4;
+// [s] Longest prediction of the first vehicle. Larger values draw goals farther from its present place.
+constexpr double kMaxPrediction_s = 10.0;
+// [-] Positions drawn for one goal before it is given up. Larger values find goals in cluttered worlds and take longer.
+constexpr int kMaxPlaces = 60;
 // [-] Maximum number of legs of one path, which bounds the time for short legs.
 constexpr int kMaxLegs = 400;
-constexpr int kMaxPaths = 12;  // draws for one vehicle
+// [-] Paths drawn for one vehicle before the attempt fails. Larger values plan denser teams and take longer.
+constexpr int kMaxPaths = 12;
 // Least share of the ground enclosed by walls [-] for which `indoors: auto` restricts flights to the interior.
 constexpr double kInteriorShare = 0.1;
 
@@ -72,17 +81,17 @@ class Planner {
 
   std::optional<SplineTrajectory> draw_path(std::size_t vehicle, Draws& draws) {
     const double speed_mps = draws.uniform(config_.speed_min_mps, config_.speed_max_mps);
-    const auto start = vehicle == 0 ? draw_place(draws) : draw_near_first(draws, 0.0, nullptr);
+    const auto start = vehicle == 0 ? draw_place(draws) : draw_near_first(draws, 0.0, nullptr, speed_mps);
     if (!start) return std::nullopt;
     std::vector<Vector3> corners = {*start}, visited = {*start};
     double t_s = 0.0;
-    for (int leg = 0; leg < kMaxLegs && t_s < 1.2 * duration_s_; ++leg) {
-      const auto goal =
-          vehicle == 0 ? draw_goal(draws, corners.back(), visited) : draw_near_first(draws, t_s, &corners.back());
+    for (int leg = 0; leg < kMaxLegs && t_s < kDurationMargin * duration_s_; ++leg) {
+      const auto goal = vehicle == 0 ? draw_goal(draws, corners.back(), visited)
+                                     : draw_near_first(draws, t_s, &corners.back(), speed_mps);
       if (!goal) continue;
       const std::vector<Vector3> path = find_path(space_, corners.back(), *goal).corners_world_m;
       for (std::size_t i = 1; i < path.size(); ++i) {
-        t_s += (path[i] - corners.back()).norm() / (kSlowdown * speed_mps);
+        t_s += (path[i] - corners.back()).norm() / (kMeanSpeedShare * speed_mps);
         corners.push_back(path[i]);
       }
       if (!path.empty()) visited.push_back(*goal);
@@ -92,14 +101,11 @@ class Planner {
     const PathLimits limits{speed_mps, config_.vertical_speed_mps, config_.acceleration_mps2,
                             config_.vertical_acceleration_mps2};
     auto path = time_path(corners, limits, [&](const Vector3& p) { return !world_->nearest(p, hard_m).has_value(); });
-    if (path) cut(*path);
+    if (!path) return std::nullopt;
+    const auto needed = static_cast<std::size_t>(std::ceil(duration_s_ / path->interval_s)) + 4;
+    if (path->control_points_m.size() < needed) return std::nullopt;
+    path->control_points_m.resize(needed);  // without the part after the end of the flight
     return path;
-  }
-
-  // Removes the part after the end of the flight.
-  void cut(SplineTrajectory& path) const {
-    const auto needed = static_cast<std::size_t>(std::ceil(duration_s_ / path.interval_s)) + 4;
-    if (path.control_points_m.size() > needed) path.control_points_m.resize(needed);
   }
 
   bool keeps_apart(const SplineTrajectory& path) const {
@@ -141,19 +147,19 @@ class Planner {
     return std::nullopt;
   }
 
-  // Draws a goal at a random distance from the first vehicle's predicted position.
-  std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from) const {
+  // Draws a goal at a random distance from the first vehicle's position at the estimated end of the leg.
+  std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from, double speed_mps) const {
     const UniformSpline first = paths_.front().spline();
-    const double octaves = elementary::log(config_.partner_max_m / config_.partner_min_m);
-    const double distance_m = config_.partner_min_m * elementary::exp(octaves * draws.uniform());
+    // Log-uniform distance between partner_min_m and partner_max_m.
+    const double log_ratio = elementary::log(config_.partner_max_m / config_.partner_min_m);
+    const double distance_m = config_.partner_min_m * elementary::exp(log_ratio * draws.uniform());
     const bool in_view = draws.uniform() < config_.in_view_share;
     std::optional<Vector3> otherwise;
     for (int i = 0; i < kMaxPlaces; ++i) {
       Vector3 center = first.at(t_s).p_m;
       if (from != nullptr) {
-        // The meeting is at the end of the leg, whose duration is only estimated.
-        const double leg_s = (center - *from).norm() / (kSlowdown * config_.speed_max_mps);
-        center = first.at(t_s + std::min(leg_s, 10.0)).p_m;
+        const double leg_s = (center - *from).norm() / (kMeanSpeedShare * speed_mps);
+        center = first.at(t_s + std::min(leg_s, kMaxPrediction_s)).p_m;
       }
       const double azimuth = draws.uniform(0.0, kTwoPi);
       const auto p = at_some_height(draws, center.x() + distance_m * elementary::cos(azimuth),

@@ -17,8 +17,8 @@ namespace swiftlet::sim {
 bool stays_indoors(const FlightConfig& config, const StaticScene& world);
 
 /// Plans collision-free paths of a team through a static world. The first vehicle flies to random goals. The goals of
-/// the others have log-uniform distances from the first vehicle, between partner_min_m and partner_max_m, and most of
-/// them are in its line of sight. Equal arguments give equal paths.
+/// the others have log-uniform distances from the first vehicle, between partner_min_m and partner_max_m, and most
+/// goals are in the line of sight of the first vehicle. Equal arguments give equal paths.
 /// @param radii_m  radii of spheres around the vehicles that surfaces must not enter
 /// @param attempt  number of the attempt with this seed; each attempt draws other paths
 /// @return one path per vehicle, each of at least `duration_s`; nullopt if the attempt found none
