@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// The last 30 s of a path, as an overlay.
+/// At least the last 30 s of a path, as an overlay.
 class Trail {
  public:
   void push(TimeNs t, const Vector3& p_local_m) {
@@ -26,12 +26,12 @@ class Trail {
     out.kind = Overlay::Kind::kPolyline;
     for (int i = 0; i < count_; ++i) out.positions.push_back(points_[(first_ + i) % kCapacity]);
     out.colors = {{0.1F, 0.6F, 1.0F, 1.0F}};
-    out.size_m = 2.0F;
+    out.size_m = 2.0F;  // width of a line in px
     return out;
   }
 
  private:
-  /// [-] Stored positions, one every 50 ms.
+  /// [-] Stored positions, at least 50 ms apart. More of them make the trail longer.
   static constexpr int kCapacity = 600;
   std::array<Eigen::Vector3f, kCapacity> points_{};
   int first_ = 0, count_ = 0;

@@ -8,12 +8,12 @@
 
 namespace swiftlet {
 
-/// Conservative test whether a position is within a distance of a set of points: one bit per cell of a grid with that
-/// edge. True for all positions within the distance, and for some up to four times as far. Any frame, the same for all
-/// arguments.
+/// Conservative test whether a position is within a distance of any of a set of points. Space is divided into cells
+/// whose edge is the distance, or the voxel edge of the box if that is larger. True for all positions within the
+/// distance, false beyond 3.5 edges of a cell. Positions must lie in the box. Any frame, the same for all arguments.
 class Vicinity {
  public:
-  /// Removes all points. @param box  region of the points; its voxels limit the cell size from below
+  /// Removes all points. @param box  region of all positions; its voxels limit the cell size from below
   void begin(const VoxelGrid& box, double distance_m);
   void add(const Eigen::Vector3f& p_m);
   bool contains(const Eigen::Vector3f& p_m) const;

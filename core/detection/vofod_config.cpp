@@ -9,8 +9,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kMaxWindowCells = 2e9;   // voxels of the window are numbered in 32 bits
-constexpr double kWindowMargin_m = 10.0;  // largest motion of the sensor during a sweep
+// [-] Largest number of voxels of the window, which are numbered in 32 bits; larger windows are refused.
+constexpr double kMaxWindowCells = 2e9;
+// [m] Largest motion of the sensor during a sweep, by which the window exceeds the rays. Larger values require memory.
+constexpr double kWindowMargin_m = 10.0;
 /// [voxels] Largest distance of a search, which bounds its time; larger distances are refused.
 constexpr double kMaxReach_voxels = 50.0;
 

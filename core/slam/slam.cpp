@@ -228,7 +228,7 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
       warning_ = offset_report_.c_str();
   }
 
-  /// Reports the time offset for a moment when it has become significant, or has changed.
+  /// Reports the time offset for kReportDuration when it has become significant, or has changed.
   void report_offset(TimeNs t) {
     const double offset_s = slam_.at_scan().filter().state().time_offset_s;
     const double sigma_s = slam_.at_scan().filter().time_offset_sigma_s();

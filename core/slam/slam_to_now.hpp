@@ -15,10 +15,10 @@ namespace swiftlet {
 /// Local SLAM with processing latency. Each scan is matched as of its arrival or, if its end on the IMU's clock is
 /// later, as of then. The IMU samples since then are kept, and propagate the corrected state to the present.
 ///
-/// At most kMaxSamples of them are kept. If more arrive while a scan waits, it is matched as of a later time.
+/// At most kMaxSamples samples are kept. If more arrive while a scan waits, the scan is matched as of a later time.
 class SlamToNow {
  public:
-  /// [-] Stored IMU samples: 5 s at 400 Hz.
+  /// [-] Stored IMU samples: 5 s at 400 Hz. Larger values match scans of a longer latency as of their own time.
   static constexpr std::size_t kMaxSamples = 2048;
 
   /// @param matcher  as in LocalSlam

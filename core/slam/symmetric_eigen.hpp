@@ -15,10 +15,12 @@ struct SymmetricEigen {
 };
 
 /// Jacobi rotations in a fixed order (Golub and Van Loan, Matrix Computations, sec. 8.5), for small N. Arithmetic and
-/// square roots only: bit-identical everywhere.
+/// square roots only, so results are bit-identical on all machines if the compiler contracts no multiply-adds
+/// (-ffp-contract=off).
 template <int N>
 SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
-  // [-] Largest number of sweeps over all pairs; six suffice for small matrices. It ends those that are not finite.
+  // [-] Limit of sweeps over all pairs. Small matrices converge within six; the limit ends the loop for matrices with
+  // NaN or infinity.
   constexpr int kMaxSweeps = 16;
   SymmetricEigen<N> out;
   out.vectors.setIdentity();
@@ -53,7 +55,7 @@ SymmetricEigen<N> symmetric_eigen(Eigen::Matrix<double, N, N> A) {
     }
   }
   out.values = A.diagonal();
-  for (int i = 0; i < N; ++i) {  // insertion sort, for small N
+  for (int i = 0; i < N; ++i) {  // selection sort; N is small
     int least = i;
     for (int j = i + 1; j < N; ++j)
       if (out.values(j) < out.values(least)) least = j;

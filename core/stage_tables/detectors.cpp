@@ -34,11 +34,13 @@ void need_neighbors_to_detect(const ModuleConfig&, AgentNeeds& needs) { needs.de
 
 constexpr DetectorType kDetectorTypes[] = {
     {{"none", "no detection", make_module_config<NoDetectorConfig>}, make_no_detector, nullptr, ""},
-    {{"vofod", "flying objects by a multi-state occupancy map [Vrba 2025]", make_module_config<VofodConfig>},
+    {{"vofod", "detects flying objects with a multi-state occupancy map [Vrba 2025]", make_module_config<VofodConfig>},
      make_vofod_detector,
      need_for_vofod,
      "voxels.tentative voxels.confident voxels.around clusters detections"},
-    {{"track_before_detect", "flying objects by the existence of hypotheses over many sweeps, for sparse returns",
+    {{"track_before_detect",
+      "tracks hypotheses of flying objects over many sweeps and reports the probable ones; for targets with few "
+      "returns",
       make_module_config<TrackBeforeDetectConfig>},
      make_track_before_detect,
      need_for_track_before_detect,

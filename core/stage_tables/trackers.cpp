@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-void need_scores(const ModuleConfig&, AgentNeeds& needs) { needs.tracks = true; }
+void request_track_scores(const ModuleConfig&, AgentNeeds& needs) { needs.tracks = true; }
 
 void need_neighbors_to_track(const ModuleConfig&, AgentNeeds& needs) { needs.tracks = needs.true_neighbors = true; }
 
@@ -16,18 +16,18 @@ constexpr TrackerType kTrackerTypes[] = {
     {{"vofod", "follows detections through the LiDAR's clouds with a Kalman filter [Vrba 2025, algorithm 2]",
       make_module_config<VofodTrackerConfig>},
      make_vofod_tracker,
-     need_scores},
+     request_track_scores},
     {{"imm", "like vofod, with interacting multiple models: constant velocity, constant acceleration, coordinated turn",
       make_module_config<ImmTrackerConfig>},
      make_imm_tracker,
-     need_scores},
-    {{"detector", "tracks of a detector that tracks before it detects", make_module_config<DetectorTracksConfig>},
+     request_track_scores},
+    {{"detector", "passes on the tracks of a track-before-detect detector", make_module_config<DetectorTracksConfig>},
      make_detector_tracks,
-     need_scores},
+     request_track_scores},
     {{"shared", "tracks of track-before-detect detectors on several vehicles, shared by radio and fused",
       make_module_config<SharedTracksConfig>},
      make_shared_tracks,
-     need_scores},
+     request_track_scores},
     {{"ground_truth", "tracks from a mutual-localization sensor; an ideal sensor is added if the vehicle has none",
       make_module_config<GroundTruthTrackerConfig>},
      make_ground_truth_tracker,

@@ -19,7 +19,7 @@ void BufferedCloud::assign(const LocalCloud& cloud) {
   boxes_.clear();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f& p = cloud.points_local_m[i];
-    if (!p.allFinite()) continue;
+    if (!p.allFinite()) continue;  // CloudRegistrar makes finite points only, other makers of clouds may not
     if (points_.size() % kRun == 0) boxes_.push_back({p, p});
     Box& box = boxes_.back();
     box.min_local_m = box.min_local_m.cwiseMin(p);

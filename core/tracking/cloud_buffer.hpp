@@ -32,7 +32,8 @@ class BufferedCloud {
   struct Box {
     Eigen::Vector3f min_local_m, max_local_m;
   };
-  static constexpr std::size_t kRun = 64;  // points per box
+  // [-] Points per box. Smaller boxes skip more points of a search, and more boxes are tested.
+  static constexpr std::size_t kRun = 64;
 
   TimeNs stamp_ = 0;
   TimeNs duration_ = 0;

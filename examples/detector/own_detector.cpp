@@ -73,14 +73,14 @@ std::unique_ptr<Detector> make_hovering(const ModuleConfig& config, const AgentS
 }
 
 /// Requests scores of its detections against the truth.
-void need_scores(const ModuleConfig&, AgentNeeds& needs) { needs.detects = true; }
+void request_detection_scores(const ModuleConfig&, AgentNeeds& needs) { needs.detects = true; }
 
 }  // namespace
 
 int main() {
   detector_registry().add({{"hovering", "small clusters of points in the air", make_module_config<HoveringConfig>},
                            make_hovering,
-                           need_scores});
+                           request_detection_scores});
 
   sim::Scenario scenario;
   scenario.duration_s = 3.0;

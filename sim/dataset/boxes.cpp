@@ -11,8 +11,11 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kSilhouetteRays = 12;  // silhouette samples along each axis across the vehicle
-constexpr double kSkin_m = 0.01;     // a ray ends this far before its target surface
+// [-] Rays to a vehicle along each of two axes across it. More rays measure the visible share more finely and cost
+// time.
+constexpr int kSilhouetteRays = 12;
+// [m] Distance before its target surface at which a ray ends. At 0, rounding would let the target block the ray.
+constexpr double kSkin_m = 0.01;
 
 /// The vehicle without its rotors as a static scene in its own frame, for tracing single rays.
 Scene scene_of(const VehicleShape& shape, bool with_sensors) {

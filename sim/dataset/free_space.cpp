@@ -15,9 +15,12 @@ constexpr float kNotLookedAt = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoGround = std::numeric_limits<float>::infinity();
 // [-] Largest number of cells of the grid, of one byte each; larger grids are refused. Limits the memory.
 constexpr std::size_t kMaxCells = 40'000'000;
-constexpr int kViews = 8;         // horizontal rays from a position to test for enclosing walls
-constexpr int kColumns = 24;      // samples of the ground along x and along y
-constexpr double kPast_m = 1e-3;  // step beyond a surface to continue a ray through it
+// [-] Horizontal rays from a position that test for enclosing walls. With fewer, gaps in walls are missed.
+constexpr int kViews = 8;
+// [-] Samples of the ground along x and along y. More of them measure the enclosed share more finely and cost time.
+constexpr int kColumns = 24;
+// [m] Step beyond a surface from which a ray is continued. Smaller values may meet the same surface again.
+constexpr double kPast_m = 1e-3;
 
 bool is_plant(SurfaceClass surface_class) {
   return surface_class == SurfaceClass::kVegetation || surface_class == SurfaceClass::kTrunk ||

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/parallel/crew.hpp"
 
-#include <immintrin.h>
+#include <immintrin.h>  // x86 only
 
 #include <algorithm>
 #include <atomic>
@@ -17,11 +17,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 
-// Longer than most intervals between the loops of a tick, much shorter than a time slice of the system.
+// Busy wait of an idle helper for the next loop before it sleeps. Longer than most intervals between the loops of a
+// tick, much shorter than a time slice of the scheduler. Larger values waste processor time, smaller ones delay the
+// next loop.
 constexpr microseconds kSpinForALoop{100};
-// A part of a loop takes some ten microseconds, as does waking a thread.
+// Busy wait of the caller for the last parts of a loop before it sleeps. Waking a thread takes about as long as a part,
+// some tens of microseconds. Larger values waste processor time, smaller ones delay the end of loops.
 constexpr microseconds kSpinForAPart{50};
-constexpr int kPausesPerLook = 32;  // pauses between readings of the clock
+// [-] Pauses between readings of the clock. Larger values exceed the time limit of a busy wait by more.
+constexpr int kPausesPerLook = 32;
 
 thread_local Crew* t_crew = nullptr;
 
@@ -42,7 +46,7 @@ bool spin_until(microseconds limit, const Condition& is_true) {
 /// stale value cannot take parts of a later loop.
 class alignas(64) Parts {
  public:
-  /// [-] Largest number of a part: begin and end share 32 bits.
+  /// [-] Largest number of parts of a loop: begin and end have 16 bits each.
   static constexpr int kMax = 0xFFFF;
 
   void put(std::uint32_t loop, int begin, int end) { word_.store(joined(loop, begin, end), std::memory_order_release); }
@@ -83,7 +87,7 @@ class Crew::Impl {
   void run(int count, int at_a_time, Sharing sharing, void* loop, Work work);
 
  private:
-  /// Constant from the first taken part of the loop to the end of the last.
+  /// The current loop. Written by the caller only while no part is taken or executed.
   struct Loop {
     std::atomic<void*> loop{nullptr};
     std::atomic<Work> work{nullptr};

@@ -55,8 +55,10 @@ struct Wake {
 
   // Half-width of a round jet grows by 0.094 z; exp(-r^2 / (2 b^2)) is one half at r = 1.1774 b.
   static constexpr double kJetSpread = 0.094 / 1.1774;
-  static constexpr double kFootprintWidths = 4.0;  ///< the Gaussian falls to 3e-4 there
-  static constexpr double kReach_m = 20.0;         ///< the wake of a 2 kg vehicle falls to 1 m/s there
+  /// [-] Radius of the wake / width of the Gaussian, which falls to 3e-4 there. Larger values cost time.
+  static constexpr double kFootprintWidths = 4.0;
+  /// [m] Length of the wake; the speed below a vehicle of 2 kg falls to 1 m/s there. Larger values cost time.
+  static constexpr double kReach_m = 20.0;
 };
 
 Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3& R_world_body, double thrust_N,

@@ -10,7 +10,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDiscHalfHeight_m = 0.01;  // propeller including its coning
+// [m] Half of the height of a propeller disc, coning included.
+constexpr double kDiscHalfHeight_m = 0.01;
 // [m] Half of the width of the boxes that model arms.
 constexpr double kArmHalfWidth_m = 0.012;
 // [m] Radius of the capsules that model legs.
@@ -18,7 +19,8 @@ constexpr double kFootRadius_m = 0.012;
 // Positions of the skids' ends in body radii, as in sim/world/vehicle_shape.cpp.
 constexpr double kFootAhead = 1.5;
 constexpr double kFootAside = 1.3;
-constexpr double kOutOfReach_m = 1.0;  // no impulse can bridge this within a step
+// [m] Distance of a contact that must not act: no impulse bridges it within a step.
+constexpr double kOutOfReach_m = 1.0;
 
 btVector3 to_bt(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 Vector3 from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }

@@ -8,7 +8,8 @@
 namespace swiftlet::sim {
 namespace {
 
-// Tolerated penetration of the legs into uneven ground; contacts resolve it gently
+// [m] Tolerated penetration of uneven ground by the legs at a given position, which contacts resolve gently, and at a
+// suggested position. Larger values accept positions from which a vehicle is pushed out faster.
 constexpr double kStanding_m = 0.03;
 constexpr double kFree_m = 0.001;
 // [m] Vertical step of the search for a free position. Larger values step over narrow free spaces.

@@ -22,8 +22,8 @@ class NearPairs {
 
  private:
   std::vector<Contacts::Pair> pairs_;
-  std::vector<Vector3> from_;  // positions at the last search of all pairs,
-  double least_gap_m_ = 0.0;   // and the least gap then
+  std::vector<Vector3> from_;  // positions at the last search of all pairs
+  double least_gap_m_ = 0.0;   // least gap between two vehicles at that search
 };
 
 }  // namespace swiftlet::sim

@@ -6,7 +6,9 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kPerRotorGroundRadii = 6.0;  // below this height every rotor has its own ray to the ground
+// [propeller radii] Height of the center below which a ray is traced from each rotor to the ground; above it one ray
+// from the center serves all. Larger values cost time, smaller ones miss edges below single rotors.
+constexpr double kPerRotorGroundRadii = 6.0;
 
 double ground_effect_reach_m(const WorldVehicle& vehicle, const PhysicsConfig& config) {
   return config.ground_effect ? kGroundEffectReachRadii * vehicle.model.airframe().propeller_radius_m : 0.0;

@@ -11,7 +11,7 @@
 
 namespace swiftlet::sim {
 
-/// Search distance beyond the needed one, which makes searches rare.
+/// [m] Search distance beyond the needed one. Larger values make searches rarer, and each of them slower.
 inline constexpr double kSurfaceSlack_m = 2.0;
 
 /// Distance to the nearest surface from an earlier position: at p it is at least distance - |p - from|.
@@ -39,8 +39,8 @@ struct WorldVehicle {
 
   // Result of the current prediction:
   bool near_world = false;  // may touch a triangle before its end
-  bool near = false;        // ... or another vehicle
-  double travel_m = 0.0;    // upper bound of the displacement until then
+  bool near = false;        // may touch a triangle or another vehicle before its end
+  double travel_m = 0.0;    // upper bound of the displacement until its end
 
   bool touching = false;
   bool asleep = false;

@@ -9,20 +9,25 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kSmoothing_s = 1.2;  // time constant of target and distance of follow cameras
-constexpr double kMargin = 1.25;      // enlargement of the framed region
-constexpr double kTurning_s = 0.7;    // time constant of a follow camera's direction
+// [s] Time constants of a follow camera: of target and distance, and of the direction. Larger values move it more
+// smoothly and later.
+constexpr double kSmoothing_s = 1.2, kTurning_s = 0.7;
+// [-] Enlargement of the framed region. Larger values leave wider margins around the vehicles.
+constexpr double kMargin = 1.25;
 // [ns] Interval of occlusion tests of follow cameras. Smaller values cost time.
 constexpr TimeNs kTestInterval = 200'000'000;
 // [ns] Time with a free view from the configured position until the camera returns there. Smaller values swing more
 // often.
 constexpr TimeNs kFreeLongEnough = 2'000'000'000;
-constexpr double kSeenEnough = 0.6;    // share of unblocked sight lines at which a follow camera keeps its direction
-constexpr double kSeenWell = 0.8;      // share at which it accepts a new direction
-constexpr std::size_t kMaxTested = 8;  // sight lines are tested to at most this many vehicles of a team
-// [rad] Largest elevation of a moved camera.
+// [-] Shares of unblocked sight lines from which a follow camera keeps its direction, and accepts a new one. Larger
+// values move the camera more often.
+constexpr double kSeenEnough = 0.6, kSeenWell = 0.8;
+// [-] Largest number of vehicles of a team to which sight lines are tested. Larger values cost time.
+constexpr std::size_t kMaxTested = 8;
+// [rad] Largest elevation of a moved camera. Larger values look straight down, where the heading is undefined.
 constexpr double kHighest_rad = radians(80.0);
-// For a follow camera without configured position: diameter of the largest vehicle as a share of the picture's height.
+// [-] Diameter of the largest vehicle as a share of the picture's height, for a follow camera without configured
+// position. Larger values place the camera nearer.
 constexpr double kVehicleShare = 0.18;
 const Eigen::Vector3d kFollowFrom = Eigen::Vector3d(-7.0, -7.0, 2.1).normalized();
 

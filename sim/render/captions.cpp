@@ -13,14 +13,16 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kMaxNames = 24;    // limit of vehicle names, to keep the picture visible
-constexpr float kSidebarText = 0.85F;    // font size relative to that of the picture
-constexpr float kWidestMeaning = 14.0F;  // in font sizes: longer texts are broken into lines
-constexpr float kSampleWidth = 2.2F;     // in font sizes
-constexpr float kMeaningLeft = 3.9F;     // in font sizes, from the left of the margin
-constexpr float kBarWidth = 1.3F;        // in font sizes
-constexpr float kTickLeft = 0.9F;        // in font sizes, from the bar
-constexpr float kClosestTicks = 2.2F;    // in font sizes
+// [-] Largest number of vehicles whose names are shown. Larger values hide more of the picture.
+constexpr std::size_t kMaxNames = 24;
+// [-] Font size of the sidebar, relative to the font size of the picture.
+constexpr float kSidebarText = 0.85F;
+// [font sizes] Width from which the text of a legend row is broken into lines. Larger values make the sidebar wider.
+constexpr float kWidestMeaning = 14.0F;
+// [font sizes] Width of the symbol of a legend row, and distance of the text from the left margin.
+constexpr float kSampleWidth = 2.2F, kMeaningLeft = 3.9F;
+// [font sizes] Width of the color bar, distance of the tick labels from it, and least distance of two ticks.
+constexpr float kBarWidth = 1.3F, kTickLeft = 0.9F, kClosestTicks = 2.2F;
 constexpr double kPointsPerInch = 72.0;
 
 /// Breaks at blanks, so that only single long words exceed the width.

@@ -6,10 +6,11 @@
 namespace swiftlet::sim {
 namespace {
 
-// [-] Largest edge of the shadow map of the world in texels.
+// [texels] Largest edge of the shadow map of the world. Larger values sharpen shadows in large worlds and take memory.
 constexpr int kMaxShadowTexels = 4096;
-constexpr float kShadowTexel_m = 0.045F;  // for sufficiently small worlds
-// [-] Edge of the shadow map of the vehicles in texels.
+// [m] Edge of a texel in worlds small enough for kMaxShadowTexels. Smaller values sharpen shadows and take memory.
+constexpr float kShadowTexel_m = 0.045F;
+// [texels] Edge of the shadow map of the vehicles. Larger values sharpen shadows and take memory.
 constexpr int kVehicleShadowTexels = 1024;
 // [-] Largest number of stored shadow maps of the world, one per height of the cut. Larger values take more memory, but
 // maps are drawn again less often.

@@ -6,8 +6,11 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kMaxLeaves = 64;      // along one line of sight; more leaves block the sight
-constexpr double kBehind_m = 0.01;  // step beyond a leaf
+// [-] Number of leaves on a line of sight from which the line counts as blocked. Larger values cost time in dense
+// crowns.
+constexpr int kBlockingLeaves = 64;
+// [m] Distance behind a leaf at which tracing continues. Smaller values may meet the same leaf again.
+constexpr double kBehind_m = 0.01;
 
 bool is_leaf(SurfaceClass surface_class) {
   return surface_class == SurfaceClass::kVegetation || surface_class == SurfaceClass::kUndergrowth;
@@ -22,7 +25,7 @@ BlocksSight sight_in(std::shared_ptr<const StaticScene> world) {
     if (length_m <= kBehind_m) return false;
     const Eigen::Vector3d direction = (b_world_m - a_world_m) / length_m;
     double from_m = 0.0;
-    for (int leaf = 0; leaf < kMaxLeaves; ++leaf) {
+    for (int leaf = 0; leaf < kBlockingLeaves; ++leaf) {
       if (from_m >= length_m) return false;
       const RayHit hit = world->trace(a_world_m + from_m * direction, direction, length_m - from_m);
       if (hit.range_m <= 0.0F) return false;

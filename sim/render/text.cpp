@@ -44,7 +44,7 @@ struct Font {
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
 
-  /// Advance from one letter to the next, in font sizes.
+  /// Advance [em] from one letter to the next.
   float advance_em(char32_t letter) {
     check(FT_Load_Char(face, letter, FT_LOAD_NO_SCALE), "load a letter");
     return static_cast<float>(face->glyph->advance.x) / static_cast<float>(face->units_per_EM);

@@ -9,7 +9,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDiscSpeed_radps = 30.0;  // at lower speeds only the blades are drawn
+// [rad/s] Rotor speed below which only the blades are drawn. Larger values show blades that seem to stand still.
+constexpr double kDiscSpeed_radps = 30.0;
 // [-] Segments of a rotor disc.
 constexpr int kDiscSegments = 40;
 

@@ -9,11 +9,13 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kLeafPixels = 7.0F;  // smaller leaves are thinned out
+// [px] Size below which leaves are thinned out. Larger values save time and show sparser crowns.
+constexpr float kLeafPixels = 7.0F;
 // [-] Least share of drawn leaves. At 0, distant crowns would vanish.
 constexpr float kFewestLeaves = 0.1F;
-constexpr float kBranchPixels = 1.5F;  // thinner branches are thinned out
-// [-] Least share of drawn branches.
+// [px] Thickness below which branches are thinned out. Larger values save time and show fewer branches.
+constexpr float kBranchPixels = 1.5F;
+// [-] Least share of drawn branches. At 0, distant branches would vanish.
 constexpr float kFewestBranches = 0.15F;
 
 SurfaceKind kind_of(const Mesh& mesh) {

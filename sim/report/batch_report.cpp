@@ -24,14 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// [-] Worst episodes and failures that the page lists.
+// [-] Largest numbers of worst episodes and failures that the page lists. Larger values make the page longer.
 constexpr std::size_t kWorst = 10;
 constexpr std::size_t kFailures = 20;
-constexpr std::size_t kMaxBoxes = 12;      // points side by side in one box plot
-constexpr std::size_t kMaxIntervals = 40;  // rows of a figure of intervals
-// Values of a parameter that are averaged; with more, single episodes are plotted
+// [-] Largest number of points side by side in a box plot, and of groups with a table of every metric. With more
+// points, a variant has one box for all of them.
+constexpr std::size_t kMaxBoxes = 12;
+// [-] Largest number of rows of a figure of intervals; further groups are left out.
+constexpr std::size_t kMaxIntervals = 40;
+// [-] Largest number of values of a parameter for which the plot has means; with more values, it has single episodes.
 constexpr std::size_t kMaxLevels = 20;
-constexpr std::size_t kMaxGroupRows = 200;  // in a table of the page; the CSV contains all
+// [-] Largest number of groups in a table of the page; report.csv contains all groups.
+constexpr std::size_t kMaxGroupRows = 200;
 
 std::string plural(std::uint64_t count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
@@ -408,7 +412,7 @@ std::vector<std::size_t> worst_first(const BatchTable& table, const Quantity& qu
   return order;
 }
 
-/// Embedded replays of those of these episodes that have one in the batch directory.
+/// Embedded replays of the given episodes, as far as the batch directory contains them.
 std::string replays_of(const BatchTable& table, const std::vector<std::size_t>& order, const fs::path& directory) {
   std::string text;
   for (const std::size_t i : order) {

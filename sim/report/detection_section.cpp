@@ -15,7 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxObservers = 12;  // lines in one panel
+// [-] Largest number of observers drawn in one panel; further ones are left out.
+constexpr std::size_t kMaxObservers = 12;
 
 /// NaN for missing values.
 double value_at(const Json& bin, const char* key) {

@@ -24,13 +24,14 @@ struct PairedValues {
 };
 PairedValues paired_values(const BatchTable& table, const Quantity& quantity, const EpisodeGroup& first,
                            const EpisodeGroup& second);
-/// Frequencies of `outcome` in both groups, paired by seed.
+/// Numbers of pairs with `outcome` in both groups, in one of them, and in neither. Episodes are paired by point and
+/// seed; pairs with an episode that is not done are left out.
 PairedCounts paired_outcomes(const BatchTable& table, const std::string& outcome, const EpisodeGroup& first,
                              const EpisodeGroup& second);
 std::uint64_t count_outcome(const BatchTable& table, const std::string& outcome, const EpisodeGroup& group);
 
-/// Quantities to plot: those named by the batch file, otherwise six. With several groups, these have the largest share
-/// of variance between groups, otherwise the largest variation.
+/// Quantities to plot: those named by the batch file, or else up to six. With several groups, those with the largest
+/// share of variance between groups; with one group, those with the largest standard deviation relative to the mean.
 std::vector<const Quantity*> informative_quantities(const BatchTable& table);
 
 }  // namespace swiftlet::sim

@@ -24,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxVehicles = 12;  // lines in one panel
+// [-] Largest number of vehicles drawn in one panel; further ones are left out.
+constexpr std::size_t kMaxVehicles = 12;
 // [-] Largest numbers of events and of pictures on the page; further ones are left out. Larger values make it longer.
 constexpr std::size_t kMaxEvents = 200;
 constexpr std::size_t kMaxPictures = 60;

@@ -41,7 +41,7 @@ SampleSummary summarize(std::span<const double> samples, Clusters clusters = {},
 double independent_share(std::span<const double> samples, Clusters clusters);
 
 /// Wilson's score interval of a rate (J. Am. Stat. Assoc. 22, 1927).
-/// @param independent  effective share of the trials where they are correlated
+/// @param independent  effective share of the trials; below 1 if trials are correlated, see independent_share()
 Interval wilson(std::uint64_t successes, std::uint64_t trials, double independent = 1.0,
                 double confidence = kConfidence);
 
@@ -49,10 +49,10 @@ Interval wilson(std::uint64_t successes, std::uint64_t trials, double independen
 SampleSummary paired_difference(std::span<const double> first, std::span<const double> second, Clusters clusters = {},
                                 double confidence = kConfidence);
 
-/// Joint frequencies of two paired yes-or-no outcomes.
+/// Numbers of pairs by their two yes-or-no outcomes.
 struct PairedCounts {
   std::uint64_t both = 0, first_only = 0, second_only = 0, neither = 0;
-  double independent = 1.0;  ///< effective share of the pairs where they are correlated
+  double independent = 1.0;  ///< effective share of the pairs; below 1 if pairs are correlated
 };
 
 struct RateDifference {

@@ -36,9 +36,9 @@ double limit_of_variable(const char* name) {
 
 /// Memory of this process's Slurm job on this node [bytes], requested per node or per processor; infinity: none.
 double limit_of_slurm() {
-  const double node_mb = limit_of_variable("SLURM_MEM_PER_NODE");
-  const double processors_mb = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");
-  return std::min(node_mb, processors_mb) * kMebibyte;
+  const double node_mib = limit_of_variable("SLURM_MEM_PER_NODE");
+  const double processors_mib = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");
+  return std::min(node_mib, processors_mib) * kMebibyte;
 }
 
 /// Throws InputError for a setting that takes `bytes`; all_bytes: total of all settings.
@@ -58,11 +58,11 @@ double available_memory_bytes() {
       {machine, limit_of(RLIMIT_DATA), limit_of(RLIMIT_AS), control_group_limits().memory_bytes, limit_of_slurm()});
 }
 
-void limit_memory(double limit_mb) {
-  if (limit_mb <= 0.0) return;
+void limit_memory(double limit_mib) {
+  if (limit_mib <= 0.0) return;
   rlimit limit{};
   getrlimit(RLIMIT_DATA, &limit);
-  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(limit_mb * kMebibyte));
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(limit_mib * kMebibyte));
   setrlimit(RLIMIT_DATA, &limit);
 }
 

@@ -34,7 +34,7 @@ void append_cloud(const std::filesystem::path& file, What what, const std::strin
   if (is_octomap_file(file)) return append_cells(file, what, key, points_m);
   if (is_slam_map_file(file)) {
     if (what == What::kFree)
-      throw InputError(key + ": expected a map with free voxels, found one of SLAM, which has none");
+      throw InputError(key + ": expected a map with free voxels, found a SLAM map, which stores none");
     const std::vector<Eigen::Vector3f> of_map_m = points_world_m(read_slam_map(file));
     points_m.insert(points_m.end(), of_map_m.begin(), of_map_m.end());
     return;
@@ -46,10 +46,12 @@ void append_cloud(const std::filesystem::path& file, What what, const std::strin
 void append_recorded(const std::filesystem::path& index, const std::string& key,
                      std::vector<Eigen::Vector3f>& points_m) {
   std::ifstream in(index);
+  if (!in) throw InputError(key + ": cannot read " + index.string());
   std::string line;
   std::getline(in, line);
   if (line.rfind("file,", 0) != 0) {
-    throw InputError(index.string() + ": expected the index of recorded clouds, whose first column is 'file'");
+    throw InputError(
+        key + ": expected a recorder's index, whose first column is 'file', found another file: " + index.string());
   }
   while (std::getline(in, line)) {
     append_cloud(index.parent_path() / line.substr(0, line.find(',')), What::kOccupied, key, points_m);

@@ -2,6 +2,8 @@
 #include "swiftlet/sim/sensors/odometry.hpp"
 
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "sim/sensors/noise.hpp"
 
@@ -12,19 +14,21 @@ void OdometryConfig::visit(ConfigVisitor& v) {
   visit_common(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.choice("frame", frame, {"start", "world", "random"},
-           "[-] the local frame at the start: the body's pose (without tilt), the world, or anything");
+           "[-] origin and heading of the local frame: those of the body at the start, those of the world, or random");
   v.field("initial_yaw_deg", initial_yaw_deg,
-          "[deg] frame: random. Half-width of the uniform distribution of the heading against the world",
+          "[deg] frame: random. Half-width of the uniform distribution of the heading relative to the world",
           Range::between(0.0, 180.0));
   v.field("drift_percent", drift_percent, "[%] RMS position error after a path of 100 m, relative to its length",
           Range::non_negative());
   v.field("drift_per_turn_m", drift_per_turn_m, "[m] RMS position error after a full turn", Range::non_negative());
-  v.field("drift_m_psqrts", drift_m_psqrts, "[m/sqrt(s)] RMS position error by time, in hover as well",
+  v.field("drift_m_psqrts", drift_m_psqrts,
+          "[m/sqrt(s)] RMS position error after 1 s, also in hover; grows with the root of time",
           Range::non_negative());
   v.field("yaw_drift_deg", yaw_drift_deg, "[deg] RMS yaw error after a path of 100 m", Range::non_negative());
   v.field("yaw_drift_per_turn_deg", yaw_drift_per_turn_deg, "[deg] RMS yaw error after a full turn",
           Range::non_negative());
-  v.field("yaw_drift_deg_psqrts", yaw_drift_deg_psqrts, "[deg/sqrt(s)] RMS yaw error by time", Range::non_negative());
+  v.field("yaw_drift_deg_psqrts", yaw_drift_deg_psqrts,
+          "[deg/sqrt(s)] RMS yaw error after 1 s; grows with the root of time", Range::non_negative());
   v.field("scale_error_percent", scale_error_percent, "[%] standard deviation of the constant error of scale",
           Range::non_negative());
   v.field("sigma_position_m", sigma_position_m, "[m] white noise of the position per axis", Range::non_negative());
@@ -111,7 +115,8 @@ class OdometrySensor final : public Sensor {
     }
   }
 
-  /// Adds the measured displacement since the last sample: rotated by the yaw error, scaled, and with its own error.
+  /// Integrates the displacement since the last sample, rotated by the yaw error and scaled, plus a random-walk
+  /// increment; then advances the yaw and tilt errors.
   void drift(const VehicleState& state, std::uint32_t index) {
     const Vector3 step_world = state.p_world_m - p_world_last_m_;
     const double path_m = step_world.norm();

@@ -16,7 +16,9 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::int64_t kReach = 1 << 20;  // largest voxel index in each direction
+// [voxels] Bound of the indices along each axis, neighbors included. Larger values exceed the kBits of a key.
+constexpr std::int64_t kReach = 1 << 20;
+// [bits] Bits of a key for each axis: three times as many fit into 64.
 constexpr int kBits = 21;
 
 using Voxel = std::array<std::int32_t, 3>;

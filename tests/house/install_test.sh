@@ -7,7 +7,7 @@ in_project "$here/consumer" consumer all
 "$work/consumer/robot"
 "$work/consumer/flight"
 
-# A robot has Eigen and Clipper, and no package that only the simulator needs.
+# A robot has Eigen, Clipper, Boost.Math and Random123, and no package that only the simulator needs.
 without=()
 for package in embree yaml-cpp OpenMP fmt nlohmann_json PNG ZLIB Threads SQLite3 CLI11 PCL; do
   without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")

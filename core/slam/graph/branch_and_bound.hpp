@@ -68,7 +68,7 @@ double yaw_offset_rad(const SearchWindow& window, int i);
 /// Cartographer].
 class RotationalHistogram {
  public:
-  /// [-] Buckets over half a turn. More of them tell closer headings apart and enlarge messages.
+  /// [-] Buckets over half a turn. More buckets distinguish closer headings and enlarge messages.
   static constexpr int kBuckets = 120;
   explicit RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m);
   /// From a received message: shares of the largest bucket in 255ths.

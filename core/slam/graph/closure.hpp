@@ -32,7 +32,7 @@ struct ClosureResult {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
   std::size_t candidate = 0;              ///< index of the older submap; valid for kClosed
   Pose T_older_newer = Pose::Identity();  ///< valid for kClosed
-  /// Projector onto the observed directions of that pose, for kClosed: the identity, or without the one unobserved
+  /// Projector onto the observed directions of T_older_newer, for kClosed: the identity, or without the one unobserved
   /// direction. Displacements are in axes of the older submap, rotations in those of the newer.
   Matrix6 observed = Matrix6::Identity();
   double score = 0.0;       ///< share of the points in occupied cells; 0: found without a search

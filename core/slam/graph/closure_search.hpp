@@ -13,7 +13,7 @@
 
 namespace swiftlet {
 
-/// [m] Largest error of a guess that is none.
+/// [m] Value of ClosureCandidate::guess_error_m of a candidate without a guess.
 inline constexpr double kNoGuess = std::numeric_limits<double>::infinity();
 /// [-] Largest error of a guess, in its standard deviations. Larger values search farther, and find more false poses.
 inline constexpr double kErrorSigmas = 3.0;

@@ -187,8 +187,8 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
           "none are",
           Range::probability());
   v.field("visits_kept", visits_kept,
-          "[-] largest number of submaps that begin within half of submap_m of each other; a further one is dropped if "
-          "those contain covered_share of its points; larger values take more memory",
+          "[-] largest number of submaps that begin within 4 m of each other; a further one is dropped if those "
+          "contain covered_share of its points; larger values take more memory",
           Range::between(1, 1000));
   v.field("searches", searches, "[-] largest number of searches for a finished submap", Range::between(0, 100));
   v.field("use_gnss", use_gnss, "[-] whether GNSS fixes constrain the trajectory");

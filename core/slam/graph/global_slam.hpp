@@ -28,9 +28,9 @@ namespace swiftlet {
 /// The graph is bounded at one place: visits_kept submaps stay. A further one is dropped when it is finished; only its
 /// pose and closures stay, until the next submap is finished.
 ///
-/// With a map of an earlier flight, the graph starts as a copy of the earlier graph. With a known start pose, its
-/// submaps are closure candidates like the own ones. With an unknown start pose, the vehicle is relocalized in all of
-/// them.
+/// With a map of an earlier flight, the graph starts as a copy of the earlier graph. With a known start pose, the
+/// earlier submaps are closure candidates like those of this flight. With an unknown start pose, the vehicle is
+/// relocalized in all earlier submaps.
 class GlobalSlam : public SubmapProvider {
  public:
   /// @param pose_known  false: the start pose is a guess that GNSS may replace

@@ -19,7 +19,7 @@ class LoopCloser {
   LoopCloser(const GlobalSlamConfig& config, bool located) : config_(config), located_(located) {}
 
   /// Compares the newest submap with the nearest older ones that the vehicle left long ago, or that an earlier flight
-  /// made. Returns those that fully constrain its pose.
+  /// made. Returns the older submaps that fully constrain the pose of the newest one.
   std::vector<OlderSubmap> close_loops(TrajectoryGraph& trajectory);
   /// Relocalizes a vehicle of unknown start in the saved map by its present submap: at intervals along its path and
   /// while it hovers.

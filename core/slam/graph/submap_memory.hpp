@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// Keeps only the points of the newest submap that these older ones lack, if they cover enough of it.
+/// Keeps only the points of the newest submap that the submaps of closed_with lack, if these cover enough of it.
 void forget_covered_points(std::span<const OlderSubmap> closed_with, const GlobalSlamConfig& config,
                            TrajectoryGraph& trajectory);
 

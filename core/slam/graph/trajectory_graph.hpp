@@ -37,7 +37,7 @@ struct FlightSubmap {
   Pose T_local_submap = Pose::Identity();
   double begin_m = 0.0, end_m = 0.0;  ///< path length
   std::vector<Eigen::Vector3f> points_submap_m;
-  bool thinned_out = false;  ///< most of its content is in older ones
+  bool thinned_out = false;  ///< most of its content is in older submaps
   Closed closed = Closed::kNot;
   SubmapTie tie;
   double hidden_m = 0.0;  ///< path length of dropped submaps since the last full closure
@@ -54,7 +54,7 @@ struct OlderSubmap {
 Matrix6 pose_information(double position_m, double attitude_rad);
 
 /// Pose graph of a flight: nodes along the local trajectory, submaps, and the factors between them. With a map of an
-/// earlier flight the graph starts with that flight's.
+/// earlier flight the graph starts with the graph of that flight.
 class TrajectoryGraph {
  public:
   /// @param pose_known  false: the start pose is a guess
@@ -68,7 +68,7 @@ class TrajectoryGraph {
   void begin_submap(double hidden_m);
   /// Thins the newest submap to one point per voxel.
   void thin_newest() { submaps_.back().points_submap_m = thinned_m(submaps_.back().points_submap_m); }
-  /// Replaces the points of the newest submap by those that older ones lack.
+  /// Replaces the points of the newest submap by the points that older submaps lack.
   void keep_of_newest(std::vector<Eigen::Vector3f> points_submap_m);
   /// Removes the nodes of the newest submap. Its pose and closures stay until the next submap is finished, which begins
   /// at the present node.

@@ -10,11 +10,13 @@
 
 namespace swiftlet {
 
-/// Thins points by the largest voxels that leave at least points_min of them, by binary search of the edge to a tenth
-/// of it. Any frame, the same for all arguments; ranges are measured from its origin.
+/// Thins points with the largest voxel edge that leaves at least points_min of them, found by bisection to 10 % of the
+/// edge. If even voxels of 1 % of edge_max_m leave fewer, these are used. Any frame, the same for all arguments; ranges
+/// are measured from its origin.
 class AdaptiveVoxelFilter {
  public:
-  /// Returns the edge [m]; 0: too few points for thinning. Points beyond the range are removed.
+  /// Returns the edge [m]; 0 if the range contains no more than points_min points, which are then all kept. Points
+  /// beyond the range are removed.
   double thin(std::span<const Eigen::Vector3f> points_m, const AdaptiveVoxelConfig& config,
               std::vector<Eigen::Vector3f>& kept_m);
 

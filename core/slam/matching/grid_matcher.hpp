@@ -13,7 +13,8 @@
 namespace swiftlet {
 
 /// Local SLAM of the document: scans are matched to the older of two submaps of probability grids [Orsulic 2021; Hess
-/// 2016]. The pose is that of its least squares. The filter predicts it, and corrects velocity and biases by it.
+/// 2016]. The pose minimizes the squared residuals of the match. The filter predicts this pose, and corrects velocity
+/// and biases by the result.
 ///
 /// Grids also have gradients along walls and floors, between scan lines, so they do not reveal unconstrained
 /// directions. These are determined from the planes of the last scans, as in fit_scan(), and reported without a change

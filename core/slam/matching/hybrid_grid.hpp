@@ -73,7 +73,7 @@ class HybridGrid {
 
  private:
   using Block = std::array<std::uint16_t, 512>;
-  // Flag of cells updated by the present scan: the bit above those of a value.
+  // Flag of cells updated by the present scan: the bit above the bits of a value.
   static constexpr std::uint16_t kChanged = grid_value::kMost + 1;
 
   const Block* find(const Eigen::Vector3i& cell) const;
@@ -87,7 +87,7 @@ class HybridGrid {
   };
   std::vector<Place> changed_;
   std::uint64_t last_key_ = 0;    // key of the block that changed last, if there are any
-  std::uint32_t last_block_ = 0;  // its number
+  std::uint32_t last_block_ = 0;  // number of that block
 };
 
 }  // namespace swiftlet

@@ -24,8 +24,8 @@ constexpr double kStartRate_radps = 0.5;
 // Random walk of the time offset: clocks that drift by some 20 ppm against each other. Larger values make its estimate
 // noisier.
 constexpr double kTimeOffsetWalk_s_sqrt_hz = 5e-5;
-// [-] Factor of the variances (twice the standard deviations): the same scans are used again. Smaller values count them
-// as further ones.
+// [-] Factor of the variances (twice the standard deviations): the same scans are used again. Smaller values count
+// the repeated scans as further ones.
 constexpr double kTwice = 4.0;
 
 double squared(double x) { return x * x; }

@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// Constraint of a scan on the pose: the cost 0.5 d^T information d + gradient^T d of a small change d of it, with d
-/// the change of position in the local frame [m], then a rotation vector in body axes [rad].
+/// Constraint of a scan on the pose: the cost 0.5 d^T information d + gradient^T d of a small change d of the pose. d
+/// is the change of position in the local frame [m], then a rotation vector in body axes [rad].
 struct PoseEvidence {
   Matrix6 information = Matrix6::Zero();
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
@@ -38,8 +38,8 @@ class InertialFilter : public InertialModel {
   /// Starts at t without a sample.
   void begin_at(TimeNs t);
   bool has_begun() const { return started_; }
-  /// Initializes biases, gravity and start velocity from another filter, with twice its standard deviations, because
-  /// the same measurements are applied again, but at most with those of the own start.
+  /// Initializes biases, gravity and start velocity from another filter. Their standard deviations are twice those of
+  /// the other filter, because the same measurements are applied again, but at most those of the own start.
   void begin_with(const InertialFilter& learned, const Vector3& v_start_local_mps);
 
   /// Covariance of the rotation vector between the local frame and a level one.

@@ -19,16 +19,16 @@ constexpr double kRecovery = 0.02;
 // [-] limits of the noise factor: of a warning, of a contradiction, and of the factor itself. The standard deviation of
 // the noise grows by its square root. Larger values report later, and a larger last one recovers later.
 constexpr double kDisagreement = 10.0, kContradiction = 100.0, kMaxNoise = 1e6;
-// [m/s] Change of the velocity by ten scans that contradicts the IMU: in one second, 5 % of gravity. Good IMUs leave up
-// to 0.06 to the scans, one with ten times the noise 0.25, a LiDAR turned by 90 or 180 degrees 0.7 to 4. Larger values
-// let wrong mounts pass, smaller ones refuse noisy IMUs.
+// [m/s] Change of the velocity by ten scans that contradicts the IMU: in one second, 5 % of gravity. Scans change the
+// velocity by up to 0.06 m/s with good IMUs, by 0.25 with ten times the noise, and by 0.7 to 4 with a LiDAR turned by
+// 90 or 180 degrees. Larger values let wrong mounts pass, smaller ones refuse noisy IMUs.
 constexpr double kWrongVelocity_mps = 0.5;
-// [m/s] The same limit while the time offset is unknown. Offsets of 10 and 20 ms change the velocity by up to 0.9,
-// those of 40 ms by 1.2, a turned LiDAR by 1 within seven scans. Larger values notice a wrong mount later, smaller ones
-// refuse late stamps.
+// [m/s] Limit like kWrongVelocity_mps while the time offset is unknown. Offsets of 10 and 20 ms change the velocity by
+// up to 0.9 m/s, offsets of 40 ms by 1.2, a turned LiDAR by 1 within seven scans. Larger values notice a wrong mount
+// later, smaller ones refuse late stamps.
 constexpr double kWrongStart_mps = 1.0;
-// [scans] that must agree again after such a contradiction. Larger values make the estimate invalid for longer after a
-// collision.
+// [scans] Number of scans that must agree again after a change of the velocity beyond the limit. Larger values make the
+// estimate invalid for longer after a collision.
 constexpr int kContradictedScans = 100;
 
 }  // namespace

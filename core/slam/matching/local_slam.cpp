@@ -25,8 +25,8 @@ constexpr TimeNs kMotionInterval = 20'000'000;
 // Coarse alignment. [-] Number of alignments of a scan during a pause of the IMU, with its motion corrected in between.
 // More of them cost time.
 constexpr int kAlignments = 2;
-// [m] Limits of the kernel's width, and mean range by which the uncertainty of the attitude adds to
-// it. A wider kernel finds larger displacements, and lets more points attract that have no counterpart.
+// [m] Limits of the kernel's width, and mean range by which the uncertainty of the attitude adds to the width. A wider
+// kernel finds larger displacements, and lets more points attract that have no counterpart.
 constexpr double kNarrowest_m = 0.3, kWidest_m = 2.0, kMeanRange_m = 10.0;
 // [m] Standard deviation of the aligned pose, for the attitude at the mean range. Larger values leave more to the
 // prediction, smaller ones to the spacing of the points.
@@ -121,8 +121,8 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
       drift_.inherit(filter_.pose_covariance(), R_local_body);
       filter_.anchor_pose();
     } else {
-      // Errors persist: those of the map while it is in view, the filter's own for several scans. So the renewed share
-      // adds up like one error that lasts until the whole map is renewed.
+      // Errors persist: errors of the map while it is in view, errors of the filter for several scans. So the renewed
+      // share adds up like one error that lasts until the whole map is renewed.
       drift_.inherit(
           innovations_.covariance_factor() * outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_),
           R_local_body);
@@ -150,7 +150,7 @@ void LocalSlam::update(const Scan& scan, std::span<const SeenVehicle> others, do
   const ScanMatcher::Uncertainty uncertainty{config_.known_share_min, smear_m, scan.sigma_range_m};
   ScanMatcher::Match found = matcher_->match(filter_, uncertainty);
   if (coarse && found.fit.num_degenerate > 0 && !filter_.is_coasting() && !has_unknown_start()) {
-    // In an aisle the points attract each other along it, too: there the IMU knows better.
+    // Along an aisle, points attract each other without structure, so the prediction by the IMU is more accurate.
     filter_ = predicted;
     correct_motion(aligned, true);
     aligned = filter_.state().nav;
@@ -279,8 +279,8 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.object("imu", imu, "noise of the IMU, and uncertainty at the start");
   v.field("range_max_m", range_max_m, "[m] range above which returns are ignored", Range::between(1.0, 1000.0));
   v.field("start_scans", start_scans,
-          "[-] number of first scans that are matched again with the biases and the time offset estimated from them; "
-          "0: none",
+          "[-] number of first scans that are matched again with the biases, the time offset and the velocity "
+          "estimated from them; 0: none",
           Range::between(0, 100));
   v.field("known_share_min", known_share_min,
           "[-] minimum share of a scan's points near surfaces of the map for the scan to be used",

@@ -77,8 +77,9 @@ class LocalSlam {
   const TimedPose& inserted_at() const { return inserted_; }
   /// Points of the last scan, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return matcher_->points_body_m(); }
-  /// Covariance of the pose in the local frame: that of a filter, relative to the map, plus those of the visible planes
-  /// and of the drift of the map. `filter` is the own one, or one propagated from it; the pose is that `ahead_s` later.
+  /// Covariance of the pose in the local frame, ahead_s after the state of the filter: the covariance relative to the
+  /// map by the filter, plus the covariances of the visible planes and of the drift of the map.
+  /// @param filter  the own filter, or a copy propagated from it
   Matrix6 pose_covariance(const InertialFilter& filter, double ahead_s) const;
 
  private:
@@ -90,7 +91,8 @@ class LocalSlam {
   /// it.
   static constexpr double kBlur_rad = 0.06;
 
-  /// Initialization: the first scans are processed again with the biases and the time offset estimated from them.
+  /// Initialization: the first scans are processed again with the biases, the time offset and the velocity
+  /// estimated from them.
   struct Start {
     /// [-] Largest number of IMU samples kept. The start is not repeated if the first scans need more.
     static constexpr std::size_t kMaxSamples = 4096;
@@ -102,7 +104,8 @@ class LocalSlam {
     };
     std::vector<Swept> scans;
     bool over = false;
-    bool keeps_offset = true;  ///< the time offset is not estimated: errors of the first velocities would count as one
+    /// The time offset is not estimated: errors of the first velocities would count as an offset.
+    bool keeps_offset = true;
     /// How well the last pass explains the first scans.
     struct Agreement {
       double sum_of_innovations = 0.0;  // normalized squares per direction

@@ -11,8 +11,8 @@
 namespace swiftlet {
 namespace {
 
-// [m] Least distance between two points of a voxel: its edge by the root of its capacity, so that a plane through it is
-// covered evenly. Smaller values fill voxels with the points of one scan.
+// [m] Minimum distance between points of a voxel: kVoxel_m / sqrt(kCapacity), so that kCapacity points cover a plane
+// through the voxel evenly. With smaller values, the points of one scan fill the voxel.
 constexpr float kSpacing_m = 0.22F;
 // [-] Largest number of iterations. More of them cost time.
 constexpr int kIterations = 200;

@@ -14,7 +14,8 @@
 namespace swiftlet {
 
 /// Points of the map, a limited number in each voxel [Vizzo 2023, sec. III-C]. A scan whose predicted pose is poor
-/// finds the nearest of them up to a voxel away; the planes of SurfaceMap attract only points within their own cells.
+/// finds the nearest map points up to a voxel away; the planes of SurfaceMap attract only points within their own
+/// cells.
 class PointMap {
  public:
   /// [m] Edge of a voxel. Larger ones find more distant points and cost time.

@@ -17,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 // [-] Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the
-// others. Larger values weigh scans less then.
+// others. Larger values weigh scans less while a direction is open.
 constexpr double kOpenFloor = 60.0;
 // [m] Largest distance of a point from its plane. Larger values match scans with worse predictions, and more wrong
 // pairs.

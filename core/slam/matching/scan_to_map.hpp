@@ -35,8 +35,8 @@ struct ScanFit {
 /// Directions with little information from the planes are removed from the evidence (Zhang, Kaess and Singh, ICRA
 /// 2016), so that noise of the normals does not constrain the vehicle in an aisle. Such a direction is restored by the
 /// evidence of points that stand free along it, if there are enough. A point stands free when it lies on a plane across
-/// the direction or on a pole, with nothing 0.7 m ahead and behind. For some of them a beam must pass beside, where a
-/// wall would have continued. Stems stand free, floors and walls do not.
+/// the direction or on a pole, with nothing 0.7 m ahead and behind. Beside some of these points a beam must pass
+/// where a wall would have continued. Stems stand free, floors and walls do not.
 ///
 /// The local frame's z axis is up: poles are upright.
 /// @param smear_m  possible displacement of the points by unknown motion during the sweep

@@ -35,7 +35,7 @@ struct SurfaceCell {
   float narrow_variance_m2 = 0.0F;                   ///< the smaller variance within the plane
   float wide_variance_m2 = 0.0F;                     ///< the larger variance, along the axis
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();    ///< direction of largest variance
-  bool pole = false;  ///< no plane, but thin across a direction near the z axis, such as a stem
+  bool pole = false;  ///< not planar, but thin across a nearly vertical axis, such as a stem
 
   /// Third direction, within the plane and perpendicular to the axis.
   Eigen::Vector3f aside() const { return axis.cross(normal); }
@@ -55,10 +55,10 @@ class SurfaceMap {
 
   /// @param origin_m  origin of the rays
   void insert(std::span<const Vector3> points_m, const Vector3& origin_m);
-  /// Largest planar cell around a point; otherwise the smallest with enough points; null: unknown.
+  /// Largest planar cell around a point, otherwise the smallest cell with enough points; nullptr if there is none.
   /// @param origin_m  origin of the ray that ends at the point
   const SurfaceCell* find(const Vector3& p_m, const Vector3& origin_m) const;
-  /// Largest pole cell around a point; null: none.
+  /// Largest pole cell around a point; nullptr if there is none.
   const SurfaceCell* find_pole(const Vector3& p_m) const;
   /// True when the cell takes no further points.
   bool is_full(const SurfaceCell& cell) const { return cell.count >= static_cast<float>(config_.points_per_cell); }

@@ -9,8 +9,9 @@
 namespace swiftlet {
 namespace {
 
-/// [scans] First scans that all enter the map: a single scan has few planes. Fewer of them leave gaps between beams.
-constexpr int kEveryScanFirst = 10;
+/// [scans] Number of first scans that are all inserted, whatever the motion: a single scan has too few points per cell
+/// for planes. Smaller values leave cells between the beams without a plane.
+constexpr int kFirstScans = 10;
 /// [-] Largest number of iterations of the update by a scan. Larger values correct worse predictions and cost time.
 constexpr int kUpdates = 5;
 /// [m] Displacement after which distant cells are dropped. Smaller values search the map more often.
@@ -30,7 +31,7 @@ void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
 }  // namespace
 
 ScanMatcher::Admission SurfaceMatcher::admission() const {
-  return {kEveryScanFirst, config_.insert_after_m, config_.insert_after_deg * kRadPerDeg, config_.insert_after_s};
+  return {kFirstScans, config_.insert_after_m, config_.insert_after_deg * kRadPerDeg, config_.insert_after_s};
 }
 
 void SurfaceMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool first) {

@@ -38,7 +38,7 @@ class SurfaceMatcher : public ScanMatcher {
   SurfaceMap map_;
   PointMap points_;
   ScanFitter fitter_;
-  Vector3 cropped_local_m_ = Vector3::Zero();  // position at the last removal of distant cells
+  Vector3 cropped_local_m_ = Vector3::Zero();  // position at the last removal of distant cells; clear() keeps it
   // Scratch of one scan.
   VoxelThinner thinner_;
   std::vector<Eigen::Vector3f> dense_body_m_, sparse_body_m_, coarse_body_m_;

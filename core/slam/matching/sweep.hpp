@@ -33,7 +33,7 @@ class MotionHistory {
     Vector3 p_local_m = Vector3::Zero();
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   };
-  /// [-] Stored poses: 2.5 s at 400 Hz. Must cover a sweep and its latency.
+  /// [-] Stored poses: 2.5 s at 400 Hz. Must cover a sweep and its latency; larger values take memory.
   static constexpr int kCapacity = 1024;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   const Entry& entry(int i) const { return ring_[(first_ + i) % kCapacity]; }

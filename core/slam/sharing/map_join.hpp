@@ -39,8 +39,8 @@ struct MapJoin {
   std::vector<Pose> T_local_other;                           ///< poses of the other vehicle's submaps, where known
 };
 
-/// Optimizes both trajectories of submaps and these closures as one pose graph. The newest own submap is fixed in the
-/// local frame. The newest submap of the other vehicle defines the transform between the frames.
+/// Optimizes both trajectories of submaps and the agreeing closures as one pose graph. The newest own submap is fixed
+/// in the local frame. The newest submap of the other vehicle defines the transform between the frames.
 MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agreeing, std::span<const SubmapPlace> own,
                   std::span<const SubmapPlace> others, const MapJoinConfig& config);
 

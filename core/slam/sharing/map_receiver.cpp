@@ -25,7 +25,7 @@ using Limits = MapMessageLimits;
 /// The received pose, or none if it is implausible.
 std::optional<Pose> received_pose(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
   if (!p_m.allFinite() || !turn_rad.allFinite()) return std::nullopt;
-  if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + 0.01) return std::nullopt;
+  if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + Limits::kTurnMargin_rad) return std::nullopt;
   const Pose T = make_pose(p_m.cast<double>(), rotation_by(turn_rad.cast<double>()));
   if (T.linear()(2, 2) < Limits::kMinTiltCosine) return std::nullopt;
   return T;
@@ -53,13 +53,13 @@ bool receive_places(TimeNs t, const Message& message, PeerMap& from) {
   if (from.places.size() < end) from.places.resize(end);
   for (std::size_t i = 0; i < places.size(); ++i) {
     SubmapPlace& known = from.places[received.first + i];
-    from.has_new_closures =
-        from.has_new_closures || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
+    from.needs_consistency_test =
+        from.needs_consistency_test || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
     known = places[i];
   }
   if (received.num_finished > from.num_finished) {
     from.num_finished = received.num_finished;
-    from.descriptors_requested = t;  // the descriptors of new submaps are in transit
+    from.descriptors_requested = t;  // postpones the request: the descriptors of new submaps are in transit
   }
   return true;
 }
@@ -112,7 +112,7 @@ bool receive_chunk(TimeNs t, const Message& message, PeerMap& from) {
   if (peer_submap.complete) return true;  // a repeated chunk
   if (static_cast<int>(received.submap) != from.fetching || received.chunk >= peer_submap.has_chunk.size())
     return false;
-  if (!(received.voxel_m >= 0.01F && received.voxel_m <= 10.0F)) return false;
+  if (!(received.voxel_m >= Limits::kMinVoxel_m && received.voxel_m <= Limits::kMaxVoxel_m)) return false;
   if (peer_submap.has_chunk[received.chunk] != 0) return true;
   if (peer_submap.points_submap_m.size() + received.num_points > peer_submap.num_points) return false;
   if (!unpack_points(received.data, received.num_points, static_cast<double>(received.voxel_m), received.bits,
@@ -120,7 +120,7 @@ bool receive_chunk(TimeNs t, const Message& message, PeerMap& from) {
     return false;
   }
   peer_submap.has_chunk[received.chunk] = 1;
-  from.requested = t;  // the transfer continues
+  from.requested = t;  // restarts the retry timeout: the transfer is in progress
   peer_submap.complete = std::all_of(peer_submap.has_chunk.begin(), peer_submap.has_chunk.end(),
                                      [](std::uint8_t has) { return has != 0; });
   if (peer_submap.complete) from.fetching = -1;
@@ -144,7 +144,7 @@ bool receive_closures(const Message& message, const OwnMap& own, PeerMap& from) 
   };
   if (std::equal(closures.begin(), closures.end(), from.closures.begin(), from.closures.end(), same)) return true;
   from.closures = std::move(closures);
-  from.has_new_closures = true;
+  from.needs_consistency_test = true;
   return true;
 }
 

@@ -2,6 +2,7 @@
 #include "core/slam/sharing/map_sender.hpp"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "swiftlet/core/localization/rotation.hpp"
@@ -17,13 +18,13 @@ namespace {
 
 // [-] Messages per step. Larger values take longer in a step.
 constexpr int kMaxSent = 8;
-// [B] Allowance before a message is sent: the size of the largest ones. Larger values delay small messages, with
-// smaller ones large messages exceed the data rate for a moment.
+// [B] Allowance required before any message is sent (token bucket): the size of the largest messages. Larger values
+// delay small messages. With smaller ones, large messages exceed the data rate briefly.
 constexpr double kLargestMessage_bytes = 1200.0;
-// [s] Time for which an unused data rate is saved up. Larger values send longer bursts.
+// [s] Depth of the token bucket beyond one message, as time at the full data rate. Larger values allow longer bursts.
 constexpr double kBurst_s = 0.1;
 
-Eigen::Vector3f turn_of(const Pose& T) {
+Eigen::Vector3f rotation_vector_of(const Pose& T) {
   return rotation_vector_rad(Eigen::Quaterniond(Matrix3(T.linear()))).cast<float>();
 }
 
@@ -66,7 +67,7 @@ bool MapSender::send_next(TimeNs t, OwnMap& own, std::span<PeerMap> peers, Outbo
 }
 
 bool MapSender::send_request(TimeNs t, VehicleId to, PeerMap& other, Outbox& outbox) const {
-  if (!other.is_searched_here || !other.is_about(t, kSilentReports * config_.report_interval_s)) return false;
+  if (!other.is_searched_here || !other.is_in_contact(t, kSilentReports * config_.report_interval_s)) return false;
   return send_cloud_request(t, to, other, outbox) || send_descriptor_request(t, to, other, outbox);
 }
 
@@ -105,14 +106,14 @@ bool MapSender::send_descriptor_request(TimeNs t, VehicleId to, PeerMap& other, 
 
 bool MapSender::send_closures(TimeNs t, VehicleId to, PeerMap& other, Outbox& outbox) const {
   if (!other.is_searched_here || other.closures.empty()) return false;
-  if (!other.is_about(t, kSilentReports * config_.report_interval_s)) return false;
+  if (!other.is_in_contact(t, kSilentReports * config_.report_interval_s)) return false;
   if (!other.closures_due && to_seconds(t - other.closures_sent) < config_.report_interval_s) return false;
   other.closures_due = false;
   other.closures_sent = t;
   MapClosures sent;
   for (const MapClosure& c : other.closures) {
     sent.closures.push_back({static_cast<std::uint32_t>(c.own), static_cast<std::uint32_t>(c.other),
-                             c.T_own_other.translation().cast<float>(), turn_of(c.T_own_other)});
+                             c.T_own_other.translation().cast<float>(), rotation_vector_of(c.T_own_other)});
   }
   write_message(sent, outbox.add(to));
   return true;
@@ -127,7 +128,7 @@ bool MapSender::send_places(TimeNs t, OwnMap& own, Outbox& outbox) {
   sent.first = static_cast<std::uint32_t>(next_place_);
   for (; next_place_ < own.places.size() && sent.places.size() < MapMessageLimits::kListed; ++next_place_) {
     const SubmapPlace& place = own.places[next_place_];
-    sent.places.push_back({place.T_local_submap.translation().cast<float>(), turn_of(place.T_local_submap),
+    sent.places.push_back({place.T_local_submap.translation().cast<float>(), rotation_vector_of(place.T_local_submap),
                            static_cast<float>(place.path_length_m)});
   }
   if (next_place_ >= own.places.size()) own.places_due = false;

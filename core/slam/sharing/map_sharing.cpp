@@ -78,7 +78,7 @@ void MapSharing::update_places(const SubmapProvider& own) {
     own_.places[static_cast<std::size_t>(i)] = {true, own.T_local_submap(i), own.path_length_m(i)};
   }
   own_.places_due = true;
-  for (PeerMap& other : peers_) other.has_new_closures = true;
+  for (PeerMap& other : peers_) other.needs_consistency_test = true;
 }
 
 bool MapSharing::is_enough(const PeerMap& other) const {
@@ -107,11 +107,11 @@ bool MapSharing::is_near_own(const Vector3& p_local_m) const {
   return false;
 }
 
-/// Requests the submap most similar to an own one. Submaps predicted near own ones by a closure come first; once
-/// closures agree, only those are requested.
+/// Requests the submap most similar to an own one. Submaps that a closure predicts near own submaps come first;
+/// once closures agree, no other submaps are requested.
 void MapSharing::choose_cloud(TimeNs t, PeerMap& from) {
   if (from.fetching >= 0 || own_.submaps.empty() || is_enough(from) ||
-      !from.is_about(t, kSilentReports * config_.report_interval_s))
+      !from.is_in_contact(t, kSilentReports * config_.report_interval_s))
     return;
   std::size_t waiting = 0;
   double best = 0.0;
@@ -135,7 +135,7 @@ void MapSharing::choose_cloud(TimeNs t, PeerMap& from) {
   from.is_requested = false;
 }
 
-/// The received cloud that is most similar to an own submap and was not yet searched in all of them.
+/// The received cloud that is most similar to an own submap and was not yet searched in all own submaps.
 std::optional<MapSharing::Search> MapSharing::next_search() const {
   std::optional<Search> next;
   double best = 0.0;
@@ -203,7 +203,7 @@ void MapSharing::take_result(TimeNs t) {
   PeerMap& other = peers_[static_cast<std::size_t>(found_.other)];
   other.submaps[static_cast<std::size_t>(found_.closure->other)].closed = true;
   other.closures.push_back(*found_.closure);
-  other.closures_due = other.has_new_closures = true;
+  other.closures_due = other.needs_consistency_test = true;
   found_.closure.reset();
 }
 
@@ -211,9 +211,9 @@ void MapSharing::join(TimeNs t) {
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     PeerMap& other = peers_[i];
     const auto id = static_cast<VehicleId>(i);
-    if (!other.has_new_closures || other.closures.empty() || to_seconds(t - other.tested) < kMinUpdateInterval_s)
+    if (!other.needs_consistency_test || other.closures.empty() || to_seconds(t - other.tested) < kMinUpdateInterval_s)
       continue;
-    other.has_new_closures = false;
+    other.needs_consistency_test = false;
     other.tested = t;
     other.agreeing = agreeing_closures(other.closures, own_.places, other.places, config_.join);
     const auto place = std::find_if(joined_.begin(), joined_.end(), [id](const JoinedMap& j) { return j.other >= id; });

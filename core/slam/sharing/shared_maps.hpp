@@ -20,7 +20,7 @@ struct OwnSubmap {
 };
 
 struct OwnMap {
-  std::vector<OwnSubmap> submaps;   ///< finished ones
+  std::vector<OwnSubmap> submaps;   ///< finished submaps
   std::vector<SubmapPlace> places;  ///< poses of all submaps
   bool places_due = false;          ///< the places have changed since they were last sent
 };
@@ -39,7 +39,7 @@ struct PeerSubmap {
 
 /// Received part of the map of another vehicle, and state of the exchange with that vehicle.
 struct PeerMap {
-  /// True if the own vehicle searches for closures with the other: of two vehicles, that with the lower number.
+  /// True if the own vehicle searches for closures with the other: the vehicle with the lower number does so.
   bool is_searched_here = false;
   std::vector<SubmapPlace> places;
   std::vector<PeerSubmap> submaps;  ///< finished submaps that were reported
@@ -49,7 +49,7 @@ struct PeerMap {
   // Requests to the peer.
   int fetching = -1;
   TimeNs requested = 0, descriptors_requested = 0;
-  std::size_t last_requested = 0;  ///< number of the chunk
+  std::size_t last_requested = 0;  ///< number of the last requested chunk
   bool is_requested = false;
   // Requests from the peer.
   int requested_submap = -1;
@@ -58,13 +58,15 @@ struct PeerMap {
   std::vector<MapClosure> closures;
   bool closures_due = false;
   TimeNs closures_sent = 0;
-  bool has_new_closures = false;  ///< since the last test of consistency
-  TimeNs tested = 0;              ///< time of the last test of consistency
+  bool needs_consistency_test = false;  ///< closures or submap poses have changed since the last test of consistency
+  TimeNs tested = 0;                    ///< time of the last test of consistency
   std::vector<int> agreeing;
   std::vector<Pose> T_local_other;
 
   /// True if the vehicle has reported within the time limit.
-  bool is_about(TimeNs t, double timeout_s) const { return has_reported && to_seconds(t - last_report) <= timeout_s; }
+  bool is_in_contact(TimeNs t, double timeout_s) const {
+    return has_reported && to_seconds(t - last_report) <= timeout_s;
+  }
 };
 
 /// [-] Reporting intervals without a message after which a vehicle counts as absent: nothing is requested from it.
@@ -84,7 +86,10 @@ struct MapMessageLimits {
   static constexpr double kDistance_m = 1e5;       ///< distance of a submap from the start of the flight, per axis
   static constexpr double kPathLength_m = 1e6;     ///< path length of a flight
   static constexpr double kInSubmap_m = 200.0;     ///< displacement between submaps of a closure, per axis
-  static constexpr double kMinTiltCosine = 0.9;    ///< cosine of the tilt of a submap, at least
+  static constexpr double kMinTiltCosine = 0.9;    ///< least cosine of the tilt of a submap
+  static constexpr double kTurnMargin_rad = 0.01;  ///< rounding of a rotation vector of length pi
+  /// [m] Limits of the edge of a voxel.
+  static constexpr float kMinVoxel_m = 0.01F, kMaxVoxel_m = 10.0F;
 };
 
 }  // namespace swiftlet

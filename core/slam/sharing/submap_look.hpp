@@ -14,7 +14,7 @@ namespace swiftlet {
 /// Descriptor of a submap: directions of its surfaces and heights of its upright structure. The heading of the submap
 /// only shifts the directions. The cloud is in the frame of the submap (T_local_submap).
 struct SubmapLook {
-  /// [-] Bins of 1 m. More of them tell taller structure apart and enlarge messages.
+  /// [-] Bins of 1 m. More bins distinguish taller structure and enlarge messages.
   static constexpr std::size_t kHeights = 16;
   RotationalHistogram directions{std::span<const Eigen::Vector3f>{}};
   std::array<std::uint8_t, kHeights> heights{};

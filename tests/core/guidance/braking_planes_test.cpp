@@ -105,7 +105,8 @@ TEST(BrakingPlanes, HandlesCoincidentPositions) {
 }
 
 /// Two vehicles on a line fly towards each other as fast as their pledges allow. Each sees the other at intervals and
-/// with latency. Both start and stop at once, so that only the pledge holds them. Returns the least room between them.
+/// with latency. Both change their speed instantly, so that only the pledge limits it. Returns the least room between
+/// the vehicles.
 double least_room_m(double period_s, double latency_s, double share, double noise_m, double* last_room_m = nullptr) {
   const Random random(3, "rbl-separation.pledge");
   constexpr double kTick_s = 0.01, kSpeed_mps = 4.0;

@@ -19,13 +19,13 @@ using testing::CellListMap;
 using testing::GuidanceDriver;
 using testing::GuidedVehicle;
 
-GuideConfig guides_several(std::vector<GuidedVehicleConfig> secondaries) {
+GuideConfig team_guide_config(std::vector<GuidedVehicleConfig> secondaries) {
   GuideConfig config = testing::quick_guide();
   config.secondaries = std::move(secondaries);
   return config;
 }
 
-/// uav2, uav3 and so on, and their guide.
+/// A guide and its guided vehicles uav2, uav3 and so on, which fly the received paths without inertia.
 struct TeamOfSeveral : GuidanceDriver {
   TeamOfSeveral(const GuideConfig& config, const std::vector<Vector3>& starts_m, CellListMap world = CellListMap(0.25))
       : GuidanceDriver("guide", config, {-4, -3, 0.7}), world_(std::move(world)) {
@@ -71,17 +71,17 @@ struct TeamOfSeveral : GuidanceDriver {
   std::vector<GuidedVehicle> team;
   int most_moving = 0;
   std::vector<std::size_t> turns;  // vehicles in the order in which they moved
-  double least_m = 100.0;          // horizontally, between any two
+  double least_m = 100.0;          // horizontal distance between any two vehicles
 
  private:
   CellListMap world_;
 };
 
 TEST(GuideOfSeveral, ReachesGoalsInTurnWithoutConflict) {
-  // The goal of the first one lies behind the second one.
-  TeamOfSeveral team(guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}, {4, 2, 0.7}}},
-                                     {.name = "uav3", .goals_m = {{0, 3, 0.7}}},
-                                     {.name = "uav4", .goals_m = {{-1, 5, 0.7}, {3, 6, 0.7}}}}),
+  // The goal of the first guided vehicle lies behind the second one.
+  TeamOfSeveral team(team_guide_config({{.name = "uav2", .goals_m = {{4, -2, 0.7}, {4, 2, 0.7}}},
+                                        {.name = "uav3", .goals_m = {{0, 3, 0.7}}},
+                                        {.name = "uav4", .goals_m = {{-1, 5, 0.7}, {3, 6, 0.7}}}}),
                      {{0, -2, 0.7}, {2, -2, 0.7}, {0, 1.5, 0.7}});
   team.run(200.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
@@ -89,14 +89,14 @@ TEST(GuideOfSeveral, ReachesGoalsInTurnWithoutConflict) {
   EXPECT_LT(team.far_m(1, {0, 3, 0.7}), 0.3);
   EXPECT_LT(team.far_m(2, {3, 6, 0.7}), 0.3);
   EXPECT_EQ(team.most_moving, 1);
-  EXPECT_GT(team.least_m, 1.2) << "columns are 1.3 m wide, and the guide's 1.5 m";
+  EXPECT_GT(team.least_m, 1.2) << "guided vehicles keep boxes 1.3 m wide free of others, the guide one of 1.5 m";
   for (int i = 0; i < 3; ++i) team.tick();
   for (const GuidedVehicle& guided : team.team) EXPECT_EQ(guided.newest.command, GuidingPath::Command::kDone);
 }
 
 TEST(GuideOfSeveral, WaitsUntilAllVehiclesAreLocalized) {
   TeamOfSeveral team(
-      guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}}}, {.name = "uav3", .goals_m = {{4, 2, 0.7}}}}),
+      team_guide_config({{.name = "uav2", .goals_m = {{4, -2, 0.7}}}, {.name = "uav3", .goals_m = {{4, 2, 0.7}}}}),
       {{0, -2, 0.7}, {0, 2, 0.7}});
   team.team[1].localized = false;
   team.run(15.0);
@@ -113,7 +113,7 @@ TEST(GuideOfSeveral, RetriesBlockedVehicleAfterTheOthers) {
   world.occupy_box({-2, 1.25, 0}, {8, 1.5, 1.5});
   world.occupy_box({-2, -1.5, 0}, {8, -1.25, 1.5});
   GuideConfig config =
-      guides_several({{.name = "uav2", .goals_m = {{3, 0, 0.7}}}, {.name = "uav3", .goals_m = {{6, 0, 0.7}}}});
+      team_guide_config({{.name = "uav2", .goals_m = {{3, 0, 0.7}}}, {.name = "uav3", .goals_m = {{6, 0, 0.7}}}});
   config.planner.secondary.clearance_m = 0.6;
   config.planner.viewpoint.buffer_m = 1.0;
   TeamOfSeveral team(config, {{0, 0, 0.7}, {2, 0, 0.7}}, world);
@@ -123,15 +123,15 @@ TEST(GuideOfSeveral, RetriesBlockedVehicleAfterTheOthers) {
   EXPECT_LT(team.far_m(1, {6, 0, 0.7}), 0.3);
 }
 
-GuideConfig plans_quickly(GuideConfig config) {
+GuideConfig with_short_planning(GuideConfig config) {
   config.planning_latency_s = config.settle_s = 0.1;
   return config;
 }
 
 TEST(GuideOfSeveral, TakesTurnsInListOrder) {
-  TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}}},
-                                                   {.name = "uav3", .goals_m = {{1, 0, 0.7}, {2, 0, 0.7}}},
-                                                   {.name = "uav4", .goals_m = {{1, 4, 0.7}, {2, 4, 0.7}}}})),
+  TeamOfSeveral team(with_short_planning(team_guide_config({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}}},
+                                                            {.name = "uav3", .goals_m = {{1, 0, 0.7}, {2, 0, 0.7}}},
+                                                            {.name = "uav4", .goals_m = {{1, 4, 0.7}, {2, 4, 0.7}}}})),
                      {{0, -4, 0.7}, {0, 0, 0.7}, {0, 4, 0.7}});
   team.run(120.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
@@ -140,8 +140,8 @@ TEST(GuideOfSeveral, TakesTurnsInListOrder) {
 
 TEST(GuideOfSeveral, SkipsLostVehiclesUntilRelocalized) {
   TeamOfSeveral team(
-      plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}, {3, -4, 0.7}}},
-                                    {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
+      with_short_planning(team_guide_config({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}, {3, -4, 0.7}}},
+                                             {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
       {{0, -4, 0.7}, {0, 0, 0.7}});
   team.run(0.5);
   team.team[1].localized = false;
@@ -154,11 +154,12 @@ TEST(GuideOfSeveral, SkipsLostVehiclesUntilRelocalized) {
   EXPECT_EQ(team.turns, (std::vector<std::size_t>{0, 1, 0}));
 }
 
-// Bodies need 0.6 m each, and a figure 0.3 m at least.
+// The radius of the figure requested from a lost vehicle is the distance to its neighbor less twice kFigureClearance_m
+// (0.6 m). Below kFigureMin_m (0.3 m) none is requested.
 TEST(GuideOfSeveral, MovesLostVehicleClearOfNeighbors) {
   for (const double beside_m : {1.4, 1.6, 2.2}) {
     TeamOfSeveral team(
-        guides_several({{.name = "uav2", .goals_m = {{6, 1, 0.7}}}, {.name = "uav3", .goals_m = {{6, 5, 0.7}}}}),
+        team_guide_config({{.name = "uav2", .goals_m = {{6, 1, 0.7}}}, {.name = "uav3", .goals_m = {{6, 5, 0.7}}}}),
         {{1, 1, 0.7}, {1, 1 + beside_m, 0.8}});
     team.run(0.3);
     team.team[0].localized = false;
@@ -172,7 +173,7 @@ TEST(GuideOfSeveral, MovesLostVehicleClearOfNeighbors) {
 }
 
 TEST(GuideOfSeveral, RefusesAVehicleListedTwice) {
-  const GuideConfig config = guides_several({{.name = "uav2"}, {.name = "uav2"}});
+  const GuideConfig config = team_guide_config({{.name = "uav2"}, {.name = "uav2"}});
   EXPECT_THROW(TeamOfSeveral(config, {{0, 0, 0.7}}), std::invalid_argument);
 }
 

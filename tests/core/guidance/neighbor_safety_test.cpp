@@ -189,12 +189,12 @@ TEST(NeighborSafety, LeavesPlaneByLidarWhereObserved) {
   EXPECT_LE(highest_m(config, &open, false), 5.2) << "the vehicle has not observed the space above its goal";
 }
 
-// There is no room to step aside, so the plane is left.
+// Without room to evade sideways, the vehicle leaves its plane.
 TEST(NeighborSafety, ReturnsToPlaneAfterVerticalEvasion) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};
-  for (const double above_m : {0.0, 0.8}) {  // from a vehicle well above, it evades downwards
+  for (const double above_m : {0.0, 0.8}) {  // the vehicle evades a neighbor above it downwards
     testing::GuidanceDriver driver("rbl", config, config.goal_m);
     Vector3 other_m(-18.0, 0.0, 5.0 + above_m);
     double least_m = std::numeric_limits<double>::infinity(), farthest_m = 0.0, beside_m = 0.0;

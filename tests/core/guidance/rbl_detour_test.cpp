@@ -295,7 +295,7 @@ TEST(RblDetour, ViewsBlockedGoalFromBesideIt) {
   flight.held = false;
   flight.run(20.0);
   EXPECT_LT(flight.left_m(), 0.1);
-  // One that stays blocked has failed some day.
+  // A detour that stays blocked fails after the retries.
   Flight never(config);
   never.now = flight.now;
   never.now.map = &ghost;

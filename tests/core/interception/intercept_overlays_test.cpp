@@ -19,7 +19,7 @@ TEST(InterceptOverlays, DrawsTheNetAsARing) {
     const Vector3 a = lines.positions[i].cast<double>(), b = lines.positions[i + 1].cast<double>();
     EXPECT_NEAR((b - middle_m).head<2>().norm(), 2.0, 1e-5);
     EXPECT_NEAR(b.z(), middle_m.z(), 1e-5);
-    if ((a - p_m).norm() > 1e-4) rim_m += (a - b).norm();  // others are the ropes
+    if ((a - p_m).norm() > 1e-4) rim_m += (a - b).norm();  // segments from the vehicle are ropes
   }
   EXPECT_NEAR(rim_m, 2.0 * 3.14159 * 2.0, 0.05);
 }

@@ -32,7 +32,7 @@ TEST(Intercept, CatchesTargetsOnKnownPaths) {
   }
 }
 
-/// When it believes to have caught the circling target; 60 s: not at all.
+/// Time at which the vehicle reports the capture of the circling target; 60 s: no capture.
 double time_to_capture_s(InterceptConfig::Method method) {
   InterceptConfig config;
   config.method = method;

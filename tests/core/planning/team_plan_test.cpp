@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One plan for two vehicles [Pritzl 2024, alg. 1]: what comes next, and why not.
+// Plan for two vehicles [Pritzl 2024, alg. 1]: the next action, or the reason of a failure.
 #include "swiftlet/core/planning/team_plan.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ CellListMap two_team_rooms(double gap_m) {
   return map;
 }
 
-/// In a plane, so that searches are short.
+/// Configuration of flight nearly in a plane, so that searches are short.
 TeamPlannerConfig flat() {
   TeamPlannerConfig config;
   config.primary.z_min_m = config.secondary.z_min_m = 0.6;

@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-/// Points of no order, some of them not finite.
+/// Random points, some with a coordinate that is NaN.
 LocalCloud scattered(std::uint32_t num_points, TimeNs stamp) {
   const Random random(9, "test.buffer");
   auto scan = std::make_shared<Scan>();

@@ -182,12 +182,13 @@ TEST(Statistics, ClusteredIntervalsHaveNominalCoverage) {
     PairedCounts counts;
     std::uint64_t successes = 0;
     for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-      const double luck = random.normal(trial, seed);
+      const double seed_effect = random.normal(trial, seed);
       for (std::uint32_t point = 0; point < kPoints; ++point) {
         const std::uint32_t index = 1000 + kPoints * seed + point;
-        samples.push_back(5.0 + 2.0 * luck + 0.5 * random.normal(trial, index));
-        const bool yes = luck + 0.5 * random.normal(trial, 1000 + index) > 0.0;    // half of all
-        const bool other = luck + 0.5 * random.normal(trial, 2000 + index) > 0.0;  // as often
+        samples.push_back(5.0 + 2.0 * seed_effect + 0.5 * random.normal(trial, index));
+        // Both are true in half of the cases.
+        const bool yes = seed_effect + 0.5 * random.normal(trial, 1000 + index) > 0.0;
+        const bool other = seed_effect + 0.5 * random.normal(trial, 2000 + index) > 0.0;
         successes += yes ? 1 : 0;
         ++(yes ? (other ? counts.both : counts.first_only) : (other ? counts.second_only : counts.neither));
         outcomes.push_back(yes ? 1.0 : 0.0);

@@ -10,7 +10,7 @@ namespace swiftlet {
 
 /// Detector of targets with few or no returns in a sweep. Hypotheses are tracked through all sweeps and reported once
 /// they are likely enough to exist (Detection::confidence). Processes one sweep at a time and reports it after the
-/// configured latency. Detections and tracks have the same order.
+/// configured latency. Detection i and track i are of the same hypothesis.
 std::unique_ptr<Detector> make_track_before_detect(const ModuleConfig& config, const AgentSetup& setup);
 
 }  // namespace swiftlet

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "swiftlet/core/base/registry.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 
-/// World generator that a scenario can choose, a pure function of (config, seed); the list is in
+/// World generator that a scenario selects by name. make() is a pure function of its arguments. The list is in
 /// sim/registry/worlds.cpp.
 struct WorldType {
   ModuleType module;

@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 
 /// HTTP server for the replay page of a run in progress. Accepts connections from this machine only (127.0.0.1), at an
-/// address with a random part that cannot be guessed, and only read requests. A separate thread serves them, so the run
+/// address with a random part that cannot be guessed, and only GET requests. A separate thread serves them, so the run
 /// does not wait.
 class LiveServer {
  public:
@@ -17,11 +17,12 @@ class LiveServer {
   LiveServer();
   ~LiveServer();
 
-  /// Address of the page, such as "http://127.0.0.1:40123/<32 random digits>/".
+  /// Address of the page, such as "http://127.0.0.1:40123/<32 random hexadecimal digits>/".
   const std::string& address() const;
   /// Appends one gzip-compressed ReplayBlock to the page.
   void put(std::string packed);
-  /// Waits until each open page has received the last block, except pages that no longer respond.
+  /// Waits until a page has received the last block, or until no page has requested a further block for 3 s. A second
+  /// page that is slower may miss the last blocks.
   void finish();
 
  private:

@@ -13,7 +13,8 @@ namespace swiftlet::sim {
 /// 2021]);
 /// - multipath where the sky is blocked.
 ///
-/// Defaults are those of the receiver of [Orsulic 2021] (u-blox M8P), whose sigma was above 1.5 m.
+/// Defaults model the receiver of [Orsulic 2021] (u-blox M8P): the standard deviation of its position at the site,
+/// white noise and drift together, was above 1.5 m.
 struct GnssConfig : SensorConfigOf<GnssConfig> {
   std::string model;
   double rate_hz = 5.0;

@@ -25,8 +25,8 @@ struct CloudConfig : ModuleConfigOf<CloudConfig> {
 Scene make_cloud(const CloudConfig& config, std::uint64_t seed);
 
 /// Faces between a voxel with at least `min_points` points and one without, merged into rectangles; voxel (0, 0, 0)
-/// begins at the origin. Throws InputError, without the file's name, when the cloud spans more than 2^20 voxels along
-/// an axis. Any frame, the same for all arguments.
+/// begins at the origin. Throws InputError when a point lies 2^20 - 2 voxels or more from the origin along an axis; the
+/// caller adds the file's name to the message. Any frame, the same for all arguments.
 Mesh voxelize(std::span<const Eigen::Vector3d> points_m, double leaf_m, int min_points);
 
 }  // namespace swiftlet::sim

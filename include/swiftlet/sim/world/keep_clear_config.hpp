@@ -29,7 +29,7 @@ struct KeepClearConfig {
   double clear_height_m = 6.0;
 
   void visit(ConfigVisitor& v);
-  /// Horizontal distance from a point to the edge of the nearest zone, negative inside; +infinity without zones [m].
+  /// Horizontal distance [m] from a point to the edge of the nearest zone; negative inside, +infinity without zones.
   double distance_m(const Eigen::Vector2d& point_world_m) const;
 };
 

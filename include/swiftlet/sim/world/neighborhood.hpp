@@ -8,10 +8,10 @@
 
 namespace swiftlet::sim {
 
-/// Exact distances of one vehicle's center at the end of a tick.
+/// Exact clearances of one vehicle at the end of a tick: distances of its center, less radii.
 struct Clearance {
-  double surface_m = 0.0;  ///< to the nearest triangle, less the circumscribed radius (so down to -radius)
-  double vehicle_m = 0.0;  ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
+  double surface_m = 0.0;  ///< to the nearest triangle, less the vehicle's circumscribed radius; at least -radius
+  double vehicle_m = 0.0;  ///< to the center of the nearest other vehicle, less both radii; infinity when alone
   VehicleId nearest_vehicle = kNoVehicle;
 };
 
@@ -20,14 +20,14 @@ struct Clearance {
 /// distances per tick instead of 99.
 class Neighborhood {
  public:
-  /// @param radii_m  indexed by VehicleId, subtracted from the distances between centers; all zero: distances of
-  /// centers
+  /// @param radii_m  indexed by VehicleId, subtracted from the distances between centers; with zeros, the distances are
+  /// those between centers
   explicit Neighborhood(std::vector<double> radii_m);
 
   /// Call after every tick.
   void update(std::span<const VehicleState> states);
-  /// Candidates of a vehicle, ascending: contain all vehicles nearest to it (several at equal distance) in the last
-  /// update().
+  /// Candidates of a vehicle, in ascending order. They include its nearest vehicle at the last update(), and all others
+  /// at equal distance.
   std::span<const VehicleId> candidates(VehicleId vehicle) const { return candidates_[vehicle]; }
 
  private:
