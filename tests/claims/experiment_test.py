@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 try:
     import matplotlib  # noqa: F401
@@ -133,7 +134,7 @@ class Experiments(unittest.TestCase):
                 self.assertAlmostEqual((successes / 10 - bound) ** 2, 1.959963984540054 ** 2 * bound * (1 - bound) / 10)
         self.assertEqual(wilson(0, 0), (0.0, 1.0))
 
-    def test_pages_take_full_results_and_keep_the_rest(self):
+    def test_pages_take_full_results_of_commits_and_keep_the_rest(self):
         (self.path / "docs/results").mkdir(parents=True)
         (self.path / "docs/images/reproduction").mkdir(parents=True)
         page = self.path / "docs/results/rbl.md"
@@ -141,11 +142,13 @@ class Experiments(unittest.TestCase):
         overview = self.path / "docs/reproduction.md"
         overview.write_text(f"# y\n\n{pages.BEGIN}old\n{pages.END}\n\nlast\n")
         known = {"rbl-real": "Title [Kamler 2025]\n\nExplanation.", "rbl-forest": "Forest [Kamler 2025]"}
-        for quick, status in ((True, 2), (False, 0)):
+        for quick, revision, status in ((True, "0123abcd", 2), (False, "0123abcd+", 2), (False, "0123abcd", 0)):
+            self.assertIn("## `rbl-real`\n\nold", page.read_text())
             experiment = self.experiment(quick=quick)
             experiment.row("conservative: L [m]", "52", "reproduced")
             experiment.row("f", "text")
-            experiment.write_results()
+            with unittest.mock.patch("swiftlet.git_revision", revision):
+                experiment.write_results()
             self.assertEqual(pages.write(self.path, known, self.path / "docs"), status)
         sections = pages.sections_of(page.read_text())
         self.assertEqual(sections["rbl-forest"], "kept\n")
