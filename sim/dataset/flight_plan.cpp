@@ -20,14 +20,14 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kSmoothedMargin = 0.5;
 // [-] Mean speed of a leg / cruise speed, for estimates of durations. Larger values underestimate durations.
 constexpr double kMeanSpeedShare = 0.75;
-// [-] Planned duration / duration of the flight: above 1 / kMeanSpeedShare, so that a path at cruise speed lasts the
-// flight.
-constexpr double kDurationMargin = 1.4;
+// [-] Estimated duration of a path / duration of the flight, and growth of a path that turns out too short. Larger
+// values take longer, smaller ones time a path more often.
+constexpr double kDurationMargin = 1.2;
 // [s] Longest prediction of the first vehicle. Larger values draw goals farther from its present place.
 constexpr double kMaxPrediction_s = 10.0;
 // [-] Positions drawn for one goal before it is given up. Larger values find goals in cluttered worlds and take longer.
 constexpr int kMaxPlaces = 60;
-// [-] Maximum number of legs of one path, which bounds the time for short legs.
+// [-] Legs drawn before a path is timed, which bounds the time where goals are not reachable.
 constexpr int kMaxLegs = 400;
 // [-] Paths drawn for one vehicle before the attempt fails. Larger values plan denser teams and take longer.
 constexpr int kMaxPaths = 12;
@@ -79,33 +79,55 @@ class Planner {
     return false;
   }
 
-  std::optional<SplineTrajectory> draw_path(std::size_t vehicle, Draws& draws) {
-    const double speed_mps = draws.uniform(config_.speed_min_mps, config_.speed_max_mps);
-    const auto start = vehicle == 0 ? draw_place(draws) : draw_near_first(draws, 0.0, nullptr, speed_mps);
-    if (!start) return std::nullopt;
-    std::vector<Vector3> corners = {*start}, visited = {*start};
-    double t_s = 0.0;
-    for (int leg = 0; leg < kMaxLegs && t_s < kDurationMargin * duration_s_; ++leg) {
-      const auto goal = vehicle == 0 ? draw_goal(draws, corners.back(), visited)
-                                     : draw_near_first(draws, t_s, &corners.back(), speed_mps);
+  /// Corners of a path that is drawn leg by leg.
+  struct Course {
+    std::vector<Vector3> corners, visited;
+    double t_s = 0.0;  // estimated duration
+  };
+
+  // Appends at least one leg, until the estimated duration is reached or too many draws have failed.
+  void extend(Course& course, double until_s, std::size_t vehicle, double speed_mps, Draws& draws) const {
+    for (int leg = 0; leg < kMaxLegs && (leg == 0 || course.t_s < until_s); ++leg) {
+      const auto goal = vehicle == 0 ? draw_goal(draws, course.corners.back(), course.visited)
+                                     : draw_near_first(draws, course.t_s, &course.corners.back());
       if (!goal) continue;
-      const std::vector<Vector3> path = find_path(space_, corners.back(), *goal).corners_world_m;
+      const std::vector<Vector3> path = find_path(space_, course.corners.back(), *goal).corners_world_m;
       for (std::size_t i = 1; i < path.size(); ++i) {
-        t_s += (path[i] - corners.back()).norm() / (kMeanSpeedShare * speed_mps);
-        corners.push_back(path[i]);
+        course.t_s += (path[i] - course.corners.back()).norm() / (kMeanSpeedShare * speed_mps);
+        course.corners.push_back(path[i]);
       }
-      if (!path.empty()) visited.push_back(*goal);
+      if (!path.empty()) course.visited.push_back(*goal);
     }
-    if (corners.size() < 2) return std::nullopt;
+  }
+
+  std::optional<SplineTrajectory> draw_path(std::size_t vehicle, Draws& draws) const {
+    const double speed_mps = draws.uniform(config_.speed_min_mps, config_.speed_max_mps);
+    const auto start = vehicle == 0 ? draw_place(draws) : draw_near_first(draws, 0.0, nullptr);
+    if (!start) return std::nullopt;
     const double hard_m = radii_m_[vehicle] + kSmoothedMargin * config_.margin_m;
     const PathLimits limits{speed_mps, config_.vertical_speed_mps, config_.acceleration_mps2,
                             config_.vertical_acceleration_mps2};
-    auto path = time_path(corners, limits, [&](const Vector3& p) { return !world_->nearest(p, hard_m).has_value(); });
-    if (!path) return std::nullopt;
-    const auto needed = static_cast<std::size_t>(std::ceil(duration_s_ / path->interval_s)) + 4;
-    if (path->control_points_m.size() < needed) return std::nullopt;
-    path->control_points_m.resize(needed);  // without the part after the end of the flight
+    // Rounded corners shorten a path, so legs are added until the timed path lasts the flight.
+    Course course{{*start}, {*start}};
+    std::optional<SplineTrajectory> path;
+    double until_s = duration_s_;
+    while (!path || path->spline().duration_s() < duration_s_) {
+      const std::size_t num_corners = course.corners.size();
+      until_s *= kDurationMargin;
+      extend(course, until_s, vehicle, speed_mps, draws);
+      if (course.corners.size() == num_corners) return std::nullopt;
+      path =
+          time_path(course.corners, limits, [&](const Vector3& p) { return !world_->nearest(p, hard_m).has_value(); });
+      if (!path) return std::nullopt;
+    }
+    cut(*path);
     return path;
+  }
+
+  // Removes the part after the end of the flight.
+  void cut(SplineTrajectory& path) const {
+    const auto needed = static_cast<std::size_t>(std::ceil(duration_s_ / path.interval_s)) + 4;
+    if (path.control_points_m.size() > needed) path.control_points_m.resize(needed);
   }
 
   bool keeps_apart(const SplineTrajectory& path) const {
@@ -147,8 +169,8 @@ class Planner {
     return std::nullopt;
   }
 
-  // Draws a goal at a random distance from the first vehicle's position at the estimated end of the leg.
-  std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from, double speed_mps) const {
+  // Draws a goal at a random distance from the predicted position of the first vehicle.
+  std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from) const {
     const UniformSpline first = paths_.front().spline();
     // Log-uniform distance between partner_min_m and partner_max_m.
     const double log_ratio = elementary::log(config_.partner_max_m / config_.partner_min_m);
@@ -158,7 +180,8 @@ class Planner {
     for (int i = 0; i < kMaxPlaces; ++i) {
       Vector3 center = first.at(t_s).p_m;
       if (from != nullptr) {
-        const double leg_s = (center - *from).norm() / (kMeanSpeedShare * speed_mps);
+        // At the largest speed: the shortest duration of the leg.
+        const double leg_s = (center - *from).norm() / (kMeanSpeedShare * config_.speed_max_mps);
         center = first.at(t_s + std::min(leg_s, kMaxPrediction_s)).p_m;
       }
       const double azimuth = draws.uniform(0.0, kTwoPi);

@@ -243,7 +243,7 @@ TEST(FlightPlan, FliesEverywhereWithoutEnclosingWalls) {
   }
 }
 
-TEST(FlightPlan, PathsEndWithTheFlight) {
+TEST(FlightPlan, PathsLastTheFlight) {
   TestScene scene;
   scene.add_wall({-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}, SurfaceClass::kGround);
   const auto world = std::make_shared<const StaticScene>(scene.scene());
@@ -254,8 +254,8 @@ TEST(FlightPlan, PathsEndWithTheFlight) {
       const auto paths = plan_flight(config, world, {0.4}, duration_s, seed, 0);
       ASSERT_TRUE(paths.has_value());
       const SplineTrajectory& path = paths->front();
-      // A cubic spline of n points lasts n - 3 intervals.
-      EXPECT_GE(static_cast<double>(path.control_points_m.size() - 3) * path.interval_s, duration_s);
+      EXPECT_GE(path.spline().duration_s(), duration_s);
+      EXPECT_GT(path.spline().at(duration_s - 0.2).v_mps.norm(), 0.0) << "the vehicle flies until the end";
       double fastest_mps = 0.0;
       for (double t_s = 0.0; t_s < duration_s; t_s += 0.05) {
         const auto state = path.spline().at(t_s);
@@ -266,6 +266,29 @@ TEST(FlightPlan, PathsEndWithTheFlight) {
       }
       EXPECT_LE(fastest_mps, config.speed_max_mps + 0.05);
       EXPECT_GE(fastest_mps, 0.5 * config.speed_min_mps);
+    }
+  }
+}
+
+// Corners of short legs are rounded off most, and long legs are flown at cruise speed.
+TEST(FlightPlan, PathsOfShortAndLongLegsLastTheFlight) {
+  TestScene scene;
+  scene.add_wall({-200, -200, 0}, {200, -200, 0}, {200, 200, 0}, {-200, 200, 0}, SurfaceClass::kGround);
+  const auto world = std::make_shared<const StaticScene>(scene.scene());
+  FlightConfig slow, fast;
+  slow.speed_min_mps = slow.speed_max_mps = 0.5;
+  slow.leg_min_m = 1.0;
+  slow.leg_max_m = 1.5;
+  fast.speed_min_mps = fast.speed_max_mps = 3.0;
+  fast.leg_min_m = fast.leg_max_m = 60.0;
+  for (const FlightConfig& config : {slow, fast}) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const auto paths = plan_flight(config, world, {0.4, 0.3}, 40.0, seed, 0);
+      ASSERT_TRUE(paths.has_value()) << seed;
+      for (const SplineTrajectory& path : *paths) {
+        EXPECT_GE(path.spline().duration_s(), 40.0);
+        EXPECT_GT((path.spline().at(40.0).p_m - path.spline().at(39.0).p_m).norm(), 1e-3);
+      }
     }
   }
 }
