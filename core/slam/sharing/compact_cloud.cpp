@@ -18,13 +18,19 @@ namespace {
 constexpr int kTreeDepth = 8;
 /// [voxels] Half of the octree along an axis: indices are relative to the origin of the frame.
 constexpr int kHalfTree = 1 << (kTreeDepth - 1);
-/// [-] Number of values of the hash that selects columns. With fewer, the selected share is less exact.
-constexpr std::size_t kHashes = 1 << 16;
 
 struct PackedPoint {
   std::uint32_t path = 0;    // three bits for each level of the octree, the topmost first
   std::uint32_t within = 0;  // position within the voxel: `bits` bits for each of x, y and z
 };
+
+/// Hash of the key of a column: the last steps of SplitMix64. A linear hash would select columns in a
+/// pattern, and a wall along the pattern would lose all of them.
+std::uint64_t hash_of(std::uint64_t key) {
+  key = (key ^ key >> 30) * 0xBF58476D1CE4E5B9ULL;
+  key = (key ^ key >> 27) * 0x94D049BB133111EBULL;
+  return key ^ key >> 31;
+}
 
 int digit_of(std::uint32_t path, int level) { return static_cast<int>(path >> (3 * (kTreeDepth - 1 - level)) & 7U); }
 
@@ -108,14 +114,13 @@ bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_m,
                                                const CompactCloudConfig& config, double range_max_m) {
   std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, range_max_m);
-  // Keeps one in one_in columns whole, so that upright structure can be detected in the rest. A hash selects them: with
-  // a regular pattern, a wall along it would lose all of its columns.
+  // Keeps one in one_in columns whole, so that upright structure can be detected in the rest.
   const std::size_t one_in = shared_m.size() / static_cast<std::size_t>(config.upright_points) + 1;
   std::erase_if(shared_m, [&](const Eigen::Vector3f& p) {
     const auto index = [&](float x_m) {
       return static_cast<std::int64_t>(std::floor(static_cast<double>(x_m) / config.voxel_m));
     };
-    return first_slot(cell_key(index(p.x()), index(p.y()), 0), kHashes) % one_in != 0;
+    return hash_of(cell_key(index(p.x()), index(p.y()), 0)) % one_in != 0;
   });
   std::vector<Eigen::Vector3f> all_m;
   all_m.reserve(points_m.size());
