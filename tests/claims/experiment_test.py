@@ -142,7 +142,7 @@ class Experiments(unittest.TestCase):
         overview = self.path / "docs/reproduction.md"
         overview.write_text(f"# y\n\n{pages.BEGIN}old\n{pages.END}\n\nlast\n")
         known = {"rbl-real": "Title [Kamler 2025]\n\nExplanation.", "rbl-forest": "Forest [Kamler 2025]"}
-        for quick, revision, status in ((True, "0123abcd", 2), (False, "0123abcd+", 2), (False, "0123abcd", 0)):
+        for quick, revision, status in ((True, "0123abcd", 2), (False, "0123abcd+", 2), (False, "unknown", 2), (False, "0123abcd", 0)):
             self.assertIn("## `rbl-real`\n\nold", page.read_text())
             experiment = self.experiment(quick=quick)
             experiment.row("conservative: L [m]", "52", "reproduced")

@@ -72,22 +72,23 @@ def with_overview(text, docs=DOCS):
 def write(results, known, docs=DOCS):
     """Writes the sections of all known experiments with a full result in the folder `results`, and the overview; other sections stay
     as they are. Returns 0, or 2 when there is no result, or one that nobody could repeat."""
-    changed = {}
+    changed, figures = {}, []
     for name, doc in known.items():
         file = results / name / "result.json"
         result = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {"quick": True}
         if result["quick"]:
             continue
-        if result["revision"].endswith("+"):
-            print(f"tools/reproduce: {file}: expected results of a committed revision, found {result['revision']}, which had uncommitted "
-                  "changes; commit them, build and fly it again", file=sys.stderr)
+        if not re.fullmatch("[0-9a-f]+", result["revision"]):
+            print(f"tools/reproduce: {file}: expected results of a committed revision, found {result['revision']!r}; commit the changes, "
+                  "build and fly it again", file=sys.stderr)
             return 2
         changed.setdefault(page_of(doc), {})[name] = section(doc, result)
-        for figure in (figure for figure in result["files"] if figure.endswith(".svg")):
-            shutil.copy(results / name / figure, docs / "images/reproduction" / figure)
+        figures += [results / name / figure for figure in result["files"] if figure.endswith(".svg")]
     if not changed:
         print(f"tools/reproduce: expected {results}/NAME/result.json of a run without --quick, found none", file=sys.stderr)
         return 2
+    for figure in figures:
+        shutil.copy(figure, docs / "images/reproduction" / figure.name)
     for (page, title), sections in changed.items():
         path = docs / "results" / f"{page}.md"
         kept = sections_in(path)
