@@ -116,5 +116,19 @@ TEST_F(PriorMapTest, RefusesFilesWithoutFinitePoints) {
   }
 }
 
+TEST_F(PriorMapTest, RefusesFilesThatAreNoIndex) {
+  for (const std::string& file : {write("notes.csv", "t_s,x_m\n0,1\n"), std::string("/nowhere/pcd_index.csv")}) {
+    PriorConfig config;
+    config.recorded = file;
+    try {
+      make_prior_map(config, 0.25, Scene{});
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const InputError& problem) {
+      EXPECT_NE(std::string(problem.what()).find("prior.recorded: "), std::string::npos) << problem.what();
+      EXPECT_NE(std::string(problem.what()).find(file), std::string::npos) << problem.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim
