@@ -271,7 +271,7 @@ TEST(FlightPlan, PathsLastTheFlight) {
 }
 
 // Corners of short legs are rounded off most, and long legs are flown at cruise speed.
-TEST(FlightPlan, PathsOfShortAndLongLegsLastTheFlight) {
+TEST(FlightPlan, AnyLegsLastTheFlight) {
   TestScene scene;
   scene.add_wall({-200, -200, 0}, {200, -200, 0}, {200, 200, 0}, {-200, 200, 0}, SurfaceClass::kGround);
   const auto world = std::make_shared<const StaticScene>(scene.scene());
