@@ -207,7 +207,8 @@ class SlamEstimator : public StateEstimator, public SavedMapProvider, public Joi
     else if (innovations.contradicts())
       fault_ = config_.imu == SlamConfig::Imu::kNone
                    ? "SLAM is lost: scans contradict each other"
-                   : "SLAM: scans contradict the IMU; check its axes, units and stamps, and the mounts of the LiDARs";
+                   : "SLAM: scans contradict the IMU; check its axes, units and stamps, the mounts of the LiDARs, and "
+                     "start_velocity_sigma_mps if the vehicle moved at the start";
     else if (std::sqrt(variance_m2) > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
     estimate_.valid = fault_[0] == '\0';
