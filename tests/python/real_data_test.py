@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 """The onboard software on records of real sensors. Usage: see support.py.
 
-SWIFTLET_REAL_DATA names a folder with the capture of an OS1-128 on a car that speeds up, and its metadata:
+SWIFTLET_REAL_DATA (default: ../shared/data/real) names a folder with the capture of an OS1-128 on a car that speeds up, and its metadata:
 OS-1-128_v2.3.0_1024x10_lb_n3.pcap and OS-1-128_v2.3.0_1024x10.json of ouster-lidar/ouster-sdk, as NAME.pcap and NAME.json.
 """
-import os
-import pathlib
 import sys
 import unittest
 
@@ -18,7 +16,8 @@ sys.path.insert(0, str(support.SOURCE / "examples/robot"))
 import convert_ouster  # noqa: E402
 
 NAME = "ouster_os1_128_3sweeps_imu"
-DATA = pathlib.Path(os.environ.get("SWIFTLET_REAL_DATA", "."))
+SPEED_MPS = 5  # the car drives already at the start, at an unknown speed
+DATA = support.REAL_DATA
 if not (DATA / f"{NAME}.pcap").exists():
     print(f"skipped: expected {NAME}.pcap in the folder of SWIFTLET_REAL_DATA, found none")
     sys.exit(77)
@@ -34,7 +33,7 @@ class Car(unittest.TestCase):
         lidar = {"type": "lidar", "name": "os1", "model": "os1_128", "mount": mount or {}}
         software = swiftlet.Onboard(swiftlet.load({"vehicles": [{
             "start": {"position_m": [0, 0, 0]}, "sensors": [lidar, {"type": "imu"}],
-            "agent": {"localization": {"type": "slam", "latency_s": 0}}}]}))
+            "agent": {"localization": {"type": "slam", "latency_s": 0, "local": {"imu": {"start_velocity_sigma_mps": SPEED_MPS}}}}}]}))
         waiting = list(self.sweeps)
         for t_ns, omega_radps, f_mps2 in self.imu:
             software.add("imu", t_ns=t_ns, omega_radps=omega_radps, f_mps2=f_mps2)

@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
-"""SLAM on recordings of real sensors, in the folder that the environment variable SWIFTLET_RECORDINGS names. Usage: see support.py."""
-import os
-import pathlib
+"""SLAM on recordings of real sensors, in the folder that SWIFTLET_REAL_DATA names (default: ../shared/data/real). Usage: see support.py."""
 import sys
 import unittest
 
@@ -10,9 +8,9 @@ import numpy as np
 import support
 import swiftlet
 
-FOLDER = pathlib.Path(os.environ.get("SWIFTLET_RECORDINGS", ""))
+FOLDER = support.REAL_DATA
 if not (FOLDER / "kitti_turn_a.npz").is_file():
-    print("skipped: SWIFTLET_RECORDINGS names no folder with kitti_turn_a.npz")
+    print("skipped: expected kitti_turn_a.npz in the folder of SWIFTLET_REAL_DATA, found none")
     sys.exit(77)
 
 

@@ -1,4 +1,5 @@
 """What the tests of the Python module share. Usage of each: TEST.py SWIFTLET SOURCE_DIR, the module on PYTHONPATH."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -6,6 +7,7 @@ import tempfile
 import unittest
 
 PROGRAM, SOURCE = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
+REAL_DATA = pathlib.Path(os.environ.get("SWIFTLET_REAL_DATA", SOURCE.parent / "shared/data/real"))  # records of real sensors, if any
 
 # Two vehicles, one of which sees the other by an OS1-128.
 TEAM = """name: team
