@@ -71,7 +71,7 @@ def with_overview(text, docs=DOCS):
 
 def write(results, known, docs=DOCS):
     """Writes the sections of all known experiments with a full result in the folder `results`, and the overview; other sections stay
-    as they are. Returns 0, or 2 when there is no result, or one that nobody could repeat."""
+    as they are. Returns 0, or 2 when there is no result, or one of an uncommitted program."""
     changed, figures = {}, []
     for name, doc in known.items():
         file = results / name / "result.json"
